@@ -16,7 +16,14 @@ import xarray as xr
 import reliab
 from reliab.indices.window import Window
 from reliab.motions import Motion, load_motions
-from reliab.sweep import SweepRequest, open_results, write_compact, write_ellipses
+from reliab.sweep import (
+    SweepRequest,
+    measure_responses,
+    open_results,
+    write_compact,
+    write_ellipses,
+    write_netcdf,
+)
 
 HERE = Path(__file__).parent
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
@@ -102,6 +109,8 @@ def main() -> None:
             job.result()
             print(f"{done} of {count}", flush=True)
     write_ellipses(rounded(joined(given.parts, "ellipses", count)), HERE / "ellipses.nc")
+    measures = measure_responses(load_motions(given.records), FREQUENCIES, DAMPING_RATIOS)
+    write_netcdf(measures.astype(np.float32), HERE / "first_order.nc")
     results = joined(given.parts, "results", count)
     write_compact(results.sel(f=list(SIX[0]), xi=list(SIX[1])), HERE / "results_of_six.nc")
     write_compact(results, HERE / "results.nc")

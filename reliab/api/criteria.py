@@ -9,6 +9,7 @@ from typing import Any
 
 import xarray as xr
 
+from reliab.api.cases import POPULATION, Case
 from reliab.api.criterion_comparison import compare_candidates
 from reliab.api.criterion_figures import draw_criteria
 from reliab.api.sources import (
@@ -135,6 +136,9 @@ def derive_criteria(
     metric: str = "rms",
     window: str | None = None,
     alpha: Numbers | None = None,
+    duration: float | None = None,
+    motion: str | Path | None = None,
+    suite: Files | None = None,
     model: str | Path | None = None,
     structure: str | Path | None = None,
     method: str | None = None,
@@ -172,6 +176,13 @@ def derive_criteria(
         Part of the record over which the error is computed; by default that of the source.
     alpha : float or sequence of float, optional
         Shares of the stiffness in the laboratory [-]; by default those of the source, or 1.
+    duration : float, optional
+        Length of the records of the tests [s]: the motions behind the criterion are carried to it.
+    motion : str or pathlib.Path, optional
+        Record under which the test will be run: the motions behind the criterion are carried to the
+        structure's response under it.
+    suite : str, pathlib.Path or sequence of these, optional
+        A few records of the earthquakes that are expected, with which the population is pooled.
     model, structure : str or pathlib.Path, optional
         Model with effects, or frame with its part in the laboratory, in place of structures.
     method, law : str, optional
@@ -207,7 +218,13 @@ def derive_criteria(
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.5, 1.16]
     """
+    case = Case(duration=duration, motion=motion, suite=suite)
+    if case.known and not any((motions, results, ellipses)):
+        ellipses = POPULATION
+    chosen = (motions or law == "table") and not (case.known and not motions)
     question = _Question(
+        case=case,
+        structures=(f, xi),
         source=partial(
             EllipseSource,
             motions=motions,
@@ -220,8 +237,8 @@ def derive_criteria(
             alpha=alpha,
             model=model,
             structure=structure,
-            f=f if motions or law == "table" else None,
-            xi=xi if motions or law == "table" else None,
+            f=f if chosen else None,
+            xi=xi if chosen else None,
         ),
         of_source={"sets": sets, "model": model, "window": window, "alpha": alpha, "structure": structure},
         has_source=any((motions, results, ellipses)),
@@ -248,6 +265,8 @@ _Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...
 class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
+    case: Case  # What is known of the earthquake
+    structures: tuple[Numbers | None, Numbers | None]  # Natural frequencies [Hz] and damping ratios [-]
     source: Callable[[], EllipseSource]  # Where the ellipses come from, once they are needed
     of_source: Mapping[str, Any]  # Arguments that only a source of motions uses
     has_source: bool
@@ -304,6 +323,7 @@ class _Question:
                 remedy="Leave the source out, or give `figures` or `compare`",
             )
         idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
+        idle += ["`duration`, `motion` or `suite`"] if self.case.known else []
         if idle and not self.has_source:
             raise InputError(
                 "A printed law is for whole records and a wholly experimental structure, as in the paper",
@@ -323,7 +343,10 @@ class _Question:
                 value=f"`chains` with {method.name}",
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
-        dataset = _with_room(self.source().dataset(self.show))
+        source = self.source()
+        dataset = self.case.carried(
+            _with_room(source.dataset(self.show)), source, *self.structures, self.show
+        )
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
         promises = list(itertools.product(errors, self.confidences or [_NINETY_FIVE]))
         self._require_one_share(shares)
@@ -377,7 +400,7 @@ class _Question:
             ellipses=dataset,
             derivations=derivations,
         )
-        beside: dict[str, Any] = {}
+        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.known else {}
         if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
             _write(derived.criteria[0], self.out)
         if self.figures is not None:

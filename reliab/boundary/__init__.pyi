@@ -11,7 +11,11 @@ from .curves import (
     InscribedEllipse as InscribedEllipse,
     Parabola as Parabola,
 )
-from .first_order import first_order_ellipse as first_order_ellipse
+from .first_order import (
+    FirstOrderEllipse as FirstOrderEllipse,
+    ellipse_of_response as ellipse_of_response,
+    first_order_ellipse as first_order_ellipse,
+)
 from .suite_boundary import (
     SolvedLoop as SolvedLoop,
     motion_contours as motion_contours,

@@ -7,13 +7,25 @@ exact response by (u − 1) times
 
 so that RMS^R² = [(k_p − 1)² P + τ² Q] / peak² with the mean squares P of Z and Q of iωZ over the window. The
 contour of an error ε is then an ellipse with a = ε² peak²/P and b = ε² peak²/Q.
+
+**What a depends on.** With α = 1 and near resonance Z is the exact response x filtered once more by the same
+oscillator and divided by 2iξ: a low-pass filter of its envelope with the time constant 1/(ξω₀). Hence
+
+.. math:: a ≈ 4 ξ² ε² \frac{T}{T_x g},  T_x = \frac{∫x²dt}{\max x²}
+
+with the length T of the window, the effective duration T_x of the response, and the share g ≤ 1 of its energy
+that the filter lets through. g is 1/2 for a steady response to broad-band motion and for the free vibration
+after a short pulse, 1 for a steady resonance, and (ξω₀T)²/3 where a steady vibration is cut before the error
+has built up.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
-from reliab.arrays import Spectrum
+from reliab.arrays import Array, Spectrum
 from reliab.simulation import Excitation, peak_of_history
 from reliab.simulation.linear_loop import respond
 from reliab.structures import Structure
@@ -26,13 +38,16 @@ class FirstOrderEllipse:
 
     amplitude: float  # a/ε² [-], for a small RMS^R ε
     delay: float  # b/ε² [ms²]
+    effective_duration: float  # ∫x²dt/max x² of the exact response x [s]
+    duration: float  # Length of the window T [s]
 
     def parameters(self, threshold: float) -> tuple[float, float]:
         """Ellipse parameters of an error.
 
         `threshold` [-].
 
-        >>> FirstOrderEllipse(amplitude=0.05, delay=1000.0).parameters(0.05)
+        >>> ellipse = FirstOrderEllipse(amplitude=0.05, delay=1000.0, effective_duration=4.0, duration=30.0)
+        >>> ellipse.parameters(0.05)
         (0.000125..., 2.5...)
         """
         return self.amplitude * threshold**2, self.delay * threshold**2
@@ -65,5 +80,53 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     of_delay, _ = respond(excitation, lambda s: -s * to_gain(s))
     peak = peak_of_history(exact)
     duration = excitation.window_duration
-    by_gain, by_delay = (np.trapezoid(response**2, dx=step) / duration for response in (of_gain, of_delay))
-    return FirstOrderEllipse(amplitude=float(peak**2 / by_gain), delay=float(MILLI**2 * peak**2 / by_delay))
+    squares = [float(np.trapezoid(response**2, dx=step)) for response in (exact, of_gain, of_delay)]
+    return _per_squared_error(squares, peak, duration)
+
+
+def ellipse_of_response(response: Array, time_step: float, structure: Structure) -> FirstOrderEllipse:
+    """Predict the ellipse of RMS^R from the exact response of the structure, as a test shows it.
+
+    Parameters
+    ----------
+    response : numpy.ndarray
+        Exact displacement from rest, in any unit, shape (n,).
+    time_step : float
+        Step between samples [s].
+    structure : Structure
+        The structure under test.
+
+    Returns
+    -------
+    FirstOrderEllipse
+        a and b per squared error, over the whole response.
+
+    Examples
+    --------
+    A steady resonance, long after it began: a = 4 ξ² ε² T/T_x, and T_x is half of the length.
+
+    >>> steady = np.sin(0.01 * np.pi * np.arange(80_000))
+    >>> ellipse = ellipse_of_response(steady, 0.005, Structure(frequency=1.0, damping_ratio=0.05))
+    >>> round(ellipse.effective_duration), round(ellipse.amplitude / (4 * 0.05**2), 1)
+    (200, 2.0)
+    """
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    oscillator = np.array([[0.0, 1.0], [-(w0**2), -2.0 * xi * w0]]), np.array([[0.0], [1.0]])
+    sampled = scipy.signal.cont2discrete((*oscillator, np.eye(1, 2), np.zeros((1, 1))), time_step, "foh")
+    numerator, denominator = scipy.signal.ss2tf(*sampled[:4])
+    filtered = scipy.signal.lfilter(numerator[0], denominator, response)
+    of_gain = response - structure.experimental_fraction * w0**2 * filtered
+    histories = response, of_gain, np.gradient(of_gain, time_step)
+    squares = [float(np.trapezoid(history**2, dx=time_step)) for history in histories]
+    return _per_squared_error(squares, float(np.abs(response).max()), (response.size - 1) * time_step)
+
+
+def _per_squared_error(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:
+    """Ellipse from the integrals of the squares of x, Z and dZ/dt, the peak of x and the length [s]."""
+    energy, by_gain, by_delay = (square / peak**2 for square in squares)
+    return FirstOrderEllipse(
+        amplitude=duration / by_gain,
+        delay=MILLI**2 * duration / by_delay,
+        effective_duration=energy,
+        duration=duration,
+    )

@@ -1,3 +1,8 @@
+from .carrying import (
+    carry_to_length as carry_to_length,
+    carry_to_response as carry_to_response,
+    carry_to_suite as carry_to_suite,
+)
 from .criterion import Criterion as Criterion
 from .derivation import Derivation as Derivation, derive_criterion as derive_criterion
 from .ellipse_reading import read_ellipses as read_ellipses
@@ -29,5 +34,10 @@ from .provenance import (
 )
 from .published import printed_share as printed_share, published_criterion as published_criterion
 from .scaling import scales as scales
+from .scope import (
+    Position as Position,
+    ScopeComparison as ScopeComparison,
+    compare_with_scope as compare_with_scope,
+)
 from .share_comparison import compare_shares as compare_shares
 from .summary import describe_sample as describe_sample, summarise as summarise

@@ -80,6 +80,9 @@ class _ProvenanceTable(_Part):
     packages: dict[str, str]
     settings: dict[str, Any]
     warnings: Annotated[tuple[str, ...], Strict(strict=False)]
+    population: str = ""
+    scope: dict[str, list[float]] = {}
+    position: str = "inside"
 
 
 class _CriterionFile(_Part):

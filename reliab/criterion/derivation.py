@@ -19,6 +19,7 @@ from reliab.criterion.methods import RECOMMENDED, Learned, Method, method_of
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.scope import population_of, scope_of
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed
@@ -268,6 +269,9 @@ class Derivation:
             window=str(self.ellipses.attrs.get("window", "unknown")),
             experimental_fraction=share_of(self.ellipses),
             curve=self.lag.grid.curve,
+            population=population_of(self.ellipses),
+            scope=self.ellipses.attrs.get("scope", scope_of(self.ellipses)),
+            position=self.ellipses.attrs.get("position", "inside"),
             settings={
                 **self.method.settings,
                 **self.lag.learned.settings,

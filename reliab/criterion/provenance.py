@@ -55,6 +55,13 @@ class Provenance:
         Parameters of the method.
     warnings : tuple of str
         Plain sentences for the user.
+    population : str
+        The ground motions for which the criterion speaks, as the end of a sentence.
+    scope : dict
+        Least value, 5 % and 95 % quantile and greatest value over these motions of what is known of them:
+        `magnitude`, `length` [s], `effective_duration` [s], `cycles`.
+    position : str
+        Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside".
     """
 
     source: str
@@ -68,6 +75,9 @@ class Provenance:
     packages: dict[str, str] = field(default_factory=installed_versions)
     settings: dict[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    population: str = ""
+    scope: dict[str, list[float]] = field(default_factory=dict)
+    position: str = "inside"
 
 
 def kind_of_motions(events: Sequence[str]) -> str:

@@ -61,6 +61,9 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
         "motions": criterion.provenance.motions,
         "n_motions": criterion.provenance.n_motions,
         "n_events": criterion.provenance.n_events,
+        "population": criterion.provenance.population,
+        "scope": criterion.provenance.scope,
+        "position": criterion.provenance.position,
         "warnings": list(criterion.provenance.warnings),
     }
 

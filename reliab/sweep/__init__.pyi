@@ -30,6 +30,7 @@ from .plain import (
     sweep_request as sweep_request,
 )
 from .request import SweepRequest as SweepRequest, excitation_of as excitation_of
+from .response_measures import measure_responses as measure_responses
 from .results import (
     REAL as REAL,
     open_results as open_results,

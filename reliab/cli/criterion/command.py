@@ -42,6 +42,33 @@ class CriterionDemand(Demand):
     metric: MetricName = "rms"
     window: WindowIfGiven = None
     alpha: Fractions = None
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            "--duration",
+            metavar="SECONDS",
+            help="Length of the records of the tests; by default the criterion is for lengths like those of "
+            "the motions behind it.",
+        ),
+    ] = None
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            "--motion",
+            metavar="FILE",
+            help="Record under which the test will be run: a criterion for responses like that under it, and "
+            "the record's own boundary.",
+        ),
+    ] = None
+    suite: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--suite",
+            metavar="NAME|FOLDER...",
+            help="A few records of the earthquakes that are expected, pooled with the motions behind the "
+            "criterion.",
+        ),
+    ] = None
     model: ModelFile = None
     structure: StructureFile = None
     method: Annotated[

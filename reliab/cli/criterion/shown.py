@@ -50,11 +50,18 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
     )
     for row in rows:
         shown.add_row(
-            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold")),
+            "none" if row["position"] == "outside" else f"{row['confidence']:g}",
             *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
     terminal = console()
+    if first["population"]:
+        terminal.print(
+            f"For ground motions like these: {first['population']}.", markup=False, highlight=False
+        )
+        if first["position"] != "inside":
+            terminal.print(f"What it is asked for lies {first['position']} of them.", style="yellow")
     for posterior in posteriors:
         _show_posterior(posterior)
     terminal.print(shown)
@@ -214,7 +221,21 @@ def _show_meanings(option: str, meanings: dict[str, str]) -> None:
         terminal.print(f"  {name}: {meaning}", markup=False, highlight=False, soft_wrap=True)
 
 
-_BESIDE: Final[dict[str, Callable[[Mapping[str, Any]], None]]] = {
+def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
+    shown = table(
+        f"Boundary of {rows[0]['motion']} itself: for a test under this very record",
+        dict.fromkeys(("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]"), "right"),
+    )
+    for row in rows:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "threshold")),
+            *(significant(row[key]) for key in ("a", "b")),
+        )
+    console().print(shown)
+
+
+_BESIDE: Final[dict[str, Callable[[Any], None]]] = {
+    "own_boundary": _show_own_boundary,
     "rig": _show_rig,
     "share_law": _show_shares,
     "comparison": _show_comparison,

@@ -1,0 +1,330 @@
+"""Ellipses of a population of ground motions, carried to another response, length or suite.
+
+Most of the scatter of a and b between motions is known before a test. In the limit of small errors a and b
+follow from the exact response alone (`reliab.boundary.first_order_ellipse`); what is left of ln a scatters by
+0.1, where ln a itself scatters by 0.6. Without a record, its length T is known: in the dimensionless length
+u = ln(ξω₀T) a and b pass from the transient to the stationary limit. Either dependence is fitted to the
+population by least squares, and every motion keeps its own residual; a criterion of the carried ellipses is
+then one for further motions of such a response, length or suite, by any method.
+
+The residuals of one earthquake belong together: the coefficients' covariance is that of whole earthquakes
+(Liang and Zeger 1986), and what it leaves open at the case asked for widens the residuals.
+
+Liang, K.-Y. and Zeger, S. L. (1986). Longitudinal data analysis using generalized linear models. *Biometrika*
+73(1), 13-22.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, Final
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from reliab.arrays import Array
+from reliab.criterion.event_components import event_components
+from reliab.criterion.laws.table import tents
+from reliab.criterion.scaling import scales
+from reliab.criterion.scope import Position, compare_with_scope, scope_of
+from reliab.errors import InputError
+from reliab.vocabulary import Metric
+
+Labels = dict[str, Any]
+"""Threshold, metric, curve and side of one table of ellipses."""
+
+_STEEPEST: Final = 5.0
+"""Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
+
+_DIMENSIONS: Final = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
+_MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
+
+
+def carry_to_response(ellipses: xr.Dataset, measures: xr.Dataset, response: xr.Dataset) -> xr.Dataset:
+    """Carry the ellipses of a population to a structure's response under one motion.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses of the population at RMS^R, of whole records.
+    measures : xarray.Dataset
+        `a_first`, `b_first` and `effective_duration` of the same motions and structures, as
+        :func:`reliab.sweep.measure_responses` returns them.
+    response : xarray.Dataset
+        The same of one motion, or of a test, at the structures asked for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Ellipses of the population's motions at the response's structures, as if each had that response.
+
+    Raises
+    ------
+    InputError
+        If the ellipses are of another error than RMS^R.
+    """
+    _require_rms(ellipses)
+    known, own = measures.sel(motion=ellipses["motion"].values), response.isel(motion=0)
+    at = _grid(known), _grid(own)
+    weights = [tents(known[name].values, own[name].values.astype(np.float64)) for name in ("f", "xi")]
+
+    def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
+        sizes, size = (
+            threshold * np.sqrt(part[f"{name}_first"].values / _scale(name, *grid))
+            for part, grid in zip((known, own), at, strict=True)
+        )
+        fit = _Fit.of(
+            np.log(values / (threshold**2 * known[f"{name}_first"].values)),
+            _of_response(sizes, known["duration"].values[:, None, None], *at[0]),
+            ellipses["event"].values,
+            growth=np.minimum(sizes, _STEEPEST) ** 2,
+        )
+        residuals = np.einsum("mfx,gf,yx->mgy", fit.residuals, *weights)
+        target = _of_response(size, float(own["duration"]), *at[1])
+        logarithms = fit.carried(residuals, target, growth=np.minimum(size, _STEEPEST) ** 2)
+        return np.asarray(threshold**2 * own[f"{name}_first"].values * np.exp(logarithms))
+
+    near = known["effective_duration"].sel({name: own[name].values for name in ("f", "xi")}, method="nearest")
+    case = {
+        "length": float(own["duration"]),
+        "effective_duration": float(np.exp(np.log(own["effective_duration"]).mean())),
+    }
+    words = f"for a structure that responds as under {own['motion'].item()}"
+    return _stating(_assembled(ellipses, own, carried), words, scope_of(ellipses, near.values), case)
+
+
+def carry_to_length(ellipses: xr.Dataset, duration: float) -> xr.Dataset:
+    """Carry the ellipses of a population to records of another length [s].
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses of the population, of whole records whose lengths stand in the coordinate `duration`.
+    duration : float
+        Length of the records of further tests [s].
+
+    Returns
+    -------
+    xarray.Dataset
+        Ellipses of the population's motions as if each record had that length.
+
+    Raises
+    ------
+    InputError
+        If lengths are not known, or the length is not positive.
+
+    Examples
+    --------
+    >>> from reliab.criterion import read_ellipses
+    >>> population = read_ellipses("real_suite")
+    >>> medians = [
+    ...     float(np.exp(np.log(carry_to_length(population, length)["a"].sel(f=1.0, xi=0.05)).median()))
+    ...     for length in (20.0, 80.0)
+    ... ]
+    >>> medians[0] < medians[1]
+    True
+    """
+    if not 0.0 < duration < np.inf:
+        raise InputError("The length of a record must be positive", value=duration, remedy="Give seconds")
+    if "duration" not in ellipses.coords:
+        raise InputError(
+            "Ellipses are carried to a length from records of known lengths",
+            value="ellipses without the coordinate duration",
+            remedy="Derive the criterion from records, or from real_suite",
+        )
+    grid, lengths = _grid(ellipses), ellipses["duration"].values[:, None, None]
+
+    def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
+        unit = threshold**2 * _scale(name, *grid)
+        fit = _Fit.of(np.log(values / unit), _of_length(lengths, *grid), ellipses["event"].values)
+        return np.asarray(unit * np.exp(fit.carried(fit.residuals, _of_length(duration, *grid))))
+
+    words = f"for records of {duration:g} s"
+    return _stating(_assembled(ellipses, ellipses, carried), words, scope_of(ellipses), {"length": duration})
+
+
+def carry_to_suite(ellipses: xr.Dataset, suite: xr.Dataset) -> xr.Dataset:
+    """Carry the ellipses of a population towards those of a suite of a few motions.
+
+    The suite's mean is pooled with the population's in proportion to what either is worth: the means of
+    populations are expected to differ as those of earthquakes do. So is its scatter, that of the population
+    counting as ten motions.
+
+    Parameters
+    ----------
+    ellipses : xarray.Dataset
+        Ellipses of the population.
+    suite : xarray.Dataset
+        Ellipses of the suite at structures and errors that the population has too.
+
+    Returns
+    -------
+    xarray.Dataset
+        Ellipses of the population's motions, moved and stretched.
+
+    Raises
+    ------
+    InputError
+        If the population lacks one of the suite's structures or errors.
+    """
+    shared = {name: suite[name].values for name in _DIMENSIONS[1:] if name in suite.dims}
+    try:
+        near = ellipses.sel(shared)
+    except KeyError as missing:
+        raise InputError(
+            "A suite is pooled with a population of the same structures and errors",
+            value=str(missing),
+            remedy="Choose among those of the population, or give the suite as `motions` alone",
+        ) from missing
+    case = {}
+    if "duration" in suite.coords and "duration" in ellipses.coords:
+        case["length"] = float(np.exp(np.log(suite["duration"]).mean()))
+        near = carry_to_length(near, case["length"])
+
+    def carried(name: str, cell: Labels, values: Array, _: float) -> Array:
+        own = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
+        return np.exp(_pooled(np.log(values), ellipses["event"].values, own, suite["event"].values))
+
+    events = np.unique(suite["event"].values).size
+    words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
+    return _stating(_assembled(near, near, carried), words, scope_of(ellipses), case)
+
+
+def _pooled(population: Array, events: Array, own: Array, own_events: Array) -> Array:
+    """Logarithms of a population (motions, f, ξ), moved and stretched towards those of a suite."""
+    moved = np.full_like(population, np.nan)
+    for row, column in np.ndindex(population.shape[1:]):
+        known, measured = (np.isfinite(part[:, row, column]) for part in (population, own))
+        values, suite = population[known, row, column], own[measured, row, column]
+        parts = event_components(values, events[known])
+        spread = float(parts.between + parts.within)
+        between = max(float(parts.between), spread / max(np.unique(events).size, 2))
+        worth = float(event_components(suite, own_events[measured]).effective_number)
+        share = worth * between / (worth * between + spread)
+        degrees = suite.size - 1.0
+        pooled = _MOTIONS_OF_SCATTER * spread + degrees * float(suite.var(ddof=1))
+        pooled /= _MOTIONS_OF_SCATTER + degrees
+        centre = float(values.mean())
+        shift = share * (float(suite.mean()) - centre)
+        stretch = np.sqrt((pooled + between * (1.0 - share)) / spread)
+        moved[known, row, column] = centre + shift + stretch * (values - centre)
+    return moved
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    """Least squares over the motions and structures of a population, whole earthquakes being independent."""
+
+    coefficients: Array  # Shape (covariates,)
+    covariance: Array  # Shape (covariates, covariates)
+    centre: Array  # Mean of the covariates, shape (covariates,)
+    residuals: Array  # In standard deviations, shape (motions, f, ξ); NaN where a motion has no ellipse
+    variance: Array  # Residual variance as a line in `growth`, shape (2,)
+
+    @classmethod
+    def of(cls, values: Array, covariates: Array, events: Array, growth: Array | None = None) -> "_Fit":
+        """Fit `values` (motions, f, ξ) by `covariates` (motions, f, ξ, covariates)."""
+        known = np.isfinite(values)
+        x, y = covariates[known], values[known]
+        coefficients, *_ = np.linalg.lstsq(x, y, rcond=None)
+        residuals = values - covariates @ coefficients
+        scores = np.where(known, residuals, 0.0)[..., None] * np.where(known[..., None], covariates, 0.0)
+        sums = np.array([scores[events == event].sum(axis=(0, 1, 2)) for event in np.unique(events)])
+        bread = np.linalg.pinv(x.T @ x)
+        growth = np.zeros_like(values) if growth is None else growth
+        line = np.stack([np.ones(y.size), growth[known]], axis=-1)
+        variance = scipy.optimize.nnls(line, residuals[known] ** 2)[0]
+        return cls(
+            coefficients=coefficients,
+            covariance=bread @ (sums.T @ sums) @ bread,
+            centre=x.mean(axis=0),
+            residuals=residuals / np.sqrt(variance[0] + variance[1] * growth),
+            variance=variance,
+        )
+
+    def carried(self, residuals: Array, target: Array, growth: Array | float = 0.0) -> Array:
+        """Values at covariates `target` (f, ξ, covariates) of motions with residuals (motions, f, ξ)."""
+        distance = target - self.centre
+        doubt = np.einsum("fxi,ij,fxj->fx", distance, self.covariance, distance)
+        spread = np.sqrt(self.variance[0] + self.variance[1] * growth + doubt)
+        return np.asarray(target @ self.coefficients + residuals * spread)
+
+
+def _of_response(sizes: Array, duration: Array | float, f: Array, xi: Array) -> Array:
+    """Covariates of what errors of finite size add: their size over the damping, and the structure."""
+    size = np.minimum(sizes, _STEEPEST)
+    parts = np.ones_like(size), size, np.log(2.0 * np.pi * f * xi * duration), np.log(xi), np.log(f)
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def _of_length(duration: Array | float, f: Array, xi: Array) -> Array:
+    """Covariates of the passage from the transient to the stationary limit."""
+    u = np.log(2.0 * np.pi * f * xi * duration)
+    return np.stack([np.ones_like(u), u, u**2], axis=-1)
+
+
+def _grid(dataset: xr.Dataset) -> tuple[Array, Array]:
+    """Natural frequencies (F, 1) and damping ratios (1, X)."""
+    return (
+        dataset["f"].values.astype(np.float64).reshape(-1, 1),
+        dataset["xi"].values.astype(np.float64).reshape(1, -1),
+    )
+
+
+def _scale(name: str, f: Array, xi: Array) -> Array:
+    """ξ² [-] for a, (ξ/ω₀)² [ms²] for b, shape (F, X)."""
+    return scales(f, xi)[("a", "b").index(name)]
+
+
+def _assembled(
+    ellipses: xr.Dataset, place: xr.Dataset, carried: Callable[[str, Labels, Array, float], Array]
+) -> xr.Dataset:
+    """Carry a and b of every error, curve and side to the structures of `place`."""
+    table = ellipses[["a", "b"]].transpose(*_DIMENSIONS)
+    coordinates = {name: table[name] for name in _DIMENSIONS if name not in {"f", "xi"}}
+    sizes = [place.sizes[name] if name in {"f", "xi"} else table.sizes[name] for name in _DIMENSIONS]
+    filled = {name: np.full(sizes, np.nan) for name in ("a", "b")}
+    for at, cell in _cells(table):
+        for name, target in filled.items():
+            values = table[name].values[(..., *at)].astype(np.float64)
+            values = np.where(values > 0.0, values, np.nan)
+            target[(..., *at)] = carried(name, cell, values, float(cell["threshold"]))
+    whole = xr.Dataset({name: (_DIMENSIONS, values) for name, values in filled.items()})
+    whole = whole.assign_coords(
+        {**coordinates, "f": place["f"].values, "xi": place["xi"].values, "event": ellipses["event"]}
+    )
+    for name in whole.variables:
+        if name in ellipses.variables:
+            whole[name].attrs.update(ellipses[name].attrs)
+    return whole.assign_attrs(ellipses.attrs)
+
+
+def _stating(
+    carried: xr.Dataset, words: str, scope: dict[str, list[float]], case: dict[str, float]
+) -> xr.Dataset:
+    """Note what the ellipses were carried to, and how that case lies among their motions."""
+    compared = compare_with_scope(scope, case)
+    caution = " ".join(compared.sentences)
+    if compared.position is Position.OUTSIDE:
+        caution += " No share of ground motions is promised there."
+    return carried.assign_attrs(
+        carried_to=words, scope=scope, position=str(compared.position), caution=caution.strip()
+    )
+
+
+def _cells(table: xr.Dataset) -> Iterator[tuple[tuple[int, ...], Labels]]:
+    """Places and labels of every threshold, metric, curve and side."""
+    names = _DIMENSIONS[3:]
+    for at in product(*(range(table.sizes[name]) for name in names)):
+        yield at, {name: table[name].values[place] for name, place in zip(names, at, strict=True)}
+
+
+def _require_rms(ellipses: xr.Dataset) -> None:
+    metrics = [str(metric) for metric in np.atleast_1d(ellipses["metric"].values)]
+    if metrics != [Metric.RMS]:
+        raise InputError(
+            "A criterion is carried to a response for the error RMS^R",
+            value=", ".join(metrics),
+            remedy="Ask for the metric rms",
+        )

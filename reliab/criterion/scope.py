@@ -1,0 +1,124 @@
+"""For which tests a criterion speaks: ranges of what its motions are, and a test compared with them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from reliab.arrays import Array
+from reliab.shipped import shipped
+from reliab.significant import significant
+
+_TABLE = "real_suite/earthquakes.csv"
+_NAMES = {
+    "magnitude": ("magnitude", ""),
+    "length": ("length of the record", " s"),
+    "effective_duration": ("effective duration of the response", " s"),
+    "cycles": ("number of cycles", ""),
+}
+
+
+class Position(StrEnum):
+    """Where a test lies among the motions behind a criterion."""
+
+    INSIDE = "inside"
+    EDGE = "at the edge"
+    OUTSIDE = "outside"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScopeComparison:
+    """A test compared with the motions behind a criterion."""
+
+    position: Position  # The least favourable of all quantities
+    sentences: tuple[str, ...]  # One for each quantity that is not inside
+
+
+def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, float]) -> ScopeComparison:
+    """Tell whether a test lies among the motions behind a criterion.
+
+    Parameters
+    ----------
+    scope : mapping of str to sequence of float
+        Least value, 5 % and 95 % quantile and greatest value over the motions of each quantity, as a
+        criterion's provenance holds them: `magnitude`, `length` [s], `effective_duration` [s], `cycles`.
+    test : mapping of str to float
+        The same quantities of the test, those that are known.
+
+    Returns
+    -------
+    ScopeComparison
+        Inside between the 5 % and 95 % quantiles, at the edge between the least and the greatest value,
+        outside beyond them; of several quantities the least favourable.
+
+    Examples
+    --------
+    >>> compared = compare_with_scope({"length": (10.0, 20.0, 90.0, 100.0)}, {"length": 8.0})
+    >>> print(compared.position, *compared.sentences, sep=": ")
+    outside: The length of the record, 8 s, lies outside of the population (10 to 100 s).
+    """
+    positions, sentences = [Position.INSIDE], []
+    for name, value in test.items():
+        if name not in scope:
+            continue
+        least, low, high, greatest = scope[name]
+        position = Position.INSIDE if low <= value <= high else Position.EDGE
+        position = position if least <= value <= greatest else Position.OUTSIDE
+        positions.append(position)
+        if position is not Position.INSIDE:
+            words, unit = _NAMES[name]
+            sentences.append(
+                f"The {words}, {significant(value)}{unit}, lies {position} of the population "
+                f"({significant(least)} to {significant(greatest)}{unit})."
+            )
+    worst = max(positions, key=list(Position).index)
+    return ScopeComparison(position=worst, sentences=tuple(sentences))
+
+
+def scope_of(ellipses: xr.Dataset, effective_durations: Array | None = None) -> dict[str, list[float]]:
+    """Least value, 5 % and 95 % quantile and greatest value of what is known of a population's motions."""
+    ranges: dict[str, list[float]] = {}
+    magnitudes = magnitudes_of(ellipses["event"].values.tolist())
+    if magnitudes is not None:
+        ranges["magnitude"] = _range(magnitudes)
+    if "duration" in ellipses.coords:
+        lengths = ellipses["duration"].values.astype(np.float64)
+        ranges["length"] = _range(lengths)
+        ranges["cycles"] = _range(np.outer(lengths, ellipses["f"].values))
+    if effective_durations is not None:
+        ranges["effective_duration"] = _range(effective_durations)
+    return ranges
+
+
+def population_of(ellipses: xr.Dataset) -> str:
+    """Say in one sentence of which ground motions a population consists."""
+    events = np.unique(ellipses["event"].values)
+    sentence = f"{ellipses.sizes['motion']} ground motions of {events.size} earthquakes"
+    scope = ellipses.attrs.get("scope") or scope_of(ellipses)
+    if "magnitude" in scope:
+        sentence += f" of magnitude {scope['magnitude'][0]:.1f} to {scope['magnitude'][3]:.1f}"
+    if "length" in scope:
+        sentence += f", records of {scope['length'][0]:.0f} to {scope['length'][3]:.0f} s"
+    carried = ellipses.attrs.get("carried_to")
+    return f"{sentence}, {carried}" if carried else sentence
+
+
+def magnitudes_of(events: Sequence[str]) -> list[float] | None:
+    """Magnitude of each motion's earthquake; None unless all are earthquakes of the shipped table."""
+    table = _earthquakes()["magnitude"]
+    if not set(events) <= set(table.index):
+        return None
+    return [float(table[event]) for event in events]
+
+
+@cache
+def _earthquakes() -> pd.DataFrame:
+    return pd.read_csv(shipped("datasets", _TABLE)).set_index("event")
+
+
+def _range(values: Sequence[float] | Array) -> list[float]:
+    return [float(value) for value in np.quantile(np.asarray(values), (0.0, 0.05, 0.95, 1.0))]

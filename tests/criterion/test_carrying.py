@@ -1,0 +1,143 @@
+"""Ellipses carried to another response, length or suite, on populations whose law is known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.criterion import carry_to_length, carry_to_response, carry_to_suite, derive_criterion
+from reliab.criterion.scaling import scales
+from reliab.errors import InputError
+
+F, XI, THRESHOLD = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.05]), 0.05
+EVENTS, OF_EVENT = 40, 3
+
+
+def population(rng, *, scatter=0.1, between=0.05, duration=None, events=EVENTS):
+    """A population with a = ε² a_first·e^r: r scatters between earthquakes and between motions."""
+    count = events * OF_EVENT
+    event = np.repeat([f"E{number}" for number in range(events)], OF_EVENT)
+    duration = np.exp(rng.uniform(np.log(10.0), np.log(100.0), count)) if duration is None else duration
+    effective = duration[:, None, None] * np.exp(rng.normal(-2.0, 0.5, (count, 1, 1)))
+    measures = {}
+    for name, scale in zip(("a", "b"), scales(F[:, None], XI[None, :]), strict=True):
+        measures[f"{name}_first"] = (("motion", "f", "xi"), 8.0 * scale * duration[:, None, None] / effective)
+    shared = np.repeat(rng.normal(0.0, between, events), OF_EVENT)
+    residuals = shared + rng.normal(-0.2, scatter, count)
+    coordinates = {
+        "motion": [f"{name}/{number}" for number, name in enumerate(event)],
+        "event": ("motion", event),
+        "duration": ("motion", duration),
+        "f": F,
+        "xi": XI,
+    }
+    known = xr.Dataset(
+        {**measures, "effective_duration": (("motion", "f", "xi"), effective * np.ones((1, 3, 2)))},
+        coords=coordinates,
+    )
+    ellipses = xr.Dataset(
+        {
+            name: THRESHOLD**2 * known[f"{name}_first"] * np.exp(residuals)[:, None, None]
+            for name in ("a", "b")
+        }
+    )
+    ellipses = ellipses.expand_dims(
+        {"threshold": [THRESHOLD], "metric": ["rms"], "curve": ["inscribed"], "side": ["lag"]},
+        axis=[3, 4, 5, 6],
+    )
+    return ellipses.assign_attrs(window="record", experimental_fraction=1.0), known
+
+
+def kept(limits, judged):
+    a, b = limits
+    cell = judged.sel(f=1.0, xi=0.02).squeeze()
+    return np.mean((cell["a"].values >= a) & (cell["b"].values >= b))
+
+
+@pytest.fixture(scope="module")
+def carried_shares():
+    """Shares kept of further motions by criteria carried to each one's response, and by one as it is."""
+    rng = np.random.default_rng(5)
+    ellipses, known = population(rng)
+    others, of_others = population(rng, events=20)
+    shares = []
+    for place in range(others.sizes["motion"]):
+        carried = carry_to_response(ellipses, known, of_others.isel(motion=[place]).sel(f=[1.0], xi=[0.02]))
+        limits = derive_criterion(carried, confidence=0.9).limits(1.0, 0.02)
+        shares.append((kept(limits, others.isel(motion=[place])), limits[0]))
+    as_they_are = derive_criterion(ellipses.sel(f=[1.0], xi=[0.02]), confidence=0.9).limits(1.0, 0.02)
+    return np.array(shares), kept(as_they_are, others), as_they_are[0]
+
+
+def test_a_criterion_carried_to_a_response_keeps_its_share(carried_shares):
+    shares, _, _ = carried_shares
+    assert shares[:, 0].mean() == pytest.approx(0.9, abs=0.09)  # 60 motions of 20 earthquakes: 2 sd
+
+
+def test_a_criterion_carried_to_a_response_allows_more_in_the_median(carried_shares):
+    shares, _, as_it_is = carried_shares
+    assert np.median(shares[:, 1]) > 1.5 * as_it_is
+
+
+def test_a_population_carried_to_its_own_first_order_has_only_its_residual():
+    ellipses, known = population(np.random.default_rng(1), scatter=0.1, between=0.0)
+    carried = carry_to_response(ellipses, known, known.isel(motion=[7]).sel(f=[1.0], xi=[0.05]))
+    assert float(np.log(carried["a"]).std()) == pytest.approx(0.1, rel=0.2)
+    assert float(np.log(ellipses["a"].sel(f=1.0, xi=0.05)).std()) > 0.4
+
+
+def test_lengths_follow_the_law_that_the_population_has():
+    """With a fixed effective duration, in units of 1/(ξω₀), a/ξ² grows in proportion to the length."""
+    rng = np.random.default_rng(2)
+    ellipses, _ = population(rng, scatter=0.02, between=0.0)
+    lengths = ellipses["duration"]
+    grown = ellipses.assign(
+        {
+            name: 1e-3 * lengths * ellipses["f"] * ellipses["xi"] ** 3 + 0.0 * ellipses[name]
+            for name in ("a", "b")
+        }
+    )
+    medians = [
+        float(carry_to_length(grown, length)["a"].sel(f=1.0, xi=0.02).median()) for length in (20.0, 60.0)
+    ]
+    assert medians[1] / medians[0] == pytest.approx(3.0, rel=0.1)
+
+
+def test_a_length_outside_of_the_population_promises_nothing():
+    carried = carry_to_length(population(np.random.default_rng(3))[0], 5.0)
+    assert carried.attrs["position"] == "outside"
+    assert "No share of ground motions is promised" in carried.attrs["caution"]
+
+
+def test_the_doubt_of_a_law_widens_far_from_its_motions():
+    ellipses, _ = population(np.random.default_rng(4))
+    spreads = [
+        float(np.log(carry_to_length(ellipses, length)["a"].sel(f=1.0, xi=0.02)).std())
+        for length in (35.0, 2000.0)
+    ]
+    assert spreads[1] > 1.05 * spreads[0]
+
+
+def test_a_suite_moves_the_population_part_of_the_way():
+    rng = np.random.default_rng(6)
+    ellipses, _ = population(rng, between=0.3)
+    own = ellipses.isel(motion=slice(0, 12)).assign(
+        {name: ellipses[name].isel(motion=slice(0, 12)) * 3.0 for name in ("a", "b")}
+    )
+    carried = carry_to_suite(ellipses, own.assign_coords(duration=("motion", own["duration"].values)))
+    means = [
+        float(np.log(part["a"].sel(f=1.0, xi=0.02)).mean())
+        for part in (carry_to_length(ellipses, float(np.exp(np.log(own["duration"]).mean()))), carried, own)
+    ]
+    assert means[0] < means[1] < means[2]
+
+
+def test_another_error_than_rms_is_refused():
+    ellipses, known = population(np.random.default_rng(8), events=2)
+    with pytest.raises(InputError, match=r"RMS\^R"):
+        carry_to_response(ellipses.assign_coords(metric=["mte"]), known, known.isel(motion=[0]))
+
+
+@pytest.mark.parametrize("duration", [0.0, -3.0, np.inf])
+def test_a_length_must_be_positive(duration):
+    with pytest.raises(InputError, match="must be positive"):
+        carry_to_length(population(np.random.default_rng(9), events=2)[0], duration)
