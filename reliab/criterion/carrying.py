@@ -38,6 +38,7 @@ _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
 _DIMENSIONS: Final = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
+_FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
 
@@ -196,6 +197,8 @@ def _pooled(population: Array, events: Array, own: Array, own_events: Array) -> 
     moved = np.full_like(population, np.nan)
     for row, column in np.ndindex(population.shape[1:]):
         known, measured = (np.isfinite(part[:, row, column]) for part in (population, own))
+        if measured.sum() < _FEWEST_OF_SUITE:
+            continue  # nothing to pool with: the criterion then says that motions are missing
         values, suite = population[known, row, column], own[measured, row, column]
         parts = event_components(values, events[known])
         spread = float(parts.between + parts.within)

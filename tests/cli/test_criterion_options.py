@@ -92,6 +92,7 @@ PAPER = ("--ellipses", TABLE2)
 RECORDS = ("--motions", "{folder}/motions", "--method", "quantile", "--confidence", "0.8")
 HALF = (*RECORDS[:-1], "0.6", "--sets", "near")
 STORE = ("--results", "{folder}/results.zarr", "--confidence", "0.7")
+SHIPPED = ("--ellipses", "real_suite", "--f", "1", "--xi", "0.02")
 PRINTED = ("--law", "guo_2017_18")
 CHANGES = {
     "motions": [(PRINTED, (*RECORDS, "--law", "table"))],
@@ -114,6 +115,9 @@ CHANGES = {
     "metric": [(FILE, ("--metric", "mte")), (RECORDS, ("--metric", "mte")), (STORE, ("--metric", "mte"))],
     "window": [(RECORDS, ("--window", "1.5")), (RECORDS, ("--window", "arias"))],
     "alpha": [(RECORDS, ("--alpha", "0.5")), (FILE, ("--alpha", "0.5")), (STORE, ("--alpha", "0.6"))],
+    "duration": [(SHIPPED, ("--duration", "20"))],
+    "motion": [(SHIPPED, ("--motion", "{folder}/motions"))],
+    "suite": [(SHIPPED, ("--suite", "{folder}/motions"))],
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
@@ -160,6 +164,17 @@ REFUSED = {
     "alpha": [
         *((base, ("--alpha", "0.5")) for base in (PAPER, PRINTED)),
         *((base, ("--alpha", wrong)) for base in (FILE, STORE) for wrong in ("0.1", "1.5")),
+    ],
+    "duration": [
+        (PAPER, ("--duration", "20")),
+        (PRINTED, ("--duration", "20")),
+        (SHIPPED, ("--duration", "0")),
+        (SHIPPED, ("--duration", "20", "--suite", "{folder}/motions")),
+    ],
+    "motion": [(FILE, ("--motion", "{folder}/motions")), (PRINTED, ("--motion", "{folder}/motions"))],
+    "suite": [
+        (PRINTED, ("--suite", "{folder}/motions")),
+        ((*SHIPPED[:2], "--f", "0.8", "--xi", "0.02"), ("--suite", "{folder}/motions")),
     ],
     "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PRINTED)],
     "structure": [
