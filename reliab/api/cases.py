@@ -31,16 +31,16 @@ class Case:
     suite: Files | None = None  # A few records, pooled with the population
 
     def __post_init__(self) -> None:
-        given = [name for name in ("duration", "motion", "suite") if getattr(self, name) is not None]
-        if len(given) > 1:
+        named = [name for name in ("duration", "motion", "suite") if getattr(self, name) is not None]
+        if len(named) > 1:
             raise InputError(
                 "A criterion is asked for one length, one record or one suite",
-                value=" and ".join(f"`{name}`" for name in given),
+                value=" and ".join(f"`{name}`" for name in named),
                 remedy="Give the one that is known best: `motion`, then `suite`, then `duration`",
             )
 
     @property
-    def known(self) -> bool:
+    def narrows(self) -> bool:
         """Whether anything is known of the earthquake."""
         return (self.duration, self.motion, self.suite) != (None, None, None)
 
@@ -48,7 +48,7 @@ class Case:
         self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
     ) -> xr.Dataset:
         """Carry the ellipses of a population to the case; as they are where nothing is known of it."""
-        if not self.known:
+        if not self.narrows:
             return ellipses
         _require_whole_records(ellipses)
         population = ellipses.sel(metric=[source.metric])
@@ -60,17 +60,17 @@ class Case:
         }
         if self.motion is not None:
             with show("Measuring responses") as progress:
-                own = measure_responses(
+                response = measure_responses(
                     load_motions(self.motion)[:1], **_structures(places), progress=progress
                 )
-            return carry_to_response(population, self._measures(population, source, show), own)
-        asked = EllipseSource(
+            return carry_to_response(population, self._measures(population, source, show), response)
+        records = EllipseSource(
             motions=self.suite,
             **places,
             threshold=population["threshold"].values.tolist(),
             metric=source.metric,
         )
-        return carry_to_suite(population, asked.dataset(show))
+        return carry_to_suite(population, records.dataset(show))
 
     def own_boundaries(
         self, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
@@ -78,10 +78,10 @@ class Case:
         """Ellipses inscribed in the record's own boundaries, which hold for a test under this very record."""
         if self.motion is None or f is None or xi is None:
             return {}
-        asked = EllipseSource(
+        records = EllipseSource(
             motions=self.motion, f=f, xi=xi, threshold=source.threshold, metric=source.metric
         )
-        traced = asked.dataset(show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
+        traced = records.dataset(show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
         rows = traced[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
         return {
             "own_boundary": [

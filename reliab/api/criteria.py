@@ -21,6 +21,7 @@ from reliab.api.sources import (
     listed,
     paths,
     require_thresholds,
+    with_room,
 )
 from reliab.criterion import (
     Criterion,
@@ -219,9 +220,9 @@ def derive_criteria(
     [1.5, 1.16]
     """
     case = Case(duration=duration, motion=motion, suite=suite)
-    if case.known and not any((motions, results, ellipses)):
+    if case.narrows and not any((motions, results, ellipses)):
         ellipses = POPULATION
-    chosen = (motions or law == "table") and not (case.known and not motions)
+    traced_alone = (motions or law == "table") and not (case.narrows and not motions)
     question = _Question(
         case=case,
         structures=(f, xi),
@@ -237,8 +238,8 @@ def derive_criteria(
             alpha=alpha,
             model=model,
             structure=structure,
-            f=f if chosen else None,
-            xi=xi if chosen else None,
+            f=f if traced_alone else None,
+            xi=xi if traced_alone else None,
         ),
         of_source={"sets": sets, "model": model, "window": window, "alpha": alpha, "structure": structure},
         has_source=any((motions, results, ellipses)),
@@ -323,7 +324,7 @@ class _Question:
                 remedy="Leave the source out, or give `figures` or `compare`",
             )
         idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
-        idle += ["`duration`, `motion` or `suite`"] if self.case.known else []
+        idle += ["`duration`, `motion` or `suite`"] if self.case.narrows else []
         if idle and not self.has_source:
             raise InputError(
                 "A printed law is for whole records and a wholly experimental structure, as in the paper",
@@ -344,9 +345,7 @@ class _Question:
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
         source = self.source()
-        dataset = self.case.carried(
-            _with_room(source.dataset(self.show)), source, *self.structures, self.show
-        )
+        dataset = self.case.carried(with_room(source.dataset(self.show)), source, *self.structures, self.show)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
         promises = list(itertools.product(errors, self.confidences or [_NINETY_FIVE]))
         self._require_one_share(shares)
@@ -400,7 +399,7 @@ class _Question:
             ellipses=dataset,
             derivations=derivations,
         )
-        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.known else {}
+        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.narrows else {}
         if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
             _write(derived.criteria[0], self.out)
         if self.figures is not None:
@@ -430,19 +429,6 @@ class _Question:
         with self.show("Testing the rig") as progress:
             tried = errors_of_rig(frame, suite, window=window, progress=progress)
         return {"rig": summary_of_rig(tried, self.metric, (self.errors or [FIVE_PERCENT])[0])}
-
-
-def _with_room(dataset: xr.Dataset) -> xr.Dataset:
-    """Refuse boundaries that leave no room, since the effects of a model fill it."""
-    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
-    if full.any():
-        motions = full.any([name for name in full.dims if name != "motion"])
-        raise InputError(
-            "The effects of the model must leave room for errors of the actuator",
-            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
-            remedy="Remove or compensate the effects, or allow a larger error by `threshold`",
-        )
-    return dataset
 
 
 def _default_errors(dataset: xr.Dataset) -> list[float]:

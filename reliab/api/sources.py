@@ -265,3 +265,16 @@ def _at_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -
         if values and all(np.isclose(held, value, rtol=1e-9).any() for value in values):
             dataset = dataset.sel({name: values}, method="nearest")
     return dataset
+
+
+def with_room(dataset: xr.Dataset) -> xr.Dataset:
+    """Refuse boundaries that leave no room, since the effects of a model fill it."""
+    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
+    if full.any():
+        motions = full.any([name for name in full.dims if name != "motion"])
+        raise InputError(
+            "The effects of the model must leave room for errors of the actuator",
+            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
+            remedy="Remove or compensate the effects, or allow a larger error by `threshold`",
+        )
+    return dataset

@@ -48,7 +48,7 @@ def measure_responses(
     True
     """
     rows, headers = [], []
-    for done, motion in enumerate(motions, start=1):
+    for count, motion in enumerate(motions, start=1):
         excitation = excitation_of(motion, Window())
         ellipses = [
             first_order_ellipse(excitation, Structure(frequency=f, damping_ratio=xi))
@@ -56,7 +56,7 @@ def measure_responses(
         ]
         rows.append([(ellipse.amplitude, ellipse.delay, ellipse.effective_duration) for ellipse in ellipses])
         headers.append(motion_coordinates([motion]))
-        progress(done, len(motions))
+        progress(count, len(motions))
     table = np.reshape(rows, (len(rows), len(frequencies), len(damping_ratios), 3))
     names = "a_first", "b_first", "effective_duration"
     return xr.Dataset(

@@ -1,0 +1,100 @@
+"""Share of left-out ground motions under which a criterion really holds: regions, magnitudes and lengths.
+
+    python tests/benchmarks/criterion_scope.py RECORDS [GROUP...]
+
+For each group of the 100 records the criterion is learned from all others: as it is, carried to the length
+of each record, and carried to the structure's response under it; the error of the loop is then computed
+along the whole edge. Printed are the shares kept at the stated 50, 80, 90 and 95 %, and the median area at
+95 % over that of the criterion as it is. GROUP is the beginning of a group's name, such as "length" or
+"region Taiwan".
+"""
+
+import sys
+from itertools import pairwise, product
+
+import numpy as np
+import pandas as pd
+
+from reliab.criterion import Derivation, carry_to_length, carry_to_response, read_ellipses
+from reliab.criterion.methods import method_of
+from reliab.motions import load_motions
+from reliab.shipped import shipped
+from reliab.sweep import read_netcdf
+from reliab.validation.cross_validation.cell import Cell, Region
+from reliab.validation.cross_validation.truth import SimulatedTruth
+
+THRESHOLD = 0.05
+CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
+F, XI = (0.5, 1.0, 2.0), (0.02, 0.05)
+MAGNITUDES = (6.4, 6.6, 7.0, 7.3, 8.0)
+LENGTHS = (0.0, 25.0, 34.0, 45.0, 200.0)
+
+
+def groups_of(ellipses):
+    """Motions of each region, class of magnitude and class of length."""
+    table = pd.read_csv(shipped("datasets", "real_suite/earthquakes.csv")).set_index("event")
+    events, lengths = ellipses["event"].values.astype(str), ellipses["duration"].values
+    regions, magnitudes = (table.loc[events, name].to_numpy() for name in ("region", "magnitude"))
+    found = {f"region {region}": regions == region for region in np.unique(regions)}
+    for name, values, edges in (("magnitude", magnitudes, MAGNITUDES), ("length", lengths, LENGTHS)):
+        for low, high in pairwise(edges):
+            found[f"{name} {low:g} to {high:g}"] = (values > low) & (values <= high)
+    return found
+
+
+def limits_of(ellipses):
+    """Limits a and b over (confidence, structure, 2)."""
+    derivation = Derivation.of(ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms")
+    criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
+    return np.array([[criterion.limits(f, xi) for f, xi in product(F, XI)] for criterion in criteria], float)
+
+
+def kept_by(truth, motion, limits):
+    """Whether the error stays below the threshold along the whole edge, over (confidence, structure)."""
+    kept = np.zeros(limits.shape[:2], dtype=bool)
+    for place, (f, xi) in enumerate(product(F, XI)):
+        cell = Cell(frequency=f, damping_ratio=xi, threshold=THRESHOLD, metric="rms")
+        edges = [Region(a=float(a), b=float(b)).edge() for a, b in limits[:, place]]
+        gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
+        errors = truth.errors(cell, motion, gain, delay).reshape(len(CONFIDENCES), -1)
+        kept[:, place] = (errors <= 1.0).all(axis=1)
+    return kept
+
+
+def judge(ellipses, measures, truth, chosen):
+    """Shares kept and areas of the three criteria for the motions of one group."""
+    others, known = ellipses.isel(motion=~chosen), measures.isel(motion=~chosen)
+    as_it_is = limits_of(others)
+    kept, areas = [], []
+    for motion in np.flatnonzero(chosen):
+        of_length = limits_of(carry_to_length(others, float(ellipses["duration"][motion])))
+        of_response = limits_of(carry_to_response(others, known, measures.isel(motion=[motion])))
+        kept.append([kept_by(truth, motion, limits) for limits in (as_it_is, of_length, of_response)])
+        areas.append([np.sqrt((limits / as_it_is)[-1].prod(axis=-1)) for limits in (of_length, of_response)])
+    return np.mean(kept, axis=(0, 3)), np.median(areas, axis=(0, 2))
+
+
+def main():
+    """Print one line for each group."""
+    structures = {"f": list(F), "xi": list(XI)}
+    ellipses = read_ellipses("real_suite").sel(
+        metric=["rms"], threshold=[THRESHOLD], side=["lag"], curve=["inscribed"], **structures
+    )
+    measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "").sel(structures)
+    suite = load_motions(sys.argv[1], sets=["far_field", "near_field"])
+    by_name = {name: place for place, name in enumerate(suite.names)}
+    truth = SimulatedTruth(motions=[suite[by_name[str(name)]] for name in ellipses["motion"].values])
+    print(f"{'left out':22s} motions earthquakes  as it is         by length        by response      area")
+    for name, chosen in groups_of(ellipses).items():
+        if len(sys.argv) > 2 and not any(name.startswith(wanted) for wanted in sys.argv[2:]):
+            continue
+        kept, areas = judge(ellipses, measures, truth, chosen)
+        events = np.unique(ellipses["event"].values[chosen]).size
+        shares = "  ".join(" ".join(f"{100 * share:3.0f}" for share in row) for row in kept)
+        print(
+            f"{name:22s} {chosen.sum():7d} {events:11d}  {shares}  {areas[0]:.2f} {areas[1]:.2f}", flush=True
+        )
+
+
+if __name__ == "__main__":
+    main()
