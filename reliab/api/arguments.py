@@ -4,13 +4,23 @@ Messages name an argument in backquotes, `` `xi` ``, or with its value, `` `time
 line writes them as its options.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
+from reliab.assessment import CHANNELS, LowPass
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
+
+
+_POSITIVE = {
+    "scale": "Give 1 for a sensor that reads true",
+    "command_scale": "Give 1 for a command that is recorded as it was sent",
+    "mass": "Give it in kilograms",
+    "hysteresis": "Give the width of the loop over the span, 0.001 for 0.1 %, or leave it out",
+    "resolution": "Give the converter's step in millimetres, or leave it out",
+}
 
 
 def stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
@@ -29,14 +39,31 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
 
 
 def require_positive(stated: Mapping[str, StatedValue]) -> None:
-    """Refuse a scale of the sensor or a mass that is not positive."""
-    for name in ("scale", "mass"):
+    """Refuse scales, a mass and properties of channels that are not positive."""
+    for name, remedy in _POSITIVE.items():
         if name in stated and not stated[name].value > 0.0:
             raise InputError(
-                f"The value of `{name}` must be positive",
-                value=str(stated[name]),
-                remedy="Give 1 for a sensor that reads true" if name == "scale" else "Give it in kilograms",
+                f"The value of `{name}` must be positive", value=str(stated[name]), remedy=remedy
             )
+
+
+def stated_filters(texts: Iterable[str]) -> dict[str, LowPass]:
+    """Read the filters of the channels.
+
+    >>> stated_filters(["measured=200/4"])
+    {'measured': LowPass(corner=200.0, order=4)}
+    """
+    filters: dict[str, LowPass] = {}
+    for text in texts:
+        channel, _, low_pass = text.partition("=")
+        if channel not in CHANNELS or channel in filters:
+            raise InputError(
+                "A `filter` is that of one channel, stated once",
+                value=repr(text),
+                remedy="Write measured=200 or command=200/4",
+            )
+        filters[channel] = LowPass.parse(low_pass)
+    return filters
 
 
 def unused(name: str, why: str) -> InputError:

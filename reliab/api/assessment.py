@@ -8,8 +8,19 @@ from typing import TypedDict, Unpack, overload
 
 import pandas as pd
 
-from reliab.api.arguments import Quantity, require_positive, stated_values, unused
-from reliab.assessment import Assessment, Assessments, FrameAssessment, assess_frame
+from reliab.api.arguments import Quantity, require_positive, stated_filters, stated_values, unused
+from reliab.assessment import (
+    Assessment,
+    Assessments,
+    Equipment,
+    FrameAssessment,
+    LowPass,
+    assess_frame,
+    corrected,
+    ordinary_equipment,
+    read_equipment,
+    stated_of_filters,
+)
 from reliab.assessment.assess import assess as assess_structure
 from reliab.criterion import Criterion
 from reliab.errors import InputError
@@ -40,6 +51,7 @@ _SAME = 0.01
 """Relative difference up to which a stated structure is that of a model."""
 
 _NOT_FOR_FRAMES = {
+    "equipment": "The error of a frame's test is computed as if everything that is not stated were exact",
     "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
     "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
@@ -63,6 +75,13 @@ class Stated(Former, total=False):
     scale: Quantity | None
     feedback_lag: Quantity | None
     mass: Quantity | None
+    skew: Quantity | None
+    command_scale: Quantity | None
+    hysteresis: Quantity | None
+    resolution: Quantity | None
+    filter: Iterable[str] | None
+    equipment: str | Path | Equipment | None
+    exact: bool
     motion: str | Path | Motion | None
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
@@ -107,6 +126,13 @@ def assess(
     scale: Quantity | None = None,
     feedback_lag: Quantity | None = None,
     mass: Quantity | None = None,
+    skew: Quantity | None = None,
+    command_scale: Quantity | None = None,
+    hysteresis: Quantity | None = None,
+    resolution: Quantity | None = None,
+    filter: Iterable[str] | None = None,  # noqa: A002 - the option's name
+    equipment: str | Path | Equipment | None = None,
+    exact: bool = False,
     motion: str | Path | Motion | None = None,
     criterion: str | Path | Criterion | None = None,
     model: str | Path | UpdatedModel | None = None,
@@ -144,6 +170,17 @@ def assess(
         Scale of the displacement sensor [-], 1 by default; time by which the force is fed back late [ms], 0
         by default; mass of the structure [kg], with which a recorded force is also used to identify the
         structure.
+    skew, command_scale, hysteresis, resolution : float, str or StatedValue, optional
+        Time by which the measured displacement was recorded later than the command [ms], scale of the
+        command [-], width of the loop of the displacement sensor over the span of its motion [-], and step of
+        its converter [mm]. The recording is corrected for the first three.
+    filter : iterable of str, optional
+        Low-pass filters before the converters, "measured=200" (second order, 200 Hz) or "command=200/4".
+    equipment : str, pathlib.Path or Equipment, optional
+        What a laboratory does not know where nothing is stated, or its file; by default that of ordinary
+        equipment. A number that is stated without its standard deviation is as uncertain as there.
+    exact : bool, optional
+        Whether everything that is stated without a standard deviation is exact, and so are all channels.
     motion : str, pathlib.Path or Motion, optional
         The test's ground motion, or its file; the index is then judged by the boundary of this motion.
     criterion : str, pathlib.Path or Criterion, optional
@@ -191,7 +228,21 @@ def assess(
     (True, 0.023)
     """
     judge = _Terms(
-        numbers=stated_values(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag, mass=mass),
+        numbers=stated_values(
+            f=f,
+            xi=xi,
+            alpha=alpha,
+            scale=scale,
+            feedback_lag=feedback_lag,
+            mass=mass,
+            skew=skew,
+            command_scale=command_scale,
+            hysteresis=hysteresis,
+            resolution=resolution,
+        ),
+        filters=stated_filters(filter or ()),
+        equipment=equipment,
+        exact=exact,
         structure=structure,
         motion=motion,
         criterion=criterion,
@@ -290,6 +341,9 @@ class _Terms:
     """By what a test is judged; see `reliab.assess`."""
 
     numbers: Mapping[str, StatedValue]
+    filters: Mapping[str, LowPass]
+    equipment: str | Path | Equipment | None
+    exact: bool
     structure: Structure | FrameUnderTest | str | Path | None
     motion: str | Path | Motion | None
     criterion: str | Path | Criterion | None
@@ -329,11 +383,21 @@ class _Terms:
     def _own_criterion(self) -> Criterion | None:
         return Criterion.read(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
 
+    def _equipment(self) -> Equipment | None:
+        if self.exact:
+            self._refuse(("equipment",), "beside `exact`, which leaves nothing unknown")
+            return None
+        if isinstance(self.equipment, str | Path):
+            return read_equipment(self.equipment)
+        return self.equipment or ordinary_equipment()
+
     def _judge_of_structures(self, structure: Structure | None) -> Judge:
         model = read_model(self.model) if isinstance(self.model, str | Path) else self.model
         motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
         criterion = self._own_criterion()
         numbers = {**({} if structure is None else _exactly(structure)), **self.numbers}
+        numbers |= stated_of_filters(self.filters)
+        equipment = self._equipment()
 
         def judge(recording: Recording) -> Assessment:
             stated = _stated(recording, numbers, {} if model is None else _of_model(model))
@@ -346,13 +410,14 @@ class _Terms:
             }
             former: Former = {**self.former, "stated": {**complete, **self.former.get("stated", {})}}
             return assess_structure(
-                recording,
+                corrected(recording, complete, self.filters),
                 Structure(
                     frequency=complete["f"].value,
                     damping_ratio=complete["xi"].value,
                     experimental_fraction=complete["alpha"].value,
                 ),
                 **former,
+                equipment=equipment,
                 motion=motion,
                 criterion=criterion,
                 threshold=self._threshold,
@@ -365,7 +430,8 @@ class _Terms:
         return judge
 
     def _judge_of_frames(self, structure: FrameUnderTest | str | Path) -> Judge:
-        self._refuse_beside_structure("mass")
+        for name in ("mass", "resolution"):
+            self._refuse_beside_structure(name)
         for name in self.former:
             raise unused(name, "beside the `structure` of a frame")
         for name, reason in _NOT_FOR_FRAMES.items():
@@ -381,7 +447,7 @@ class _Terms:
             stated = {**recording.stated, **self.numbers}
             require_positive(stated)
             return assess_frame(
-                recording,
+                corrected(recording, stated, self.filters),
                 frame,
                 criterion=criterion,
                 threshold=self._threshold,

@@ -1,10 +1,14 @@
 from .assess import assess as assess
 from .assessment import Assessment as Assessment
 from .budget import (
+    CHANNELS as CHANNELS,
     BudgetItem as BudgetItem,
     Equipment as Equipment,
+    LowPass as LowPass,
+    corrected as corrected,
     ordinary_equipment as ordinary_equipment,
     read_equipment as read_equipment,
+    stated_of_filters as stated_of_filters,
 )
 from .default_criterion import default_criterion as default_criterion
 from .design import (

@@ -246,7 +246,9 @@ def _errors(
     recording: Recording, faults: tuple[Fault, ...], question: Question
 ) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
     return error_with_faults(
-        recording, faults, lambda test, offset: error_of_test(test, question, sensor_offset=offset)
+        recording,
+        faults,
+        lambda test, offset, left: error_of_test(test, question, sensor_offset=offset, left_by_repairs=left),
     )
 
 

@@ -59,7 +59,7 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     elif fault.in_loop is False:
         why = (
             ""
-            if fault.kind == "spike"
+            if fault.kind in ("spike", "held")
             else "The command does not respond to it, so that only the sensor reading is wrong: "
         )
         yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."

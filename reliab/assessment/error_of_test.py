@@ -54,9 +54,16 @@ class Question:
     model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
     seed: int  # Seed of the draws
 
+    @property
+    def resolution(self) -> float | None:
+        """Step of the converter of the measured displacement [m], where it is stated."""
+        return self.stated["resolution"].value / MILLI if "resolution" in self.stated else None
+
     def sizes(self, time_step: float) -> dict[str, Size]:
         """Sizes of what is not known of a test that was recorded at a time step [s]."""
-        return sizes_of_unknown(self.stated, self.structure, self.equipment, time_step)
+        return sizes_of_unknown(
+            self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -152,6 +159,7 @@ def error_of_test(
     question: Question,
     *,
     sensor_offset: float | None = None,
+    left_by_repairs: Mapping[str, Size] | None = None,
     specimen_damping: float = 0.0,
 ) -> ErrorOfTest:
     """Rebuild the error of a test.
@@ -161,7 +169,7 @@ def error_of_test(
     scale = question.stated.get("scale", StatedValue(1.0)).value
     lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
     measured = recording.measured / scale
-    sizes = question.sizes(recording.time_step)
+    sizes = {**question.sizes(recording.time_step), **(left_by_repairs or {})}
     whole = whole_structure(question.structure)
     if question.model is not None:
         rebuilt = rebuild_with_specimen(
@@ -182,6 +190,7 @@ def error_of_test(
             replace(whole, specimen_damping=specimen_damping * whole.specimen_stiffness),
             feedback_lag=lag,
             sensor_offset=sensor_offset,
+            resolution=question.resolution,
             tolerances=tolerances_of(sizes),
             seed=question.seed,
         )

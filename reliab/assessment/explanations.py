@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-import scipy
 
+from reliab.assessment.budget import without_skew
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.recordings import Recording
 from reliab.significant import significant
@@ -144,16 +144,6 @@ def error_under(explanation: Explanation, recording: Recording, question: Questi
         stated={**question.stated, "feedback_lag": later},
     )
     error = error_of_test(
-        _without_skew(recording, explanation.skew), changed, specimen_damping=explanation.dashpot
+        without_skew(recording, explanation.skew), changed, specimen_damping=explanation.dashpot
     )
     return replace(error, under=explanation.spoken(structure))
-
-
-def _without_skew(recording: Recording, skew: float) -> Recording:
-    """Read the measured displacement at the times to which it belongs."""
-    if skew == 0.0:
-        return recording
-    times = np.arange(recording.measured.size) * recording.time_step
-    path = scipy.interpolate.CubicSpline(times, recording.measured)
-    moved = path(np.clip(times + skew, times[0], times[-1]))
-    return replace(recording, measured=np.asarray(moved, dtype=np.float64))

@@ -28,6 +28,11 @@ _SIGNIFICANT = 4.0  # standard errors
 _STANDSTILL_SHARE = 0.05  # of the command's peak
 _SAME = 1e-9  # of the peak: a smaller step between samples counts as standstill
 _FELT, _NOT_FELT = (0.7, 1.3), (-0.3, 0.3)
+_MOST_HELD, _LONGEST_HELD = 0.2, 4  # share of the samples, and samples in a row
+_ROUNDED, _BY_CHANCE = (
+    1.5,
+    3.0,
+)  # of the smallest step; so many more repeats than smallest steps are not chance
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
 
 
@@ -44,6 +49,9 @@ class Fault:
     # Whether the loop felt it: False for spikes, which no actuator follows; otherwise decided from the
     # command; None where the command does not show it
     in_loop: bool | None = None
+    # size, deviation: Estimate of an offset or drift and its standard error [m]
+    size: float = 0.0
+    deviation: float = 0.0
 
     @property
     def repairable(self) -> bool:
@@ -71,6 +79,7 @@ def find_faults(
     expected = _expected(clean, tracking)
     return (
         *plain_faults(recording),
+        *_held(clean),
         *_standstill(clean, expected),
         *_slow(clean, expected, threshold, experimental_fraction, tracking),
     )
@@ -167,6 +176,29 @@ def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
             )
 
 
+def _held(recording: Recording) -> Iterator[Fault]:
+    """Find samples that repeat the one before in a channel whose noise lets no two be equal."""
+    measured = recording.measured
+    held = np.concatenate([[False], np.diff(measured) == 0.0])
+    share = float(held.mean())
+    steps = np.abs(np.diff(measured))
+    smallest = float(steps[steps > 0.0].min(initial=np.inf))
+    by_chance = int(np.sum((steps > 0.0) & (steps < _ROUNDED * smallest)))
+    if not _BY_CHANCE * max(by_chance, 1) < held.sum() < _MOST_HELD * held.size:
+        return
+    if any(end - begin >= _LONGEST_HELD for begin, end in _runs(held)):
+        return  # a standstill
+    places = np.arange(measured.size)
+    bridged = np.interp(places, places[~held], measured[~held])
+    yield Fault(
+        kind="held",
+        finding=f"The measured displacement repeats the sample before in {share:.2%} of its samples: it was "
+        "read there as the line between its neighbours.",
+        in_measured=measured - bridged,
+        in_loop=False,
+    )
+
+
 def _missing_motion(difference: Array, still: list[tuple[int, int]]) -> Array:
     missing = np.zeros_like(difference)
     for begin, end in still:
@@ -212,6 +244,8 @@ def _slow(
             else f"The measured displacement drifts by {share} from beginning to end.",
             in_measured=size * shape,
             in_loop=in_loop,
+            size=size,
+            deviation=error,
         )
 
 

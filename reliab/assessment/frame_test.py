@@ -1,12 +1,12 @@
 """The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.budget import sizes_of_unknown, tolerances_of
+from reliab.assessment.budget import Size, sizes_of_unknown, tolerances_of
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest
@@ -161,15 +161,15 @@ def _rebuilding(
     scale: StatedValue | None,
     metric: Metric,
     threshold: float,
-) -> Callable[[Recording, float | None], ErrorOfTest]:
+) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
     structure, mode = whole_structure(frame.partition), governing_mode(frame)
     lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
     stated = {"feedback_lag": feedback_lag, "scale": scale}
     given = {name: value for name, value in stated.items() if value is not None}
 
-    def rebuilt(test: Recording, offset: float | None) -> ErrorOfTest:
-        sizes = sizes_of_unknown(given, mode, None, test.time_step)
+    def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
+        sizes = {**sizes_of_unknown(given, mode, None, test.time_step), **left}
         error = rebuild(
             test.command,
             test.measured,

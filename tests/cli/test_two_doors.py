@@ -38,6 +38,13 @@ CHOICES = {
     "scale": (1.003, "1±0.005", 0, -1, "big"),
     "feedback_lag": (0.5, "0.5±0.1", 0, -1, "late"),
     "mass": (2, "2±0.1", 0),
+    "skew": (0.1, "-0.1±0.05", "soon"),
+    "command_scale": (1.001, "1±0.001", 0),
+    "hysteresis": (0.001, "0.001±0.0003", 0, -0.1),
+    "resolution": (0.01, 0),
+    "filter": (["measured=100"], ["measured=100/4", "command=200"], ["both=100"], ["command=-1"]),
+    "equipment": ("equipment.toml", "missing.toml", "model.toml"),
+    "exact": (True,),
     "motion": ("ground.txt", "missing.txt", "criterion.json"),
     "criterion": ("criterion.json", "missing.json", "test.csv"),
     "model": ("model.toml", "missing.toml", "frame.toml"),
@@ -79,6 +86,7 @@ def folder(folder_of_a_test):
     text = (folder_of_a_test / "test.csv").read_text(encoding="utf-8")
     header = "# f = 1 ± 0.02 Hz\n# xi = 0.03\n# scale = 1.001\n"
     (folder_of_a_test / "stated.csv").write_text(header + text, encoding="utf-8")
+    (folder_of_a_test / "equipment.toml").write_text("xi = 0.05\n", encoding="utf-8")
     return folder_of_a_test
 
 
@@ -93,7 +101,12 @@ def drawn(number):
 
 def by_command(capsys, tests, stated):
     flags = {name: f"--{name.replace('_', '-')}" for name in stated} | {"test_name": "--test"}
-    options = [text for name, value in stated.items() for text in (flags[name], str(value))]
+    options = [
+        text
+        for name, value in stated.items()
+        for each in (value if isinstance(value, list) else [value])
+        for text in (flags[name], *([] if each is True else [str(each)]))
+    ]
     code = cli.run(["assess", *tests, *options, "--json", "-"])
     out, err = capsys.readouterr()
     return code, json.loads(out) if out else None, err.strip()

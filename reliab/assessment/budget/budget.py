@@ -57,25 +57,25 @@ _QUANTITIES = {
         name="natural frequency",
         unit="%",
         factor=PERCENT,
-        remedy="Measure the natural frequency by a free vibration, and state its deviation (--f 1±0.2%).",
+        remedy="Measure the natural frequency by a free vibration, and state its deviation.",
     ),
     "damping_ratio": _Quantity(
         name="damping ratio",
         unit="%",
         factor=PERCENT,
-        remedy="Measure the damping ratio by a free vibration, and state its deviation (--xi 0.02±5%).",
+        remedy="Measure the damping ratio by a free vibration, and state its deviation.",
     ),
     "experimental_fraction": _Quantity(
         name="share of the stiffness",
         unit="%",
         factor=PERCENT,
-        remedy="Measure the specimen's stiffness, and state the deviation of its share (--alpha 0.5±0.5%).",
+        remedy="Measure the specimen's stiffness, and state the deviation of its share.",
     ),
     "sensor_scale": _Quantity(
         name="scale of the displacement sensor",
         unit="%",
         factor=PERCENT,
-        remedy="Calibrate the displacement sensor against the command, and state its scale (--scale 1±0.1%).",
+        remedy="Calibrate the displacement sensor against the command, and state its scale.",
     ),
     "sensor_offset": _Quantity(
         name="offset of the displacement sensor",
@@ -87,31 +87,49 @@ _QUANTITIES = {
         name="skew of the channels",
         unit="ms",
         factor=MILLI,
-        remedy="Measure the skew, by one signal on both channels, and state it (--skew 0±0.05).",
+        remedy="Measure the skew, by one signal on both channels, and state it.",
     ),
     "feedback_lag": _Quantity(
         name="lag of the fed-back force",
         unit="ms",
         factor=MILLI,
-        remedy="Measure by how much the force is fed back late, and state it (--feedback-lag 0.2±0.05).",
+        remedy="Measure by how much the force is fed back late, and state it.",
     ),
     "filter_delay": _Quantity(
         name="filters of the channels",
         unit="ms",
         factor=MILLI,
-        remedy="State the filters of both channels (--filter).",
+        remedy="State the filters of both channels, or use the same on both.",
     ),
     "hysteresis": _Quantity(
         name="hysteresis of the displacement sensor",
         unit="%",
         factor=PERCENT,
-        remedy="Measure the sensor's hysteresis by a slow cycle, and state it (--hysteresis).",
+        remedy="Measure the sensor's hysteresis by a slow cycle, and state it.",
+    ),
+    "lagging_hysteresis": _Quantity(
+        name="hysteresis of the displacement sensor",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the sensor's hysteresis by a slow cycle, and state it.",
     ),
     "sensor_drift": _Quantity(
         name="drift of the displacement sensor",
         unit="mm",
         factor=MILLI,
         remedy="Record rest before and after the test, which shows the sensor's drift.",
+    ),
+    "open_offset": _Quantity(
+        name="whether the loop felt the sensor's offset",
+        unit="mm",
+        factor=MILLI,
+        remedy="Find out whether the controller used this sensor, and mend the recording if it did not.",
+    ),
+    "open_drift": _Quantity(
+        name="whether the loop felt the sensor's drift",
+        unit="mm",
+        factor=MILLI,
+        remedy="Find out whether the controller used this sensor, and mend the recording if it did not.",
     ),
     "initial_state": _Quantity(
         name="motion before the record",
@@ -130,8 +148,7 @@ _QUANTITIES = {
 
 def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
     """List what makes the interval of an error, the largest contribution first."""
-    items = [_item(widening, sizes.get(widening.name)) for widening in widenings]
-    return tuple(sorted(items, key=lambda item: -item.contribution))
+    return tuple(_item(widening, sizes.get(widening.name)) for widening in widenings)
 
 
 def _item(widening: Widening, size: Size | None) -> BudgetItem:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from reliab.assessment.budget.equipment import Equipment
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.stated_value import StatedValue
@@ -33,17 +35,35 @@ _RELATIVE = {
     "experimental_fraction": "alpha",
     "sensor_scale": "scale",
 }
-_ABSOLUTE = {"time_shift": "skew", "feedback_lag": "feedback_lag"}  # stated in milliseconds
+_ABSOLUTE = {  # stated in milliseconds
+    "time_shift": "skew",
+    "feedback_lag": "feedback_lag",
+    "filter_delay": "filter_delay",
+}
+_OF_HYSTERESIS = 0.2  # of a hysteresis that is stated without its deviation, as a calibration gives it
+_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
 
 
 def sizes_of_unknown(
-    stated: Mapping[str, StatedValue], structure: Structure, equipment: Equipment | None, time_step: float
+    stated: Mapping[str, StatedValue],
+    structure: Structure,
+    equipment: Equipment | None,
+    time_step: float,
+    *,
+    calibrated: bool = False,
 ) -> dict[str, Size]:
     """Give the sizes of what is not known of a test, by the names of `Tolerances`.
 
-    `time_step` [s]; without equipment only what is stated with a deviation is unknown.
+    `time_step` [s]; without equipment only what is stated with a deviation is unknown. The structure of a
+    calibrated model is known as well as the model says.
     """
-    sizes = {} if equipment is None else _assumed(stated, structure, equipment, time_step)
+    sizes = {} if equipment is None else _assumed(structure, equipment, time_step)
+    if "hysteresis" in stated:
+        sizes.pop("lagging_hysteresis", None)
+        assumed = Size(deviation=_OF_HYSTERESIS * stated["hysteresis"].value, source=Source.DEFAULT)
+        sizes |= {} if equipment is None else {"hysteresis": assumed}
+    if calibrated:
+        sizes = {name: size for name, size in sizes.items() if name not in _OF_STRUCTURE}
     for name, key in {**_RELATIVE, **_ABSOLUTE, "hysteresis": "hysteresis"}.items():
         if key in stated and stated[key].deviation:
             relative = abs(stated[key].value) if name in _RELATIVE else 1.0
@@ -51,7 +71,16 @@ def sizes_of_unknown(
             if relative:
                 deviation = stated[key].deviation / relative / unit
                 sizes[name] = Size(deviation=deviation, source=Source.STATED)
+    if (scale := stated.get("command_scale")) is not None and scale.deviation:
+        together = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
+        sizes["sensor_scale"] = Size(deviation=together, source=Source.STATED)
     return sizes
+
+
+def _deviation_stated(sizes: Mapping[str, Size]) -> float:
+    """Relative deviation of the measured displacement's scale where one is stated, else zero."""
+    scale = sizes.get("sensor_scale")
+    return scale.deviation if scale is not None and scale.source is Source.STATED else 0.0
 
 
 def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
@@ -59,9 +88,7 @@ def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     return Tolerances(**{name: size.deviation for name, size in sizes.items()})
 
 
-def _assumed(
-    stated: Mapping[str, StatedValue], structure: Structure, equipment: Equipment, time_step: float
-) -> dict[str, Size]:
+def _assumed(structure: Structure, equipment: Equipment, time_step: float) -> dict[str, Size]:
     """Sizes of ordinary equipment."""
     deviations = {
         "frequency": equipment.f,
@@ -70,8 +97,8 @@ def _assumed(
         "sensor_scale": equipment.scale,
         "time_shift": equipment.skew(time_step),
         "feedback_lag": equipment.feedback_lag_ms / MILLI,
-        "filter_delay": 0.0 if "filter" in stated else equipment.filter_delay_ms / MILLI,
-        "hysteresis": equipment.hysteresis,
+        "filter_delay": equipment.filter_delay_ms / MILLI,
+        "lagging_hysteresis": equipment.hysteresis,
     }
     return {
         name: Size(deviation=deviation, source=Source.DEFAULT)

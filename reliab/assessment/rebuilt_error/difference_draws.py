@@ -130,7 +130,7 @@ def _rounding(
     motion: Array, measured: Array, noise: SensorNoise, every: int, hop: int
 ) -> tuple[Array, SensorNoise]:
     """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
-    step = converter_step(measured)
+    step = converter_step(measured) if noise.resolution is None else noise.resolution
     if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
         return np.zeros((1, hop)), noise
     powers, floors = [], []

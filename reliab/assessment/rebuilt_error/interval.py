@@ -20,7 +20,8 @@ from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
 
-_LAST = ("filter_delay", "hysteresis", "sensor_drift")
+_OPEN = ("open_offset", "open_drift")
+_LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
@@ -128,7 +129,13 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
     deviations = unknown.deviations()
     points = _normal(len(deviations) + 1, draws, seed)
-    return {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}, points[-1]
+    drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
+    if "lagging_hysteresis" in drawn:
+        drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
+    for name in _OPEN:
+        if name in drawn:
+            drawn[name] = np.where(drawn[name] > 0.0, deviations[name], 0.0)
+    return drawn, points[-1]
 
 
 def _normal(dimensions: int, draws: int, seed: int) -> Array:
@@ -169,16 +176,18 @@ def _swept(
 ) -> Array:
     recursion = _recursion(structure, drawn, thin.time_step)
     rate = np.gradient(thin.measured, thin.time_step)
+    place = np.linspace(-0.5, 0.5, rate.size)
     columns = {
         "sensor_scale": thin.measured,
         "time_shift": rate,
         "sensor_offset": np.ones(rate.size),
         "filter_delay": rate,
-        "sensor_drift": np.linspace(-0.5, 0.5, rate.size),
+        "sensor_drift": place,
+        "open_offset": np.ones(rate.size),
+        "open_drift": place,
     }
-    if "hysteresis" in drawn:
-        width = float(np.mean(np.abs(drawn["hysteresis"])))
-        columns["hysteresis"] = -lag_of_reading(thin.command, width)
+    for name in {"hysteresis", "lagging_hysteresis"} & drawn.keys():
+        columns[name] = -lag_of_reading(thin.command, float(np.std(drawn[name])))
     names = [name for name in columns if name in drawn and drawn[name].any()]
     return np.asarray(
         sweep_draws(

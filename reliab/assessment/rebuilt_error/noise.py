@@ -37,6 +37,8 @@ class SensorNoise:
     # Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
     # above the noise
     band: float
+    # Step of the converter of the measured displacement [m]; None to read it from the samples
+    resolution: float | None = None
 
     @property
     def white(self) -> float:

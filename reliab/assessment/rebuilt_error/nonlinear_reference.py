@@ -23,6 +23,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
@@ -172,6 +173,12 @@ def _sweep(
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
+    place = np.linspace(-0.5, 0.5, velocity.size)
+    columns = {"filter_delay": velocity, "sensor_drift": place}
+    columns |= {"open_offset": np.ones_like(place), "open_drift": place}
+    for name in ("hysteresis", "lagging_hysteresis"):
+        columns[name] = -lag_of_reading(thin.command, stated.get(name, 0.0))
+    added = {name: column for name, column in columns.items() if name in stated}
     for difference in differences:
         changed = _drawn(perfect, deviations, stated, generator)
         shift = (
@@ -179,6 +186,13 @@ def _sweep(
             + generator.standard_normal() * stated["time_shift"] * velocity
             + generator.standard_normal() * stated["sensor_offset"]
         )
+        for name, column in added.items():
+            drawn = generator.standard_normal() * stated[name]
+            if name == "lagging_hysteresis":
+                drawn = max(drawn, 0.0)
+            if name in ("open_offset", "open_drift"):
+                drawn = stated[name] if drawn > 0.0 else 0.0
+            shift = shift + drawn * column
         measured = thin.command - difference - shift
         moved = Histories(
             command=thin.command,

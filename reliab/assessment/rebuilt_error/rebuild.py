@@ -12,6 +12,8 @@ Neither the ground motion nor a reference is needed, and the actuator may do any
 a linear structure with the stated properties (derivation: subtract the two equations of motion).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from reliab.arrays import Array
@@ -42,13 +44,14 @@ def rebuild(
     form: Form = Form.DISPLACEMENT,
     feedback_lag: float = 0.0,
     sensor_offset: float | None = None,
+    resolution: float | None = None,
     tolerances: Tolerances | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
     """Rebuild the error of a test from its command and measured displacement.
 
-    `command`, `measured` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset` [m].
+    `command`, `measured` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset`, `resolution` [m].
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 
@@ -69,7 +72,7 @@ def rebuild(
     whole = test.structure
     command, measured = checked_histories(command, measured, time_step, whole)
     require_fitting(command.size, samples_in_step_of_structure(whole, time_step), time_step)
-    noise = estimate_noise(command, measured, time_step)
+    noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
     start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
     read = measured - start.offset
     felt = _felt(command, read, force, form, whole, time_step)

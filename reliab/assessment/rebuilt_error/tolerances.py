@@ -25,13 +25,18 @@ class Tolerances:
     feedback_lag: float = 0.0  # Of the time by which the force is fed back late [s]
     # Of the delay that filters of the two channels do not have in common [s]
     filter_delay: float = 0.0
-    # Of the hysteresis of the displacement sensor, width of its loop over the span of the motion [-]
+    # Of the hysteresis of the displacement sensor, width of its loop over the span of the motion [-]: about
+    # what was corrected, and where nothing was; no reading leads, so that only draws above zero count there
     hysteresis: float = 0.0
+    lagging_hysteresis: float = 0.0
     sensor_drift: float = 0.0  # Of its drift from beginning to end [m], beyond what was taken away
+    # Offset and drift [m] of which nobody knows whether the loop felt them: taken away in every second draw
+    open_offset: float = 0.0
+    open_drift: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in self.items():
-            if not (math.isfinite(value) and value >= 0.0):
+            if not (math.isfinite(value) and (value >= 0.0 or name in _SIGNED)):
                 raise InputError(
                     "A tolerance must be finite and not negative", value=value, where=_spoken(name)
                 )
@@ -48,7 +53,15 @@ class Tolerances:
         return [(field.name, float(getattr(self, field.name))) for field in fields(self)]
 
 
-_RELATIVE = ("frequency", "damping_ratio", "experimental_fraction", "sensor_scale", "hysteresis")
+_RELATIVE = (
+    "frequency",
+    "damping_ratio",
+    "experimental_fraction",
+    "sensor_scale",
+    "hysteresis",
+    "lagging_hysteresis",
+)
+_SIGNED = ("open_offset", "open_drift")
 _LARGEST = 1.0 / 3.0
 
 

@@ -44,7 +44,7 @@ def widenings(
     draws: int,
     seed: int,
 ) -> tuple[Widening, ...]:
-    """Find which uncertain quantities widen the interval most, and what would halve it."""
+    """Find what each uncertain quantity contributes, the largest first, and what would halve the interval."""
 
     def swept(unknown: Unknown, drawn: Array = differences) -> Spread:
         return sweep(histories, structure, unknown, drawn, every, draws=draws, seed=seed).spread
@@ -68,9 +68,7 @@ def widenings(
             deviation_for_half=None,
         )
     )
-    return tuple(
-        sorted((part for part in parts if part.width_without < whole), key=lambda part: part.width_without)
-    )
+    return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -88,6 +88,53 @@ class AssessDemand(Reported):
             help="Mass of the structure; with it a recorded force is also used to identify the structure.",
         ),
     ] = None
+    skew: Annotated[
+        str | None,
+        typer.Option(
+            "--skew",
+            metavar="MS",
+            help="Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
+        ),
+    ] = None
+    command_scale: Annotated[
+        str | None, typer.Option("--command-scale", metavar="RATIO", help="Scale of the command, 1±0.001.")
+    ] = None
+    hysteresis: Annotated[
+        str | None,
+        typer.Option(
+            "--hysteresis",
+            metavar="SHARE",
+            help="Hysteresis of the displacement sensor: width of its loop over the span, 0.001±0.0003.",
+        ),
+    ] = None
+    resolution: Annotated[
+        str | None,
+        typer.Option(
+            "--resolution", metavar="MM", help="Step of the converter of the measured displacement [mm]."
+        ),
+    ] = None
+    filter: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--filter",
+            metavar="CHANNEL=HZ",
+            help="Low-pass filters before the converters: measured=200, command=200/4 with the order.",
+        ),
+    ] = None
+    equipment: Annotated[
+        Path | None,
+        typer.Option(
+            "--equipment",
+            metavar="FILE.toml",
+            help="What the laboratory does not know where nothing is stated, in place of ordinary equipment.",
+        ),
+    ] = None
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact", help="Take everything that is stated without a deviation, and all channels, as exact."
+        ),
+    ] = False
     motion: Annotated[
         Path | None,
         typer.Option(

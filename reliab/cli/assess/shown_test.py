@@ -23,8 +23,12 @@ def show_assessment(assessment: "Assessment") -> None:
         terminal.print(reason, highlight=False, markup=False)
     for remedy in summary["would_decide"]:
         terminal.print(f"What would decide: {remedy}", highlight=False, markup=False)
+    for item in summary["budget"][:1]:
+        sharper = f"What would sharpen this most: {item['remedy']}"
+        terminal.print(sharper, highlight=False, markup=False)
     terminal.print(_asked(assessment), highlight=False, markup=False)
     terminal.print(_errors(summary))
+    terminal.print(_budget(summary))
     terminal.print(_indices(assessment, summary))
     for sentence in _sentences(assessment, summary):
         terminal.print(sentence, highlight=False, markup=False)
@@ -78,6 +82,17 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
             f"{part['rms']:.2%}",
             f"RMS^R without it: {part['remaining_rms']:.2%}",
         )
+    return shown
+
+
+def _budget(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    shown = table(
+        "What is not known exactly, and the standard deviation of the error that it alone makes",
+        {"quantity": "left", "its deviation": "right", "source": "left", "of the error": "right"},
+    )
+    for item in summary["budget"]:
+        size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
+        shown.add_row(item["quantity"], size, item["source"], f"{item['contribution']:.2%}")
     return shown
 
 

@@ -38,7 +38,8 @@ def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
         "frequency": Source.STATED,
         "time_shift": Source.STATED,
         **dict.fromkeys(
-            ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "hysteresis"), Source.DEFAULT
+            ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "lagging_hysteresis"),
+            Source.DEFAULT,
         ),
     }
     tolerances = tolerances_of(sizes)

@@ -194,7 +194,8 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
     for other in others:
         assert other.name == "sensor_noise"
         assert other.deviation == 0.0
-        assert first.width_without < other.width_without < other.width
+        assert first.width_without < other.width_without
+        assert first.contribution > other.contribution
 
 
 def test_half_the_width_is_found_by_halving():

@@ -13,6 +13,7 @@ from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, percent, spelled_out
+from reliab.significant import significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
@@ -46,6 +47,30 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
 
 def _with_interval(size: Estimate) -> tuple[str, str]:
     return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
+
+
+def budget_table(error: ErrorOfTest) -> Table:
+    """Tabulate what is not known exactly, the largest contribution first."""
+    rows = [
+        (
+            item.quantity,
+            "" if item.size is None else f"{significant(item.size, 2)} {item.unit}",
+            str(item.source),
+            f"{PERCENT * item.contribution:.2f}",
+        )
+        for item in error.budget
+    ]
+    return quantities_table(
+        rows,
+        ("Not known exactly", "Its deviation", "Source", "Of the error [%]"),
+        caption=(
+            "Budget of the interval: standard deviation of each quantity, and the standard deviation of the "
+            "error that it alone makes. What would sharpen the verdict most: " + error.budget[0].remedy
+            if error.budget
+            else "Nothing widens the interval."
+        ),
+        label="tab:budget",
+    )
 
 
 def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:

@@ -12,6 +12,7 @@ from reliab.report.kinds.assessment.error import (
     advice,
     error_sentence,
     errors_table,
+    budget_table,
     histories_figure,
     quantities_table,
 )
@@ -39,6 +40,7 @@ def assessment_report(
         Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
         Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
+        Section(title="What is not known exactly", blocks=(budget_table(assessment.error),)),
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
         Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
     ]

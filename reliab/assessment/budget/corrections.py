@@ -1,0 +1,105 @@
+"""A recording without the skew, scale, filters and hysteresis that are stated of its channels."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import scipy
+
+from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
+from reliab.errors import InputError
+from reliab.recordings import Recording
+from reliab.stated_value import StatedValue
+from reliab.vocabulary import MILLI
+
+CHANNELS: Final = ("command", "measured")
+"""Channels that may have a filter."""
+
+_ORDERS = range(1, 9)
+_CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
+
+
+@dataclass(frozen=True, kw_only=True)
+class LowPass:
+    """Low-pass filter of Butterworth's kind before a converter."""
+
+    corner: float  # Frequency at which half of the power passes [Hz]
+    order: int = 2  # Order
+
+    @classmethod
+    def parse(cls, text: str) -> "LowPass":
+        """Read "200" or "200/4": corner [Hz] and order.
+
+        >>> LowPass.parse("200/4")
+        LowPass(corner=200.0, order=4)
+        """
+        corner, _, order = text.partition("/")
+        try:
+            low_pass = cls(corner=float(corner), order=int(order or 2))
+        except ValueError:
+            low_pass = cls(corner=0.0)
+        if not (np.isfinite(low_pass.corner) and low_pass.corner > 0.0 and low_pass.order in _ORDERS):
+            raise InputError(
+                "A filter has a corner frequency above zero and an order of 1 to 8",
+                value=repr(text),
+                remedy="Write 200 for a filter of second order with 200 Hz, 200/4 for one of fourth order",
+            )
+        return low_pass
+
+    @property
+    def delay(self) -> float:
+        """Delay of slow motions [s]."""
+        poles = scipy.signal.buttap(self.order)[1]
+        return float(np.sum(-1.0 / poles).real / (2.0 * np.pi * self.corner))
+
+    def passed(self, values: Array, time_step: float) -> Array:
+        """Pass a history through the filter, exactly for straight lines between its samples."""
+        zeros, poles, gain = scipy.signal.butter(
+            self.order, 2.0 * np.pi * self.corner, analog=True, output="zpk"
+        )
+        system = scipy.signal.cont2discrete(scipy.signal.zpk2ss(zeros, poles, gain), time_step, method="foh")
+        numerator, denominator = scipy.signal.ss2tf(*system[:4])
+        begin = values[0] * scipy.signal.lfilter_zi(numerator[0], denominator)
+        return np.asarray(scipy.signal.lfilter(numerator[0], denominator, values, zi=begin)[0])
+
+
+def corrected(
+    recording: Recording, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
+) -> Recording:
+    """Correct a recording for what is stated of its channels.
+
+    The filter of each channel is applied to the other one as well: the equation of the error holds for
+    histories that passed through the same filters, and no noise is amplified. A stated hysteresis is that of
+    a play; a skew is positive where the measured displacement was recorded later than the command [ms].
+    """
+    command, measured, step = recording.command, recording.measured, recording.time_step
+    if "command_scale" in stated:
+        command = command / stated["command_scale"].value
+    if (hysteresis := stated.get("hysteresis", StatedValue(0.0)).value) > 0.0:
+        measured = measured + hysteresis * lag_of_reading(command, hysteresis)
+    if "measured" in filters:
+        command = filters["measured"].passed(command, step)
+    if "command" in filters:
+        measured = filters["command"].passed(measured, step)
+    skew = stated.get("skew", StatedValue(0.0)).value / MILLI
+    return without_skew(replace(recording, command=command, measured=measured), skew)
+
+
+def without_skew(recording: Recording, skew: float) -> Recording:
+    """Read the measured displacement at the times to which it belongs; `skew` [s]."""
+    if skew == 0.0:
+        return recording
+    times = np.arange(recording.measured.size) * recording.time_step
+    path = scipy.interpolate.CubicSpline(times, recording.measured)
+    moved = path(np.clip(times + skew, times[0], times[-1]))
+    return replace(recording, measured=np.asarray(moved, dtype=np.float64))
+
+
+def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:
+    """Give what stated filters leave unknown: the delay [ms] that deviations of their corners make."""
+    if not filters:
+        return {}
+    delays = [low_pass.delay for low_pass in filters.values()]
+    return {"filter_delay": StatedValue(0.0, MILLI * _CORNER_TOLERANCE * float(np.linalg.norm(delays)))}
