@@ -10,9 +10,9 @@ from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
     TONES,
     advice,
+    budget_table,
     error_sentence,
     errors_table,
-    budget_table,
     histories_figure,
     quantities_table,
 )
