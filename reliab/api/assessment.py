@@ -2,13 +2,12 @@
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
-import pandas as pd
-
 from reliab.api.arguments import Quantity, require_positive, stated_filters, stated_values, unused
+from reliab.api.channels import Channels, Test
 from reliab.assessment import (
     Assessment,
     Assessments,
@@ -26,16 +25,12 @@ from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.motions import Motion, read_motion
 from reliab.progress import Progress, silent
-from reliab.recordings import Recording, read_recording, read_tests
-from reliab.shipped import or_shipped
+from reliab.recordings import Recording
 from reliab.simulation.frames import FrameUnderTest, read_frame
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
-
-Test = str | Path | pd.DataFrame | Recording
-"""A test, its file, its data frame, or the name of one that ships."""
 
 Judge = Callable[[Recording], Assessment | FrameAssessment]
 """Judges a test."""
@@ -227,19 +222,12 @@ def assess(
     >>> verdict.reliable, round(verdict.error.rebuilt.rms.value, 3)
     (True, 0.023)
     """
+    of_structure = stated_values(f=f, xi=xi, alpha=alpha, mass=mass, feedback_lag=feedback_lag)
+    of_channels = stated_values(
+        scale=scale, command_scale=command_scale, skew=skew, hysteresis=hysteresis, resolution=resolution
+    )
     judge = _Terms(
-        numbers=stated_values(
-            f=f,
-            xi=xi,
-            alpha=alpha,
-            scale=scale,
-            feedback_lag=feedback_lag,
-            mass=mass,
-            skew=skew,
-            command_scale=command_scale,
-            hysteresis=hysteresis,
-            resolution=resolution,
-        ),
+        numbers={**of_structure, **of_channels},
         filters=stated_filters(filter or ()),
         equipment=equipment,
         exact=exact,
@@ -252,7 +240,7 @@ def assess(
         metric=metric,
         former=_accepted(former),
     ).judge()
-    reading = _Channels(
+    reading = Channels(
         command=command,
         measured=measured,
         time=time,
@@ -283,57 +271,7 @@ def _accepted(former: Former) -> Former:
     return former
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Channels:
-    """What is stated of a test's file; see `reliab.assess`."""
-
-    command: str | None = None
-    measured: str | None = None
-    time: str | None = None
-    rate: float | None = None
-    units: str | None = None
-    time_units: str | None = None
-    delimiter: str | None = None
-    test_name: str | None = None
-    channels: str | Path | None = None
-
-    def read_all(self, test: str | Path) -> list[Recording]:
-        """Read all tests of a file."""
-        path = or_shipped(Path(test), "datasets", "test.csv")
-        names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
-        return [replace(self, test_name=name or None).read(test) for name in names]
-
-    def read(self, test: Test) -> Recording:
-        """Read a test."""
-        given = [name for name, value in asdict(self).items() if value is not None]
-        if isinstance(test, Recording):
-            if given:
-                raise unused(given[0], "beside a test that was read already")
-            return test
-        if self.rate is not None and not 0.0 < self.rate < float("inf"):
-            raise InputError(
-                "The value of `rate` must be positive and finite",
-                value=float(self.rate),
-                remedy="Give the samples in a second",
-            )
-        for name in ("delimiter", "test_name") if isinstance(test, pd.DataFrame) else ():
-            if getattr(self, name) is not None:
-                raise unused(name, "beside a data frame")
-        return read_recording(
-            test if isinstance(test, pd.DataFrame) else or_shipped(Path(test), "datasets", "test.csv"),
-            command=self.command,
-            measured=self.measured,
-            time=self.time,
-            rate_hz=None if self.rate is None else float(self.rate),
-            units=self.units,
-            time_units=self.time_units,
-            delimiter=self.delimiter,
-            test=self.test_name,
-            channels=self.channels,
-        )
-
-
-_NOTHING_STATED = _Channels()
+_NOTHING_STATED = Channels()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -498,7 +436,7 @@ def _stated(
 
 
 def _assess_several(
-    tests: Iterable[Test], channels: _Channels, judge: Judge, progress: Progress
+    tests: Iterable[Test], channels: Channels, judge: Judge, progress: Progress
 ) -> Assessments:
     by_file: dict[str, Test] = {}
     for test in tests:

@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
 
 _OPEN = ("open_offset", "open_drift")
-_LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
+LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
@@ -42,7 +42,7 @@ class Unknown:
         stated = dict(self.tolerances.items())
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         # last and only where they are not zero, so that the draws of all others stay the same without them
-        added = {name: stated.pop(name) for name in _LAST}
+        added = {name: stated.pop(name) for name in LAST}
         return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
 
 
@@ -166,15 +166,8 @@ def _at_first_sample(
     return states
 
 
-def _swept(
-    thin: Histories,
-    structure: WholeStructure,
-    drawn: dict[str, Array],
-    state: Array,
-    differences: Array,
-    band: Array,
-) -> Array:
-    recursion = _recursion(structure, drawn, thin.time_step)
+def columns_of_reading(thin: Histories, drawn: dict[str, Array]) -> dict[str, Array]:
+    """Give what one unit of each unknown of the sensor adds to x_c − x_m, each shape (n,)."""
     rate = np.gradient(thin.measured, thin.time_step)
     place = np.linspace(-0.5, 0.5, rate.size)
     columns = {
@@ -188,6 +181,20 @@ def _swept(
     }
     for name in {"hysteresis", "lagging_hysteresis"} & drawn.keys():
         columns[name] = -lag_of_reading(thin.command, float(np.std(drawn[name])))
+    return columns
+
+
+def _swept(
+    thin: Histories,
+    structure: WholeStructure,
+    drawn: dict[str, Array],
+    state: Array,
+    differences: Array,
+    band: Array,
+) -> Array:
+    recursion = _recursion(structure, drawn, thin.time_step)
+    rate = np.gradient(thin.measured, thin.time_step)
+    columns = columns_of_reading(thin, drawn)
     names = [name for name in columns if name in drawn and drawn[name].any()]
     return np.asarray(
         sweep_draws(

@@ -23,8 +23,13 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown
+from reliab.assessment.rebuilt_error.interval import (
+    LAST,
+    Histories,
+    Unknown,
+    columns_of_reading,
+    draw_unknown,
+)
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting
@@ -173,26 +178,17 @@ def _sweep(
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
-    place = np.linspace(-0.5, 0.5, velocity.size)
-    columns = {"filter_delay": velocity, "sensor_drift": place}
-    columns |= {"open_offset": np.ones_like(place), "open_drift": place}
-    for name in ("hysteresis", "lagging_hysteresis"):
-        columns[name] = -lag_of_reading(thin.command, stated.get(name, 0.0))
-    added = {name: column for name, column in columns.items() if name in stated}
-    for difference in differences:
+    drawn, _ = draw_unknown(unknown, len(differences), seed)
+    columns = columns_of_reading(thin, drawn)
+    added = [drawn[name][:, np.newaxis] * columns[name] for name in LAST if name in drawn]
+    for row, difference in enumerate(differences):
         changed = _drawn(perfect, deviations, stated, generator)
         shift = (
             generator.standard_normal() * stated["sensor_scale"] * thin.measured
             + generator.standard_normal() * stated["time_shift"] * velocity
             + generator.standard_normal() * stated["sensor_offset"]
         )
-        for name, column in added.items():
-            drawn = generator.standard_normal() * stated[name]
-            if name == "lagging_hysteresis":
-                drawn = max(drawn, 0.0)
-            if name in ("open_offset", "open_drift"):
-                drawn = stated[name] if drawn > 0.0 else 0.0
-            shift = shift + drawn * column
+        shift = shift + sum(share[row] for share in added)
         measured = thin.command - difference - shift
         moved = Histories(
             command=thin.command,
