@@ -64,8 +64,8 @@ def budget_table(error: ErrorOfTest) -> Table:
         rows,
         ("Not known exactly", "Its deviation", "Source", "Of the error [%]"),
         caption=(
-            "Budget of the interval: standard deviation of each quantity, and the standard deviation of the "
-            "error that it alone makes. What would sharpen the verdict most: " + error.budget[0].remedy
+            "Standard deviations of what is not known exactly, and of the error that each alone makes; what "
+            "would sharpen the verdict most: " + error.budget[0].remedy
             if error.budget
             else "Nothing widens the interval."
         ),

@@ -37,10 +37,12 @@ def assessment_report(
     """Report the verdict on a test."""
     of_test = assessment.error, assessment.recording
     sections = [
-        Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),
+        Section(
+            title="The error of this test",
+            blocks=(errors_table(*of_test), budget_table(assessment.error), histories_figure(*of_test)),
+        ),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
         Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
-        Section(title="What is not known exactly", blocks=(budget_table(assessment.error),)),
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
         Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
     ]
