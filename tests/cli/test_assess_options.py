@@ -22,6 +22,13 @@ CHANGES = {
     "--scale": ("test.csv", *PLAIN, "--scale", "1.003"),
     "--feedback-lag": ("test.csv", *PLAIN, "--feedback-lag", "0.5"),
     "--mass": ("whole.csv", *PLAIN, "--mass", "2"),
+    "--skew": ("test.csv", *PLAIN, "--skew", "0.3±0.1"),
+    "--command-scale": ("test.csv", *PLAIN, "--command-scale", "1.002"),
+    "--hysteresis": ("test.csv", *PLAIN, "--hysteresis", "0.002"),
+    "--resolution": ("test.csv", *PLAIN, "--resolution", "0.05"),
+    "--filter": ("test.csv", *PLAIN, "--filter", "measured=60"),
+    "--equipment": ("test.csv", *PLAIN, "--equipment", "equipment.toml"),
+    "--exact": ("test.csv", *PLAIN, "--exact"),
     "--model": ("test.csv", *PLAIN, "--model", "model.toml"),
     "--motion": ("test.csv", *PLAIN, "--motion", "ground.txt"),
     "--structure": ("test.csv", "--structure", "frame.toml"),
@@ -62,6 +69,7 @@ SEEN_ELSEWHERE = {
 
 @pytest.fixture(scope="module")
 def folder(folder_of_a_test):
+    (folder_of_a_test / "equipment.toml").write_text("xi = 0.05\n", encoding="utf-8")
     return folder_of_a_test
 
 
