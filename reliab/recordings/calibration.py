@@ -25,7 +25,7 @@ from reliab.signals import converter_step, low_pass, smoothed
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
-_RADII = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
+_RADII: Array = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
 _STRETCHES = 8  # each gives an estimate of its own
 _SPACING, _SKEWS = 1.25e-3, 40  # s and their number on both sides, about which skews are looked for
 _AT_REST = 0.01  # of the command's range: a measured channel that moves less is locked
@@ -157,8 +157,8 @@ def calibrate_channels(
     if remainder > _BEYOND_NOISE * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
         if at_rest is None:
             raise _never_rests(recording, remainder / channels.half_range)
-        hysteresis = StatedValue(at_rest.hysteresis.value, _unsure(at_rest.hysteresis))
-        return replace(calibration, scale=at_rest.scale, hysteresis=hysteresis, notes=(_ACTUATOR_MOVES,))
+        unsure = StatedValue(at_rest.hysteresis.value, _unsure(at_rest.hysteresis))
+        return replace(calibration, scale=at_rest.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
     deviations = channels.deviations(skew, scale, hysteresis)
     delay = actuator_delay_ms or StatedValue(0.0)
     deviation = float(np.hypot(MILLI * deviations[0], delay.deviation))
@@ -245,7 +245,7 @@ def _require_one_motion(recording: Recording) -> None:
 
 def _noise_of(values: Array) -> float:
     """Root mean square of white noise, from fourth differences, in which no motion is left; shape (n,)."""
-    return float(np.median(np.abs(np.diff(values, 4)))) / (0.6745 * np.sqrt(70.0))
+    return float(np.median(np.abs(np.diff(values, 4))) / (0.6745 * np.sqrt(70.0)))
 
 
 class _Channels:
@@ -259,7 +259,7 @@ class _Channels:
         stops = _stops(motion, self.half_range)
         if weights is not None:
             motion, stops = motion - weights @ stops, stops[:0]
-        self.radii = self.half_range * _RADII[: len(stops)]
+        self.radii: Array = self.half_range * _RADII[: len(stops)]
         self.noise_gain = float(np.linalg.norm(coefficients))
         # near its ends the filtered motion is a guess, and the plays have not turned yet
         within = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
@@ -348,12 +348,11 @@ def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _A
     times = np.array([rest.mean() for rest in rests])
 
     def estimate(used: NDArray[np.bool_]) -> tuple[float, Array]:
-        values = (values[used] for values in (times, command, stops, reading))
-        return _fit_plays(*values, half_range * _RADII)[:2]
+        return _fit_plays(times[used], command[used], stops[used], reading[used], half_range * _RADII)[:2]
 
     places = np.arange(len(rests)) % _STRETCHES
     without = [estimate(places != place) for place in range(_STRETCHES)]
-    jackknife = np.std([(scale, weights @ _RADII) for scale, weights in without], axis=0)
+    jackknife = np.std([(scale, float(weights @ _RADII)) for scale, weights in without], axis=0)
     deviations = jackknife * np.sqrt(_STRETCHES - 1.0)
     scale, weights = estimate(places >= 0)
     hysteresis = float(weights @ _RADII)
