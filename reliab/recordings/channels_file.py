@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from reliab.described_files import described, read_toml
 from reliab.recordings.channel import Part, Stated
 from reliab.stated_value import StatedValue
+from reliab.vocabulary import MILLI
 
 _RULE: Final = "The channels of a laboratory must be described in TOML"
 _REMEDY: Final = "Compare with the page on recordings of the documentation"
@@ -91,12 +92,12 @@ class CalibrationTable(_Table):
     )
 
     def quantities(self) -> dict[str, StatedValue]:
-        """Return skew [ms], scale, hysteresis [-] and resolution [m], as far as they are stated."""
+        """Return skew [ms], scale, hysteresis [-] and resolution [mm], as far as they are stated."""
         values = {
             "skew": (self.skew_ms, self.skew_sd_ms),
             "scale": (self.scale, self.scale_sd),
-            "hysteresis": (self.hysteresis, self.hysteresis_sd),
-            "resolution": (self.resolution_m, 0.0),
+            "hysteresis": (self.hysteresis or None, self.hysteresis_sd),
+            "resolution": (MILLI * self.resolution_m if self.resolution_m else None, 0.0),
         }
         return {
             name: StatedValue(value, deviation)
@@ -113,7 +114,8 @@ class ChannelsDescription(_Table):
     )
     sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
     calibration: CalibrationTable = Field(
-        default=CalibrationTable(), description="What the measured channel adds to a motion"
+        default=CalibrationTable(),
+        description="What the measured channel adds to a motion; `assess` takes it off",
     )
 
 
@@ -123,7 +125,7 @@ class StatedChannels:
 
     stated: Mapping[Part, Stated] = field(default_factory=dict)
     rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
-    # Skew [ms], scale, hysteresis [-] and resolution [m] of the measured channel, as calibrated
+    # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
     calibration: Mapping[str, StatedValue] = field(default_factory=dict)
 
 

@@ -95,7 +95,8 @@ def read_recording(
         ),
         time_units=time_units,
     )
-    return recording_of(histories)
+    recording = recording_of(histories)
+    return replace(recording, stated={**laboratory.calibration, **recording.stated})
 
 
 def read_test(path: str | Path, test: str | None = None, *, delimiter: str | None = None) -> Columns:

@@ -56,7 +56,8 @@ class Recording:
         Restoring force of the specimen [N], shape (n,).
     stated : mapping of str to StatedValue, optional
         Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of
-        the measured displacement [-] as far as the file's header states them.
+        the measured displacement [-] as far as the file's header states them; and what `channels.toml` holds
+        as calibrated.
     channels : tuple of Channel, optional
         Which columns of the file were taken as what, in which unit and why.
 

@@ -54,3 +54,15 @@ def test_another_file_of_channels_is_not_replaced(sine, tmp_path, capsys):
     assert run(["calibrate", str(sine), "--out", str(out)]) == 2
     assert "--channels" in capsys.readouterr().err
     assert out.read_text(encoding="utf-8") == ""
+
+
+def test_a_calibrated_skew_is_taken_off_a_test(sine, tmp_path):
+    channels = tmp_path / "channels.toml"
+    reliab.calibrate(sine, actuator_delay=0, out=channels)
+    calibration = read_channels_file(channels).calibration
+    assert "hysteresis" not in calibration
+    by_file = reliab.assess(sine, f=1, xi=0.05, channels=channels)
+    by_options = reliab.assess(sine, f=1, xi=0.05, **calibration)
+    without = reliab.assess(sine, f=1, xi=0.05)
+    assert by_file.error.rebuilt.rms == by_options.error.rebuilt.rms
+    assert by_file.error.rebuilt.rms.value < 0.3 * without.error.rebuilt.rms.value
