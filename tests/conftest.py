@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 import unicodedata
 from contextlib import contextmanager
 from functools import cache
@@ -45,7 +44,6 @@ def pytest_configure(config):
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OMP_NUM_THREADS", "1")
     if config.getoption("record", default=False) and not hasattr(config, "workerinput"):
-        sys.path.insert(0, str(Path(__file__).parent))
         from slow_record import RECORD, SlowRecord, commit
 
         config.pluginmanager.register(SlowRecord(RECORD, commit()))

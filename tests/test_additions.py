@@ -152,7 +152,7 @@ def test_law_is_fitted_and_comes_back_from_json(plugin):
 
 def test_method_bounds_and_says_what_its_confidence_means(plugin):
     plugin("method")
-    assert method_of("least").lower_bound(np.array([3.0, 1.0, 2.0]), np.array(["p", "q", "r"]), 0.9) == 1.0
+    assert method_of("least").lower_bound(np.array([3.0, 1.0, 2.0]), np.array(["p", "q", "r"]), 0.9) == 1.0  # type: ignore[attr-defined]
     assert meaning_of_confidence("least") == "the least of the motions at hand"
 
 

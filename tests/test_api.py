@@ -22,7 +22,7 @@ PROMISED = (
 )
 
 
-@pytest.mark.parametrize("name", [name for name in reliab.__all__ if name != "__version__"])
+@pytest.mark.parametrize("name", [name for name in reliab.__all__ if name != "__version__"])  # type: ignore[attr-defined]
 def test_every_name_is_a_documented_function(name):
     offered = getattr(reliab, name)
     assert callable(offered)
@@ -31,12 +31,12 @@ def test_every_name_is_a_documented_function(name):
 
 
 def test_the_names_of_the_design_are_there():
-    assert set(PROMISED) <= set(reliab.__all__)
+    assert set(PROMISED) <= set(reliab.__all__)  # type: ignore[attr-defined]
 
 
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="magic"):
-        reliab.magic  # noqa: B018
+        reliab.magic  # type: ignore[attr-defined]  # noqa: B018
 
 
 def test_importing_the_package_imports_no_numerics():
@@ -120,7 +120,7 @@ def test_a_criterion_between_the_stored_structures_is_that_of_the_command(capsys
 def test_former_names_of_arguments_do_what_they_did():
     wanted = {"method": "quantile"}
     with pytest.warns(DeprecationWarning, match="`frequency` is called `f`"):
-        former = reliab.derive_criterion("real_suite", frequency=1.0, **wanted)
+        former = reliab.derive_criterion("real_suite", frequency=1.0, **wanted)  # type: ignore[call-arg]
     assert former == reliab.derive_criterion("real_suite", f=1.0, **wanted)
 
 

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from reliab.errors import InputError
-from reliab.files import (
+from reliab.files import (  # type: ignore[attr-defined]
     UNFINISHED,
     decoding,
     folder_written_whole,

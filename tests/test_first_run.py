@@ -66,6 +66,12 @@ def test_no_dependency_and_no_module_warns_when_it_is_imported_with_an_empty_hom
     assert {path.parent.name for path in files} <= {"matplotlib"}, "a list of fonts only"
 
 
+def test_what_keeps_something_in_a_home_is_imported_without_one():
+    kept = ["reliab.compiled", "reliab.cli.info", "reliab.report", "matplotlib.pyplot", "numba"]
+    assert run(["-c", f"import {', '.join(kept)}"], HOME="/dev/null").returncode == 0
+
+
+@pytest.mark.slow
 def test_no_dependency_and_no_module_needs_a_home_to_be_imported():
     done = run(["-c", IMPORT_ALL, *sorted(modules_of_dependencies())], HOME="/dev/null")
     assert done.returncode == 0, done.stderr

@@ -268,7 +268,7 @@ def test_results_are_written_whole_or_not_at_all():
         f"{path.relative_to(PACKAGE)}:{call.lineno}"
         for path in PACKAGE.rglob("*.py")
         if str(path.relative_to(PACKAGE)) not in exempt
-        for call in _unguarded(ast.parse(path.read_text(encoding="utf-8")))
+        for call in _unguarded(source(path)[1])
     }
     assert stray == set()
 
@@ -291,7 +291,7 @@ def test_what_users_describe_is_parsed_within_bounds():
     parsed = {
         str(path.relative_to(PACKAGE))
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(source(path)[1])
         if isinstance(node, ast.Call) and ast.unparse(node.func) in PARSING
     }
     assert parsed == {"described_files.py"} | PARSED_AS_WE_WROTE_IT

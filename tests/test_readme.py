@@ -15,7 +15,6 @@ import pytest
 from reliab.cli import run
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
 from written_commands import blocks, command_blocks, parameters, reliab_lines  # noqa: E402
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")

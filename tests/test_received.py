@@ -5,7 +5,6 @@ import json
 import os
 import pickle
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,8 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 import pytest
+from fuzz import corpus
+from fuzz.damage import write
 
 import reliab
 from reliab.discrepancy import read_campaign
@@ -27,10 +28,6 @@ from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
 from reliab.study.steps import opened
 from reliab.sweep import open_ellipses, open_results, run_sweep
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))  # however pytest was started
-from fuzz import corpus
-from fuzz.damage import write
 
 PACKAGE = Path(reliab.__file__).parent
 FRAME = next(case["frame.toml"] for case in corpus.frames() if b"[transfer_system]" not in case["frame.toml"])

@@ -41,7 +41,7 @@ def test_former_arguments_have_no_meaning_for_frames():
 
 
 def test_results_of_a_diagnosis_still_have_their_former_method():
-    results = [getattr(discrepancy, name) for name in discrepancy.__all__]
+    results = [getattr(discrepancy, name) for name in discrepancy.__all__]  # type: ignore[attr-defined]
     owners = [owner for owner in results if hasattr(owner, "to_dict")]
     assert len(owners) >= 5
     assert all(hasattr(owner, "as_dict") for owner in owners)
@@ -54,5 +54,5 @@ def test_a_former_method_is_the_new_one_with_a_warning():
             return {"a": 1}
 
     with pytest.warns(DeprecationWarning, match="`as_dict` is called `to_dict` now.*0.4") as warned:
-        assert Result().as_dict() == {"a": 1}
+        assert Result().as_dict() == {"a": 1}  # type: ignore[attr-defined]
     assert warned[0].filename == __file__

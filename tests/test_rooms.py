@@ -75,10 +75,16 @@ def module_file(dotted: str) -> Path | None:
 
 
 @cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """Return every node of a module."""
+    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+@cache
 def imported_files(path: Path) -> frozenset[Path]:
     """Return every file of reliab that a file imports, at its top or late, inside a function."""
     files: set[Path | None] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.ImportFrom) and node.module:
             inside = (module_file(f"{node.module}.{alias.name}") for alias in node.names)
             files.update(file or module_file(node.module) for file in inside)
@@ -98,7 +104,7 @@ def test_a_room_is_entered_by_its_face():
     strays = {
         f"{path.relative_to(PACKAGE)}: {node.module}.{alias.name}"
         for path in modules()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes(path)
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("reliab.")
         if part_of(path) in ROOMS and (node.module or "").split(".")[1] in {*ROOMS} - {part_of(path)}
         for alias in node.names
@@ -131,7 +137,7 @@ def modules() -> list[Path]:
 def test_the_package_knows_no_study():
     """Every study could be deleted; what a command offers of one is imported by name when it is asked for."""
     for path in modules():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             if isinstance(node, ast.Import | ast.ImportFrom):
                 assert "reliab_studies" not in ast.unparse(node), path
 

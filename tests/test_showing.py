@@ -78,7 +78,7 @@ def test_each_half_of_a_region_ends_on_no_delay_at_the_limits_of_its_side():
         assert np.max(sign * up) == pytest.approx(b**0.5, rel=1e-6)
         assert np.min(sign * up) >= -1e-12
         np.testing.assert_allclose(np.sort(across)[[0, -1]], [-100 * a**0.5, 100 * a**0.5])
-        np.testing.assert_allclose(up[[0, -1]], 0.0, atol=1e-12)
+        np.testing.assert_allclose(up[[0, -1]], 0.0, atol=1e-12)  # type: ignore[index]
         assert f"{100 * a**0.5:.2f} % or {b**0.5:.2f} ms" in names[rank]
 
 
@@ -86,7 +86,7 @@ def test_the_ellipses_of_leads_are_the_wider_ones_on_no_delay():
     """Why the halves of a region do not meet there, for every motion that ships."""
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(curve="inscribed")
     known = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms")["a"]
-    ratios = np.sqrt(known.sel(side="lead") / known.sel(side="lag")).values
+    ratios = np.sqrt(known.sel(side="lead") / known.sel(side="lag")).values  # type: ignore[attr-defined]
     assert ratios.min() > 1.0
     assert ratios.max() < 1.15
 

@@ -2,14 +2,9 @@
 
 import ast
 import subprocess
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from slow_record import ROOT, SlowRecord, commit, read
 
 _BEFORE = '{"old::test": {"passed": "2020-01-01", "commit": "abc"}}'

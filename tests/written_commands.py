@@ -29,9 +29,9 @@ def reliab_lines(text):
 
 def parameters(line):
     """Return what a command is told; fails where an option does not exist or does not take its value."""
-    command = typer.main.get_command(app)
-    name, *arguments = spread(shlex.split(line)[1:], command)
-    command = command.commands[name]
+    group = typer.main.get_group(app)
+    name, *arguments = spread(shlex.split(line)[1:], group)
+    command = group.commands[name]
     while hasattr(command, "commands"):
         name, *arguments = arguments
         command = command.commands[name]

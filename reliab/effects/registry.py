@@ -1,5 +1,7 @@
 """The library of effects: those of this package and those that other packages add."""
 
+from typing import Any
+
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
 from reliab.effects.cubic_stiffness import CubicStiffness
@@ -76,7 +78,7 @@ def library() -> Registry[type[Effect]]:
     return _LIBRARY
 
 
-def find_effect(name: str) -> type[Effect]:
+def find_effect(name: str) -> type[Any]:  # a class derived from `Effect` with parameters of its own
     """Return the effect of a name.
 
     `name`: name as in files and reports. Returns the class of the effect. Raises InputError if there is none.

@@ -153,7 +153,7 @@ def study_of(path: Path) -> dict[str, Any]:
     return dict(study)
 
 
-def made_with(path: Path) -> dict[str, object]:
+def made_with(path: Path) -> dict[str, Any]:
     """Return the packages with which the results of a run were made.
 
     Parameters

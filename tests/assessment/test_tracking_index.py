@@ -36,9 +36,8 @@ def test_noise_of_the_command_biases_neither(simulate):
         errors.append((found.amplitude - 0.99, 1e3 * (found.delay - 0.01)))
         raw = frequency_evaluation(test.command, test.measured, test.time_step)
         plain.append(1e3 * (raw.equivalent_delay - 0.01))
-    errors = np.array(errors)
-    deviation = errors.std(axis=0) / np.sqrt(len(errors))
-    assert (np.abs(errors.mean(axis=0)) < 3.5 * deviation).all()
+    deviation = np.std(errors, axis=0) / np.sqrt(len(errors))
+    assert (np.abs(np.mean(errors, axis=0)) < 3.5 * deviation).all()
     assert np.mean(plain) < -3.5 * np.std(plain) / np.sqrt(len(plain))
 
 

@@ -8,30 +8,24 @@ loaded.
 """
 
 import argparse
-import shutil
 import statistics
+import sys
 import tempfile
 import time
 from pathlib import Path
 
-from selenium.webdriver import Chrome, ChromeOptions
-from selenium.webdriver.chrome.service import Service
+from selenium.webdriver import Chrome
 
 from reliab.cli import run
 from reliab.shipped import shipped
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from headless_browser import start
+
 SLIDERS = ("frequency", "damping", "share", "threshold", "confidence")
 MOVES = 20
 PAUSE = 0.15
-
-
-def browser() -> Chrome:
-    """Start a browser without a window."""
-    options = ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1440,1750"):
-        options.add_argument(argument)
-    return Chrome(options=options, service=Service(shutil.which("chromedriver")))
 
 
 def moved(page: Chrome, slider: str, part: float) -> float:
@@ -49,8 +43,8 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--screenshot", type=Path)
     arguments = parser.parse_args()
-    page = browser()
     with tempfile.TemporaryDirectory() as folder:
+        page = start(Path(folder) / "profile", width=1440, height=1750)
         path = Path(folder) / "criterion.html"
         run(["explore", "--out", str(path)])
         print(f"size {path.stat().st_size / 1e6:.2f} MB")
@@ -72,7 +66,7 @@ def main() -> None:
                 times.append(moved(page, slider, (k + 0.5) / MOVES))
                 time.sleep(PAUSE)
             print(f"{slider}: median {statistics.median(times):.1f} ms, longest {max(times):.1f} ms")
-    page.quit()
+        page.quit()
 
 
 if __name__ == "__main__":

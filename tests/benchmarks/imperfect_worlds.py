@@ -99,8 +99,8 @@ def stated_probabilities(diagnosis: Diagnosis) -> dict[str, float]:
     stated: dict[str, float] = {}
     for effect in (*diagnosis.effects, *diagnosis.doubtful):
         for item in (effect, *effect.rivals):
-            if not {effect.name, item.name} & OFFSETS:
-                stated[item.name] = max(stated.get(item.name, 0.0), item.probability)
+            if not {effect.name, item.name} & OFFSETS:  # type: ignore[attr-defined]
+                stated[item.name] = max(stated.get(item.name, 0.0), item.probability)  # type: ignore[attr-defined]
     return stated
 
 

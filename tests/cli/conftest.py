@@ -1,7 +1,4 @@
-"""Make what other folders of tests hold importable, however pytest was started; files of a test to judge."""
-
-import sys
-from pathlib import Path
+"""Files of a test to judge."""
 
 import numpy as np
 import pandas as pd
@@ -13,8 +10,6 @@ from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 
 @pytest.fixture(scope="module")

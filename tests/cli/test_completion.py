@@ -7,7 +7,7 @@ from reliab.cli import app
 from reliab.criterion.methods import METHODS
 from reliab.study import shipped_studies
 
-COMMANDS = typer.main.get_command(app).commands
+COMMANDS = typer.main.get_group(app).commands
 CASES = [
     ("assess", "tests", "sa", ["sample_test"]),
     ("assess", "tests", "", []),  # left to the shell, which offers files

@@ -14,7 +14,7 @@ import reliab
 from reliab.cli import app, run, spread
 from reliab.cli.examples import EXAMPLES
 
-COMMANDS = typer.main.get_command(app).commands
+COMMANDS = typer.main.get_group(app).commands
 
 
 def test_every_command_has_an_example_except_groups():

@@ -139,15 +139,14 @@ def test_a_follow_that_was_killed_and_started_again_says_the_same(good, capsys):
     assert capsys.readouterr().out.startswith(begun)
 
 
-def test_standard_input_is_followed_to_its_end(good, capsys):
-    done = subprocess.run(  # noqa: S603 - our own program
-        [*PROGRAM, *follow("-", "--threshold", "0.5")],
-        input=good.read_bytes(),
-        capture_output=True,
-        check=True,
-    )
+def test_standard_input_is_followed_to_its_end(good, capsys, monkeypatch):
+    """Through its descriptor, as a pipe is; a pipe of a process is read in the tests above."""
+    with good.open(encoding="utf-8") as pipe:
+        monkeypatch.setattr("sys.stdin", pipe)
+        assert run(follow("-", "--threshold", "0.5")) == 0
+    said = capsys.readouterr().out
     run(follow(good, "--threshold", "0.5"))
-    assert done.stdout.decode() == capsys.readouterr().out
+    assert said == capsys.readouterr().out
 
 
 def test_a_file_that_comes_later_is_waited_for(tmp_path, good, capsys):

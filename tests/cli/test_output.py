@@ -130,7 +130,7 @@ def characters_that_are_shown():
         tree = ast.parse(path.read_bytes())
         documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
         docstrings = {
-            id(node.body[0].value)
+            id(node.body[0].value)  # type: ignore[attr-defined]
             for node in ast.walk(tree)
             if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
         }

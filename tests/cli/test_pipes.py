@@ -14,13 +14,16 @@ from reliab.cli import run
 from reliab.cli.output import console, table, write_what_can_be_written
 
 LAW = ("criterion", "--law", "guo_2017_18", "--f", "1", "--xi", "0.02")
+COMMANDS = (("--help",), ("criterion", "--help"), ("info",), ("run", "--list"), LAW, (*LAW, "--json", "-"))
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [("--help",), ("criterion", "--help"), ("info",), ("run", "--list"), LAW, (*LAW, "--json", "-")],
+    ("arguments", "errors"),
+    [
+        *((command, subprocess.PIPE) for command in COMMANDS),
+        *((command, subprocess.STDOUT) for command in (COMMANDS[0], COMMANDS[-1])),
+    ],
 )
-@pytest.mark.parametrize("errors", [subprocess.PIPE, subprocess.STDOUT], ids=["output", "errors too"])
 def test_a_command_that_nobody_reads_ends_with_141(arguments, errors):
     process = subprocess.Popen(  # noqa: S603 - this very package
         [sys.executable, "-m", "reliab", *arguments], stdout=subprocess.PIPE, stderr=errors
@@ -33,9 +36,8 @@ def test_a_command_that_nobody_reads_ends_with_141(arguments, errors):
 
 
 def test_a_refusal_that_nobody_reads_ends_with_141_too():
-    process = subprocess.Popen(
-        [sys.executable, "-m", "reliab", "run", "nothing"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+    command = [sys.executable, "-m", "reliab", "assess", "missing.csv", "--f", "1"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # noqa: S603 - the line above
     process.stderr.close()
     assert (process.stdout.read(), process.wait()) == (b"", 141)
     process.stdout.close()

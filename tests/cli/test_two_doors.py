@@ -191,10 +191,10 @@ def test_objects_say_what_their_files_say(folder, monkeypatch):
 
 
 def test_every_option_is_an_argument_and_every_argument_an_option():
-    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL
+    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL  # type: ignore[attr-defined]
     arguments = set(inspect.signature(reliab.assess).parameters) - {"former"}
     assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
-    declared = set(assessment.Stated.__annotations__) - set(assessment.Former.__annotations__)
+    declared = set(assessment.Stated.__annotations__) - set(assessment.Former.__annotations__)  # type: ignore[attr-defined]
     assert declared == arguments - {"test", "structure"}
 
 

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from typing import Any
 
 import pytest
 import typer
@@ -127,7 +128,7 @@ def test_a_list_of_studies_refuses_what_it_does_not_use(beside):
 
 
 def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
-    seen = {}
+    seen: dict[str, Any] = {}
 
     def remember(study, folder, **_):
         seen.update(study=study, folder=folder)
@@ -137,7 +138,7 @@ def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
     invoke(runs, "thresholds", "--out", tmp_path / "here", "--motions", tmp_path, "--sets", "far_field")
     assert isinstance(seen["study"], Study)
     assert seen["folder"] == tmp_path / "here"
-    assert seen["study"].motions.sources == (str(tmp_path),)
-    assert seen["study"].motions.sets == ("far_field",)
+    assert seen["study"].motions.sources == (str(tmp_path),)  # type: ignore[attr-defined]
+    assert seen["study"].motions.sets == ("far_field",)  # type: ignore[attr-defined]
     invoke(runs)
-    assert seen["study"].motions.results == "real_suite"
+    assert seen["study"].motions.results == "real_suite"  # type: ignore[attr-defined]

@@ -1,6 +1,5 @@
 """Fixtures of the discrepancy room: small campaigns of known content, and blind ones."""
 
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from reliab.discrepancy import diagnose, read_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
 
 TOML = """name = "small"
 [structure]

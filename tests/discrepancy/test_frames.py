@@ -1,8 +1,6 @@
 """Campaigns of frames: read, balanced, and diagnosed where code that shares nothing hid an effect."""
 
-import sys
-from pathlib import Path
-
+import frame_laboratory
 import numpy as np
 import pytest
 
@@ -15,10 +13,6 @@ from reliab.errors import InputError
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-import frame_laboratory
 
 FRAME = """[structure.frame]
 masses_kg = [1000.0, 1000.0]

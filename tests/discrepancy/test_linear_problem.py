@@ -382,7 +382,7 @@ def promised(parent, change, monkeypatch, *, flat):
             return super().whitened(space, coordinates[:SIZE], noise) - coordinates[SIZE] * change
 
     problem = Problem()
-    problem.flat = flat
+    problem.flat = flat  # type: ignore[attr-defined]
     stretched = SimpleNamespace(
         starts=lambda _space, x: iter([np.append(x, 1.0), np.append(x, 0.5)]),
         scaled=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),

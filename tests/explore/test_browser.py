@@ -2,11 +2,11 @@
 
 import json
 import re
-import shutil
 import time
 
 import pandas as pd
 import pytest
+from headless_browser import PATIENCE, programs, start
 
 from reliab.assessment import assess
 from reliab.explore import write_page
@@ -16,25 +16,14 @@ from reliab.structures.structure import Structure
 
 selenium = pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")
 SAMPLE = shipped("datasets", "sample_test/test.csv")
-PATIENCE = 60.0
 VERDICT = re.compile(r"\b(reliable|unreliable|undecided)\b|error of this test")
 
 
 @pytest.fixture(scope="module")
-def browser():
-    from selenium.webdriver import Chrome, ChromeOptions
-    from selenium.webdriver.chrome.service import Service
-
-    program = shutil.which("chromium") or shutil.which("google-chrome")
-    driver = shutil.which("chromedriver")
-    if program is None or driver is None:
+def browser(tmp_path_factory):
+    if programs() is None:
         pytest.skip("neither chromium nor its driver is installed here")
-    options = ChromeOptions()
-    options.binary_location = program
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1400,1600"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    chrome = Chrome(options=options, service=Service(driver))
+    chrome = start(tmp_path_factory.mktemp("profile"))
     yield chrome
     chrome.quit()
 
@@ -83,12 +72,15 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     assert f"{python.population.index:#.4g}: inside the region" in numbers
     assert text(page, "command") == "reliab assess test.csv --f 1 --xi 0.02"
     assert not VERDICT.search(page.find_element("tag name", "body").text)
-    requested = [
-        message["params"]["request"]["url"]
+    requests = [
+        message["params"]
         for entry in page.get_log("performance")
         if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
     ]
-    assert set(requested) <= {address}
+    by_page = [
+        each for each in requests if not each["documentURL"].startswith("chrome://")
+    ]  # a new profile's
+    assert {each["request"]["url"] for each in by_page} == {address}
     assert page.get_log("browser") == []
 
 
@@ -154,7 +146,7 @@ def said(browser):
 def test_nothing_of_the_old_test_stays_when_another_file_is_read(page, tmp_path, second):
     other = tmp_path / "other.csv"
     table = pd.read_csv(SAMPLE, comment="#")
-    table.measured_m *= 0.97
+    table["measured_m"] *= 0.97
     (table if second == "good" else table[["time_s", "command_m"]]).to_csv(other, index=False)
     drop(page, SAMPLE)
     numbers = page.execute_script(  # A and index, which the other test does not share

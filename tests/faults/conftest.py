@@ -1,12 +1,8 @@
-"""Make `fuzz` and `faults` importable, however pytest was started, and count the faults that happened."""
+"""Count the faults that happened."""
 
-import sys
 from collections import Counter
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 _COUNTED = pytest.StashKey[Counter]()
 

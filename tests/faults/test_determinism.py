@@ -63,7 +63,10 @@ def test_bytes_depend_on_no_day_and_no_run(name, sources, tmp_path, usual):
     assert results(tmp_path) == usual(name)
 
 
-@pytest.mark.parametrize("name", DRAWING)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if "png" in name else ()) for name in DRAWING],  # no dates
+)
 def test_a_figure_has_the_same_bytes_twice(name, tmp_path, monkeypatch):
     for place, moment in (("first", "0"), ("second", "1700000000")):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", moment)  # matplotlib's clock

@@ -17,6 +17,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
+from typing import Any
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
@@ -82,7 +83,7 @@ def main() -> int:
 
 def _instrument() -> None:
     """Import readers so that atheris sees which of their branches a case takes; none of them is compiled."""
-    import atheris
+    import atheris  # type: ignore[import-untyped]
 
     with atheris.instrument_imports(include=list(_READERS)):
         for name in _READERS:
@@ -145,7 +146,7 @@ def _peak() -> int:
     return int(status.partition("VmHWM:")[2].split()[0])
 
 
-def _fuzz(name: str, target: object, seconds: float, keep: Path) -> int:
+def _fuzz(name: str, target: Any, seconds: float, keep: Path) -> int:
     """Try cases of one target until the time is over; print what was counted."""
     from fuzz.damage import drawn, with_edits
 
@@ -217,7 +218,7 @@ def _by_coverage(name: str, targets, options) -> int:
 
     limits = [f"-max_total_time={int(60 * options.minutes)}", "-timeout=10", "-rss_limit_mb=2048"]
     kept = f"-artifact_prefix={options.keep}/{name}-"
-    atheris.Setup([sys.argv[0], *limits, "-len_control=0", kept], tried.hypothesis.fuzz_one_input)
+    atheris.Setup([sys.argv[0], *limits, "-len_control=0", kept], tried.hypothesis.fuzz_one_input)  # type: ignore[attr-defined]
     atheris.Fuzz()
     return 0
 

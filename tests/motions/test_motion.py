@@ -14,7 +14,7 @@ G = STANDARD_GRAVITY
 
 def motion(**changes: object) -> Motion:
     arguments: dict[str, object] = {"name": "a", "acceleration": [0.0, 1.0, -2.0], "time_step": 0.5} | changes
-    return Motion(**arguments)  # type: ignore[arg-type]
+    return Motion(**arguments)
 
 
 def test_samples_are_a_read_only_contiguous_copy() -> None:

@@ -14,7 +14,7 @@ LABELS = st.text("abcXYZ019 /.,;-_()'\"äß", max_size=12).map(lambda text: " ".
 
 def motion(name: str = "a", **changes: object) -> Motion:
     arguments: dict[str, object] = {"acceleration": [0.1, -1.0 / 3.0, 1e-300], "time_step": 1 / 150} | changes
-    return Motion(name=name, **arguments)  # type: ignore[arg-type]
+    return Motion(name=name, **arguments)
 
 
 @given(

@@ -1,11 +1,6 @@
-import sys
-from pathlib import Path
-
 import pytest
 
 from reliab.cli import run
-
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 
 @pytest.fixture

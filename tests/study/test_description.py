@@ -1,5 +1,7 @@
 """Studies say what they ask for, and what is wrong with them."""
 
+from typing import Any
+
 import pytest
 
 from reliab.errors import InputError
@@ -80,7 +82,7 @@ def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
 @pytest.mark.of_studies
 def test_other_motions_change_the_digest_and_displace_stored_results():
     study = open_study("quick")
-    other = study.on(["elsewhere"], None)
+    other: Any = study.on(["elsewhere"], None)
     assert other.motions.sources == ("elsewhere",)
     assert other.motions.results is None
     assert other.digest() != study.digest()

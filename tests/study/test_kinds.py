@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -17,7 +18,7 @@ pytestmark = pytest.mark.of_studies
 
 def small(name, suite_folder, **tables):
     """A shipped study on few motions and structures."""
-    study = open_study(name)
+    study: Any = open_study(name)
     validation = {"confidences": [0.5, 0.9], "trials": 64}
     if "schemes" in study.validation.model_dump():
         validation["schemes"] = ["k_fold"]
@@ -72,7 +73,7 @@ def test_a_validation_rebuilds_the_errors_of_tests(suite_folder, tmp_path, text_
 
 def test_a_campaign_is_diagnosed_and_reported_from_the_folder_alone(tmp_path, text_of):
     campaign = tmp_path / "campaign"
-    shutil.copytree(shipped("datasets", "campaigns/rig_a"), campaign)
+    shutil.copytree(shipped("datasets", "campaigns/rig_c"), campaign)
     study = open_study("hidden_effect")
     study = study.model_copy(update={"campaign": CampaignTable(folder=str(campaign))})
     folder = tmp_path / "run"

@@ -20,9 +20,9 @@ def stated(name):
     """What a package states of its licence: an expression, classifiers, or the first line of a text."""
     about = metadata(name)
     classifiers = [line for line in about.get_all("Classifier") or () if line.startswith("License ::")]
-    text = (about.get("License") or "").strip()
+    text = (about.get("License") or "").strip()  # type: ignore[attr-defined]
     first = text.splitlines()[0] if text else ""
-    return about.get("License-Expression") or "; ".join(classifiers) or first
+    return about.get("License-Expression") or "; ".join(classifiers) or first  # type: ignore[attr-defined]
 
 
 def fault(licence):

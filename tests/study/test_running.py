@@ -5,6 +5,7 @@ import datetime as dt
 import json
 import shutil
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
@@ -225,11 +226,11 @@ def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
 
 def test_a_study_judges_the_law_that_it_reports(small_study):
     fitted = small_study.criterion.model_copy(update={"law": "dimensionless", "method": "dirichlet"})
-    own = candidates(small_study.errors, fitted)[0]
+    own: Any = candidates(small_study.errors, fitted)[0]
     assert own.law is FITTED["dimensionless"]
     assert own.name == "dirichlet, dimensionless"
     sampled = small_study.criterion.model_copy(update={"method": "hierarchical"})
-    assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"
+    assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"  # type: ignore[attr-defined]
 
 
 @pytest.mark.of_studies

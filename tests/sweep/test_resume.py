@@ -99,7 +99,7 @@ def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tic
     """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
     now = [100.0]
     monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    write_chunk = store.write_chunk
+    write_chunk = store.write_chunk  # type: ignore[attr-defined]
 
     def write_later(*arguments):
         write_chunk(*arguments)
@@ -109,7 +109,7 @@ def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tic
     path, known = tmp_path / "results.zarr", []
 
     def look(done: int, _: int) -> None:
-        entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]
+        entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]  # type: ignore[attr-defined]
         known.append(sum(map(bool, entries)) >= done if tick else not any(entries))
 
     run_sweep(suite, REQUEST, path, progress=look, workers=1)
@@ -216,7 +216,7 @@ def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
 
 
 def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch):
-    original = store.write_chunk
+    original = store.write_chunk  # type: ignore[attr-defined]
 
     def write_chunk(folder, array, index, values):
         if index == 2:

@@ -1,14 +1,13 @@
 """The rebuilt error beside criteria: the truth against another laboratory, verdicts, resume, refusals."""
 
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import typer
+from rebuilt_error import laboratory
 from typer.testing import CliRunner
 
 from reliab.cli.validate import validate
@@ -34,10 +33,6 @@ from reliab.validation.rebuilt_error_study import (
 from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN
 from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
 from reliab.vocabulary import Metric
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "assessment"))
-
-from rebuilt_error import laboratory
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 DURATION = 12.0

@@ -267,7 +267,8 @@ class EffectTable(BaseModel):
     @property
     def effect(self) -> Effect:
         """The effect."""
-        kind, values = find_effect(self.name), dict(self.model_extra or {})
+        kind: type[Effect] = find_effect(self.name)
+        values = dict(self.model_extra or {})
         names = [parameter.name for parameter in kind.parameters]
         unknown = sorted(set(values) - set(names))
         if unknown:

@@ -142,7 +142,7 @@ def _describe(path: Path) -> _ModelFile:
 
 
 def _effect(entry: _Effect, where: str) -> Effect:
-    kind = find_effect(entry.name)
+    kind: type[Effect] = find_effect(entry.name)
     parameters, values = {parameter.name: parameter for parameter in kind.parameters}, entry.parameters
     if set(parameters) != set(values):
         raise InputError(

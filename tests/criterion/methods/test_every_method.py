@@ -64,7 +64,7 @@ def test_a_confidence_outside_of_0_and_1_is_refused(method, motions, wrong):
 
 @pytest.mark.parametrize("name", ["tolerance", "posterior", "order_statistic", "bootstrap"])
 def test_more_assurance_gives_a_lower_bound(name, motions):
-    bounds = [method_of(name, assurance=each).lower_bound(*motions, 0.9) for each in (0.5, 0.8, 0.99)]
+    bounds = [method_of(name, assurance=each).lower_bound(*motions, 0.9) for each in (0.5, 0.8, 0.99)]  # type: ignore[attr-defined]
     assert bounds[0] > bounds[1] > bounds[2]
     with pytest.raises(InputError, match="assurance must lie"):
         method_of(name, assurance=95.0)

@@ -49,7 +49,7 @@ def test_ranks_have_a_panel_for_each_parameter(posterior):
 
 def test_ranks_of_ensembles_add_up_to_what_is_expected(posterior):
     (place,) = ranks(strayed(posterior), ("mean of b",)).axes
-    each = np.array([steps.get_data().values for steps in place.patches])
+    each = np.array([steps.get_data().values for steps in place.patches])  # type: ignore[attr-defined]
     assert each.shape[0] == ENSEMBLES
     np.testing.assert_allclose(each.mean(axis=0), 1.0, atol=0.02)
     np.testing.assert_allclose(each.mean(axis=1), 1.0)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from reliab.discrepancy.adding import Posterior
 from reliab.discrepancy.campaign import Channel
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
-from reliab.effects import find_effect
+from reliab.effects import Effect, find_effect
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
     GapPanel,
@@ -198,7 +198,8 @@ def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
 def _meaning(name: str) -> str:
     """Words for a parameter of an effect, by "effect.parameter"."""
     effect, _, parameter = name.partition(".")
-    return next(item.meaning for item in find_effect(effect).parameters if item.name == parameter)
+    kind: type[Effect] = find_effect(effect)
+    return next(item.meaning for item in kind.parameters if item.name == parameter)
 
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
