@@ -253,7 +253,7 @@ def digest(path: Path) -> str:
     return total.hexdigest() if any(file.is_file() for file in files) else ""
 
 
-def environment() -> dict[str, object]:
+def environment() -> dict[str, Any]:
     """Describe what results are computed with.
 
     Equal input gives equal bytes where all of this is equal; with another processor or other packages the

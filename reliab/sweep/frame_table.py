@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pandas as pd
@@ -155,7 +155,7 @@ def errors_of_rig(
     return pd.DataFrame(rows, columns=columns)
 
 
-def summary_of_rig(errors: pd.DataFrame, metric: str, threshold: float) -> dict[str, object]:
+def summary_of_rig(errors: pd.DataFrame, metric: str, threshold: float) -> dict[str, Any]:
     """Summarise the errors of a rig: how many motions it serves, and the error of most of them.
 
     `threshold`: largest error of a reliable test [-]. Returns `stable`, `metric`, `threshold`, `share_below`,
