@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.criterion import read_ellipses
+from reliab.discrepancy.campaign import Channel
 from reliab.discrepancy.campaign.channels import read_channels
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
@@ -48,7 +49,7 @@ def test_recordings(tmp_path, encoding):
 def test_tests_of_a_campaign(tmp_path, encoding):
     text = TEST.replace("command_m", "force_n")
     channels, _ = read_channels(written(text, encoding, tmp_path / "a.csv"), 64.0, StatedChannels())
-    np.testing.assert_array_equal(channels["measured_m"], np.arange(80) % 5)
+    np.testing.assert_array_equal(channels[Channel.MEASURED], np.arange(80) % 5)
 
 
 def test_tables_of_ellipses(tmp_path, encoding):

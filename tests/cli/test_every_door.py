@@ -5,6 +5,7 @@ import json
 import random
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import typer
@@ -17,9 +18,9 @@ from reliab.criterion import read_ellipses
 from reliab.report import Setting
 from reliab.shipped import shipped
 
-COMMAND = typer.main.get_command(cli.app)
+COMMAND = typer.main.get_group(cli.app)
 DRAWS = 160
-SERVICES = {
+SERVICES: dict[str, Any] = {
     "simulate": [api.simulate_suite],
     "ellipses": [api.trace_boundaries],
     "criterion": [api.derive_criteria],
@@ -51,7 +52,7 @@ OF_PYTHON = {"show", "tell", "say", "addition"}
 
 
 def command_of(name):
-    command = COMMAND
+    command: Any = COMMAND
     for word in name.split():
         command = command.commands[word]
     return command
@@ -91,7 +92,7 @@ SOURCES = {
     "window": ("record", "2"),
     **NUMBERS,
 }
-WAYS = {
+WAYS: dict[str, Any] = {
     "criterion": {
         **SOURCES,
         "confidence": (0.9, 95.0),

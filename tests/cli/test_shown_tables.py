@@ -84,7 +84,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     assert "90 % interval" not in shown()
     monitor.feed(command[100:], 0.99 * command[100:])
     result = monitor.ask(draws=8)
-    message.alarms["energy"] = "the loop has gained energy"
+    message.alarms["energy"] = "the loop has gained energy"  # type: ignore[index]
     text = shown()
     assert f"{result.rms.value:.2%} ({result.rms.low:.2%} to {result.rms.high:.2%})" in text
     assert f"{result.probability(0.05):.3f}" in text

@@ -21,7 +21,7 @@ from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
 
 DRAWS = 200
-COMMAND = typer.main.get_command(cli.app)
+COMMAND = typer.main.get_group(cli.app)
 OF_THE_TERMINAL = {
     *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
     *("out", "check", "json_target", "help"),
@@ -191,10 +191,10 @@ def test_objects_say_what_their_files_say(folder, monkeypatch):
 
 
 def test_every_option_is_an_argument_and_every_argument_an_option():
-    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL  # type: ignore[attr-defined]
+    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL
     arguments = set(inspect.signature(reliab.assess).parameters) - {"former"}
     assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
-    declared = set(assessment.Stated.__annotations__) - set(assessment.Former.__annotations__)  # type: ignore[attr-defined]
+    declared = set(assessment.Stated.__annotations__) - set(assessment.Former.__annotations__)
     assert declared == arguments - {"test", "structure"}
 
 
