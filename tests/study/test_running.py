@@ -29,7 +29,7 @@ def shown():
 
 
 @pytest.fixture(scope="module")
-def finished_once(tmp_path_factory, small_study, shown):
+def finished_once(tmp_path_factory, small_study, shown, blank_figures):  # noqa: ARG001 - before it
     @contextmanager
     def show(task):
         calls = shown.setdefault(task, [])
