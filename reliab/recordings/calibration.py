@@ -266,7 +266,7 @@ class _Channels:
         every = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
         filtered = np.stack([smoothed(values, coefficients) for values in (recording.measured, *stops)])
         self.time_step = recording.time_step
-        self.times: Array = recording.time_step * np.arange(motion.size)[within][::every]
+        self.times = np.float64(recording.time_step) * np.arange(motion.size)[within][::every]
         self.measured = filtered[0][within][::every]
         basis = np.vstack([motion, filtered[1:]]).T[within][::every]
         self.path = scipy.interpolate.make_interp_spline(self.times, basis)

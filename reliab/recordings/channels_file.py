@@ -115,7 +115,7 @@ class ChannelsDescription(_Table):
     sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
     calibration: CalibrationTable = Field(
         default=CalibrationTable(),
-        description="What the measured channel adds to a motion; `assess` takes it off",
+        description="What the measured channel adds, which `assess` takes off",
     )
 
 
