@@ -101,7 +101,7 @@ def _reason(error: Exception) -> str:
         return "more data than fit in memory"
     if isinstance(error, UnicodeDecodeError):
         return "bytes that are no text"
-    if isinstance(error, KeyError):
+    if isinstance(error, KeyError) and error.args:
         return f"no {error}"
     lines = str(getattr(error, "strerror", None) or error).strip().splitlines()
     return lines[0][:_LONGEST_REASON].rstrip(" .:") if lines else type(error).__name__

@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 _BOUND = re.compile(r"^([A-Za-z0-9_.\[\]-]+)\s*>=\s*([0-9][0-9.]*)")
-_TESTED = ("dask", "distributed", "hypothesis", "pytest")
+_TESTED = ("dask", "distributed", "hypothesis", "pytest")  # not mat-io, which needs newer ones
 
 
 def lowest(requirement: str) -> str | None:
