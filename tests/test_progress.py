@@ -20,7 +20,15 @@ from reliab.motions import load_motions
 from reliab.sampling import Ensembles, NormalValues, sample
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.structures import Structure
-from reliab.sweep import EllipseRequest, ScaledGrid, SweepRequest, predict_ellipses, run_sweep, trace_ellipses
+from reliab.sweep import (
+    EllipseRequest,
+    ScaledGrid,
+    SweepRequest,
+    measure_responses,
+    predict_ellipses,
+    run_sweep,
+    trace_ellipses,
+)
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, trace_frame_ellipses
 from reliab.validation.beyond_the_model import try_rigs
 from reliab.validation.cross_validation import cross_validate, k_fold
@@ -135,6 +143,7 @@ CASES = {
     "trace_frame_ellipses": lambda progress: trace_frame_ellipses(
         MOTIONS, FrameRequest(frame=FRAME_UNDER_TEST), progress=progress
     ),
+    "measure_responses": lambda progress: measure_responses(MOTIONS, [1.0], [0.02], progress=progress),
     "errors_of_rig": lambda progress: errors_of_rig(
         FRAME_UNDER_TEST, MOTIONS, window=Window(), progress=progress
     ),

@@ -66,7 +66,8 @@ class Case:
             return carry_to_response(population, self._measures(population, source, show), response)
         records = EllipseSource(
             motions=self.suite,
-            **places,
+            f=places["f"],
+            xi=places["xi"],
             threshold=population["threshold"].values.tolist(),
             metric=source.metric,
         )

@@ -22,6 +22,7 @@ from typing import Any, Final
 import numpy as np
 import scipy
 import xarray as xr
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.criterion.event_components import event_components
@@ -192,7 +193,7 @@ def carry_to_suite(ellipses: xr.Dataset, suite: xr.Dataset) -> xr.Dataset:
     return _stating(_assembled(near, near, carried), words, scope_of(ellipses), case)
 
 
-def _pooled(population: Array, events: Array, own: Array, own_events: Array) -> Array:
+def _pooled(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
     """Logarithms of a population (motions, f, ξ), moved and stretched towards those of a suite."""
     moved = np.full_like(population, np.nan)
     for row, column in np.ndindex(population.shape[1:]):
@@ -239,7 +240,7 @@ class _Fit:
         line = np.stack([np.ones(y.size), growth[known]], axis=-1)
         variance = scipy.optimize.nnls(line, residuals[known] ** 2)[0]
         return cls(
-            coefficients=coefficients,
+            coefficients=np.asarray(coefficients, dtype=np.float64),
             covariance=bread @ (sums.T @ sums) @ bread,
             centre=x.mean(axis=0),
             residuals=residuals / np.sqrt(variance[0] + variance[1] * growth),
@@ -289,17 +290,18 @@ def _assembled(
     sizes = [place.sizes[name] if name in {"f", "xi"} else table.sizes[name] for name in _DIMENSIONS]
     filled = {name: np.full(sizes, np.nan) for name in ("a", "b")}
     for at, cell in _cells(table):
+        index: Any = (..., *at)
         for name, target in filled.items():
-            values = table[name].values[(..., *at)].astype(np.float64)
+            values = table[name].values[index].astype(np.float64)
             values = np.where(values > 0.0, values, np.nan)
-            target[(..., *at)] = carried(name, cell, values, float(cell["threshold"]))
+            target[index] = carried(name, cell, values, float(cell["threshold"]))
     whole = xr.Dataset({name: (_DIMENSIONS, values) for name, values in filled.items()})
     whole = whole.assign_coords(
         {**coordinates, "f": place["f"].values, "xi": place["xi"].values, "event": ellipses["event"]}
     )
-    for name in whole.variables:
-        if name in ellipses.variables:
-            whole[name].attrs.update(ellipses[name].attrs)
+    for labelled in whole.variables:
+        if labelled in ellipses.variables:
+            whole[labelled].attrs.update(ellipses[labelled].attrs)
     return whole.assign_attrs(ellipses.attrs)
 
 
