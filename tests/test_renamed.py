@@ -4,6 +4,7 @@ import pytest
 
 import reliab
 from reliab import discrepancy
+from reliab.assessment import ordinary_equipment
 from reliab.assessment.assess import assess
 from reliab.recordings import read_recording
 from reliab.renamed import renamed_method
@@ -27,7 +28,9 @@ def test_former_arguments_of_assess_do_what_they_did(former):
         by_name = reliab.assess("sample_test", STRUCTURE, **former)
     assert warned[0].filename == __file__
     recording = read_recording(shipped("datasets", "sample_test/test.csv"))
-    expected, without = assess(recording, STRUCTURE, **former), assess(recording, STRUCTURE)
+    usual = {"equipment": ordinary_equipment()}
+    expected = assess(recording, STRUCTURE, **usual, **former)
+    without = assess(recording, STRUCTURE, **usual)
     assert answer(by_name) == answer(expected) != answer(without)
 
 

@@ -5,10 +5,13 @@ line writes them as its options.
 """
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
-from reliab.assessment import CHANNELS, LowPass
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    from reliab.assessment import LowPass
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
@@ -47,12 +50,14 @@ def require_positive(stated: Mapping[str, StatedValue]) -> None:
             )
 
 
-def stated_filters(texts: Iterable[str]) -> dict[str, LowPass]:
+def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     """Read the filters of the channels.
 
     >>> stated_filters(["measured=200/4"])
     {'measured': LowPass(corner=200.0, order=4)}
     """
+    from reliab.assessment import CHANNELS, LowPass
+
     filters: dict[str, LowPass] = {}
     for text in texts:
         channel, _, low_pass = text.partition("=")

@@ -134,7 +134,7 @@ def trace_boundaries(
     --------
     >>> traced = trace_boundaries(results="real_suite", f=1, xi=0.02)
     >>> len(traced), round(next(traced.rows())["b"], 2)
-    (100, 2.67)
+    (100, 1.35)
     """
     source = EllipseSource(
         motions=motions,

@@ -222,7 +222,7 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
     ):
         value = getattr(calibration, name)
         if value is not None:
-            lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.3g}"]
+            lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.4g}"]
     lines += [f"{name} = {getattr(calibration, name):.6g}" for name in _PLAIN]
     remaining = _FORMER.sub("", described).rstrip()
     return "\n".join([*([remaining, ""] if remaining else []), *lines, ""])

@@ -19,6 +19,7 @@ from reliab.recordings.readers import Columns
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING
 from reliab.recordings.units import TIMES, unit_of
 from reliab.recordings.words import Quantity
+from reliab.significant import significant
 
 _JITTER: Final = 0.01  # share of a step by which a time may be off and still count as equal
 _LARGEST_JITTER: Final = 0.5
@@ -101,8 +102,8 @@ def at_one_clock(
     lead, notes = clocks[first], []
     if lead.times is not None:
         notes.append(
-            f"The clock jitters by up to {_jitter(lead.times, lead.step):.2g} of a step; the channels were "
-            f"interpolated at equal steps of {lead.step:.6g} s."
+            f"The clock jitters by up to {significant(_jitter(lead.times, lead.step), 2)} of a step; the "
+            f"channels were interpolated at equal steps of {lead.step:.6g} s."
         )
     return _interpolated(columns, channels, histories, clocks, notes), lead.step, notes
 

@@ -18,6 +18,7 @@ from reliab.recordings.readers import Columns, read_frame, read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import Recording
 from reliab.recordings.units import LENGTHS, unit_of
+from reliab.significant import significant
 from reliab.stated_value import StatedValue
 
 _HEADER_NAMES: Final = {
@@ -254,8 +255,8 @@ def _require_same_unit(columns: Columns, channel: Channel, beside: Channel) -> N
     if not 1.0 / _LARGEST_RATIO < ratio < _LARGEST_RATIO and np.isfinite(ratio):
         raise InputError(
             "Both displacements must state their units where they may differ",
-            value=f"{channel.column!r} without one, {ratio:.3g} times the size of {beside.column!r} in "
-            f"{beside.unit}",
+            value=f"{channel.column!r} without one, {significant(ratio)} times the size of "
+            f"{beside.column!r} in {beside.unit}",
             remedy="Name the column with its unit, or state it in a file `channels.toml`",
             where=columns.where,
         )

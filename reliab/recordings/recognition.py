@@ -26,6 +26,7 @@ from reliab.recordings.readers import Columns
 from reliab.recordings.recording import LARGEST_READING
 from reliab.recordings.units import UNITS, Unit, unit_of
 from reliab.recordings.words import ROLES, Quantity, Role
+from reliab.significant import significant
 
 _SIMILAR = 0.7
 _LEAST_LAG = 0.25  # samples by which one history must follow another before that says which is measured
@@ -322,7 +323,7 @@ class _Search:
         leader, follower = (first, second) if side > 0 else (second, first)
         reason = (
             f"the two move most alike (correlation {likeness.correlation:.3f}), and {follower.column!r} "
-            f"follows by {abs(likeness.lag):.2g} samples"
+            f"follows by {significant(abs(likeness.lag))} samples"
         )
         return self._channel(Part.COMMAND, leader, reason), self._channel(Part.MEASURED, follower, reason)
 

@@ -63,6 +63,8 @@ SEEN_ELSEWHERE = {
     "--date": "test_a_report_and_a_json_file_are_written",
     **dict.fromkeys(("--title", "--paper", "--laboratory", "--logo"), "tests/report/test_setting.py"),
     "--out": "tests/cli/test_assess_several.py",
+    "--test": "tests/recordings/test_layouts.py",
+    "--channels": "tests/cli/test_calibrate.py",
     "--json": "test_a_report_and_a_json_file_are_written",
 }
 
