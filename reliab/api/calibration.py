@@ -5,14 +5,13 @@ from pathlib import Path
 import pandas as pd
 
 from reliab.api.arguments import Quantity, stated_values
+from reliab.api.channels import Channels
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.recordings import (
     ChannelCalibration,
     calibrate_channels,
     calibration_in_toml,
-    read_channels_file,
-    read_recording,
 )
 
 
@@ -68,18 +67,17 @@ def calibrate(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    recording = read_recording(
-        test,
+    recording = Channels(
         command=command,
         measured=measured,
         time=time,
-        rate_hz=rate,
+        rate=rate,
         units=units,
         time_units=time_units,
         delimiter=delimiter,
-        test=test_name,
+        test_name=test_name,
         channels=channels,
-    )
+    ).read(test)
     delay = stated_values(actuator_delay=actuator_delay).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
@@ -95,8 +93,6 @@ def _write(calibration: ChannelCalibration, out: Path, channels: Path | None, so
             value=out,
             remedy=f"Name another file, or give `channels` = {out} to keep what it states",
         )
-    if channels is not None:
-        read_channels_file(channels)
     described = "" if channels is None else channels.read_text(encoding="utf-8")
     with written_whole(out) as file:
         file.write_text(calibration_in_toml(calibration, described, source), encoding="utf-8")
