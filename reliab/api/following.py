@@ -15,8 +15,6 @@ from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
-    StatedChannels,
-    read_channels_file,
     rows_as_written,
     stated_by_options,
 )
@@ -135,14 +133,14 @@ def follow_test(
             raise InputError(f"`{name}` must be positive", value=number)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    said = StatedChannels() if channels is None else read_channels_file(channels)
+    laboratory = stated_by_options(channels, columns, units, rate)
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
-        stated=stated_by_options(said.stated, columns, units),
+        stated=laboratory.stated,
     )
     watch = _Watch(stated=stated, threshold=threshold, metric=Metric.parse(metric), every=every)
-    return watch.follow(rows, rate or said.rate_hz)
+    return watch.follow(rows, laboratory.rate_hz)
 
 
 def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:

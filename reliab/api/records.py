@@ -11,9 +11,7 @@ from reliab.recordings import (
     About,
     Histories,
     Part,
-    StatedChannels,
     check_record,
-    read_channels_file,
     record_test,
     stated_by_options,
     write_csv,
@@ -106,7 +104,6 @@ def record(
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
     path = or_shipped(Path(source), "datasets", "test.csv")
-    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
     about = About(
@@ -119,9 +116,7 @@ def record(
     )
     dataset, histories = record_test(
         path,
-        laboratory=StatedChannels(
-            stated=stated_by_options(laboratory.stated, names, units), rate_hz=rate or laboratory.rate_hz
-        ),
+        laboratory=stated_by_options(channels, names, units, rate),
         test=test_name,
         about=about,
         time_units=time_units,

@@ -86,16 +86,10 @@ def read_recording(
         With file, line, rule and remedy, if a column is missing or two are too close, times do not follow at
         equal steps, a value is missing or a history is constant.
     """
-    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     table = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, test, delimiter=delimiter)
-    histories = histories_of(
-        table,
-        StatedChannels(
-            stated=stated_by_options(laboratory.stated, names, units), rate_hz=rate_hz or laboratory.rate_hz
-        ),
-        time_units=time_units,
-    )
+    laboratory = stated_by_options(channels, names, units, rate_hz)
+    histories = histories_of(table, laboratory, time_units=time_units)
     recording = recording_of(histories)
     return replace(recording, stated={**laboratory.calibration, **recording.stated})
 
@@ -189,20 +183,21 @@ def stated_in(columns: Columns) -> dict[str, StatedValue]:
 
 
 def stated_by_options(
-    stated: Mapping[Part, Stated], names: Mapping[Part, str | None] | Mapping[Part, str], units: str | None
-) -> dict[Part, Stated]:
-    """Put what options state before what a file `channels.toml` states."""
+    channels: str | Path | None, names: Mapping[Part, str | None], units: str | None, rate_hz: float | None
+) -> StatedChannels:
+    """Put what options state before what a file `channels.toml` states; `rate_hz` [Hz]."""
+    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
     if units is not None and units not in LENGTHS:
         raise InputError(
             "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"
         )
-    result = dict(stated)
+    result = dict(laboratory.stated)
     for part, name in names.items():
         if name is not None:
             result[part] = replace(result.get(part, Stated()), columns=(name,))
     for part in DISPLACEMENTS if units else ():
         result[part] = replace(result.get(part, Stated()), unit=units or "")
-    return result
+    return replace(laboratory, stated=result, rate_hz=rate_hz or laboratory.rate_hz)
 
 
 def _key(channel: Channel) -> str:
