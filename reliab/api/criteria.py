@@ -18,6 +18,7 @@ from reliab.api.sources import (
     TWO_PERCENT,
     EllipseSource,
     Files,
+    at_structures,
     listed,
     paths,
     require_thresholds,
@@ -29,6 +30,7 @@ from reliab.criterion import (
     compare_shares,
     describe_sample,
     printed_share,
+    protect_over_lengths,
     published_criterion,
     summarise,
 )
@@ -222,7 +224,7 @@ def derive_criteria(
     case = Case(duration=duration, motion=motion, suite=suite)
     if case.narrows and not any((motions, results, ellipses)):
         ellipses = POPULATION
-    traced_alone = (motions or law == "table") and not (case.narrows and not motions)
+    traced_alone = motions or (law == "table" and results)
     question = _Question(
         case=case,
         structures=(f, xi),
@@ -346,6 +348,9 @@ class _Question:
             )
         source = self.source()
         dataset = self.case.carried(with_room(source.dataset(self.show)), source, *self.structures, self.show)
+        dataset = protect_over_lengths(dataset, metric=self.metric, curve=method.curve)
+        if self.law == "table":
+            dataset = at_structures(dataset, *self.structures)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
         promises = list(itertools.product(errors, self.confidences or [_NINETY_FIVE]))
         self._require_one_share(shares)

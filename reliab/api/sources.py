@@ -149,7 +149,7 @@ class EllipseSource:
         """Read a file of ellipses."""
         path = or_shipped(path, "datasets", "ellipses.nc")
         if path.suffix == ".nc":
-            return _at_structures(open_ellipses(path, window=self.window), self.f, self.xi)
+            return at_structures(open_ellipses(path, window=self.window), self.f, self.xi)
         if self.window is not None:
             raise InputError(
                 "A CSV table of ellipses does not state over which window its errors were computed",
@@ -159,7 +159,7 @@ class EllipseSource:
         dataset = read_ellipses(path)
         for name in ("f", "xi", "threshold", "metric"):
             _require_column(dataset, name, getattr(self, name), path)
-        return _at_structures(dataset, self.f, self.xi)
+        return at_structures(dataset, self.f, self.xi)
 
     def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
@@ -167,7 +167,7 @@ class EllipseSource:
             stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
-            traced: xr.Dataset = _at_structures(stored, self.f, self.xi).reliab.ellipses(
+            traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
             )
         return traced
@@ -255,7 +255,7 @@ def _near(alpha: float, shares: tuple[float, ...]) -> bool:
     return any(math.isclose(alpha, share, rel_tol=1e-9) for share in shares)
 
 
-def _at_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -> xr.Dataset:
+def at_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -> xr.Dataset:
     """Keep the structures that are asked for, or all where one of them lies between the stored ones.
 
     `f`, `xi` [Hz, -].

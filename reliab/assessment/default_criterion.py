@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.assessment.criterion_window import RECORD, window_for
-from reliab.criterion import Criterion, derive_criterion
+from reliab.assessment.criterion_window import RECORD, CriterionWindow, window_for
+from reliab.criterion import Criterion, derive_criterion, protect_over_lengths
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
@@ -55,16 +55,12 @@ def default_criterion(
         If the threshold lies outside of the shipped ones, or the metric is unknown.
     """
     window = window_for(duration, shipped_windows())
-    ellipses = _shipped_ellipses(window.below)
-    if metric not in ellipses["metric"].values.tolist():
+    if metric not in _shipped_ellipses()["metric"].values.tolist():
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
-    if without is not None:
-        ellipses = ellipses.isel(motion=ellipses["event"].values != without)
-    if window.weight > 0.0:
-        ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
-    near = ellipses.assign_attrs(window=window.label).sel(
-        f=_neighbours(ellipses["f"].values, frequency),
-        xi=_neighbours(ellipses["xi"].values, damping_ratio),
+    population = _population(window, without, metric)
+    near = population.sel(
+        f=_neighbours(population["f"].values, frequency),
+        xi=_neighbours(population["xi"].values, damping_ratio),
         metric=[metric],
     )
     return derive_criterion(
@@ -90,6 +86,17 @@ def shipped_windows() -> tuple[str, ...]:
 
 def _shipped_ellipses(window: str = RECORD) -> xr.Dataset:
     return _by_window()[window]
+
+
+@lru_cache(maxsize=8)
+def _population(window: CriterionWindow, without: str | None, metric: str) -> xr.Dataset:
+    """Ellipses of a window, without an earthquake; of whole records those that protect every length."""
+    ellipses = _shipped_ellipses(window.below)
+    if without is not None:
+        ellipses = ellipses.isel(motion=ellipses["event"].values != without)
+    if window.weight > 0.0:
+        ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
+    return protect_over_lengths(ellipses.assign_attrs(window=window.label), metric=metric)
 
 
 @lru_cache(maxsize=1)

@@ -27,6 +27,7 @@ from .goodness_of_fit import (
 from .meaning import MOST_AT_REST as MOST_AT_REST, REST as REST, require_meaning as require_meaning
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
+from .protection import protect_over_lengths as protect_over_lengths
 from .provenance import (
     Provenance as Provenance,
     installed_versions as installed_versions,

@@ -38,7 +38,7 @@ Labels = dict[str, Any]
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
-_DIMENSIONS: Final = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
+DIMENSIONS: Final = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
@@ -170,7 +170,7 @@ def carry_to_suite(ellipses: xr.Dataset, suite: xr.Dataset) -> xr.Dataset:
     InputError
         If the population lacks one of the suite's structures or errors.
     """
-    shared = {name: suite[name].values for name in _DIMENSIONS[1:] if name in suite.dims}
+    shared = {name: suite[name].values for name in DIMENSIONS[1:] if name in suite.dims}
     try:
         near = ellipses.sel(shared)
     except KeyError as missing:
@@ -285,9 +285,9 @@ def _assembled(
     ellipses: xr.Dataset, place: xr.Dataset, carried: Callable[[str, Labels, Array, float], Array]
 ) -> xr.Dataset:
     """Carry a and b of every error, curve and side to the structures of `place`."""
-    table = ellipses[["a", "b"]].transpose(*_DIMENSIONS)
-    coordinates = {name: table[name] for name in _DIMENSIONS if name not in {"f", "xi"}}
-    sizes = [place.sizes[name] if name in {"f", "xi"} else table.sizes[name] for name in _DIMENSIONS]
+    table = ellipses[["a", "b"]].transpose(*DIMENSIONS)
+    coordinates = {name: table[name] for name in DIMENSIONS if name not in {"f", "xi"}}
+    sizes = [place.sizes[name] if name in {"f", "xi"} else table.sizes[name] for name in DIMENSIONS]
     filled = {name: np.full(sizes, np.nan) for name in ("a", "b")}
     for at, cell in _cells(table):
         index: Any = (..., *at)
@@ -295,7 +295,7 @@ def _assembled(
             values = table[name].values[index].astype(np.float64)
             values = np.where(values > 0.0, values, np.nan)
             target[index] = carried(name, cell, values, float(cell["threshold"]))
-    whole = xr.Dataset({name: (_DIMENSIONS, values) for name, values in filled.items()})
+    whole = xr.Dataset({name: (DIMENSIONS, values) for name, values in filled.items()})
     whole = whole.assign_coords(
         {**coordinates, "f": place["f"].values, "xi": place["xi"].values, "event": ellipses["event"]}
     )
@@ -320,7 +320,7 @@ def _stating(
 
 def _cells(table: xr.Dataset) -> Iterator[tuple[tuple[int, ...], Labels]]:
     """Places and labels of every threshold, metric, curve and side."""
-    names = _DIMENSIONS[3:]
+    names = DIMENSIONS[3:]
     for at in product(*(range(table.sizes[name]) for name in names)):
         yield at, {name: table[name].values[place] for name, place in zip(names, at, strict=True)}
 

@@ -17,6 +17,7 @@ from reliab.criterion.learned_side import LearnedSide
 from reliab.criterion.meaning import require_meaning
 from reliab.criterion.methods import RECOMMENDED, Learned, Method, method_of
 from reliab.criterion.methods.method import checked_share
+from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.criterion.scope import population_of, scope_of
@@ -52,6 +53,9 @@ def derive_criterion(
     leads, and a law is fitted to them. A fitted law misses some of them a little; all its limits are
     therefore scaled by one factor, so that on average over the structures as many of the motions are
     contained as by the limits themselves.
+
+    Where at least thirty motions of ten earthquakes show how limits depend on the length of a record, the
+    criterion protects every length of this population; see :func:`protect_over_lengths`.
 
     Parameters
     ----------
@@ -115,15 +119,17 @@ def derive_criterion(
     5.29e-05 1.048
     """
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
+    known_method = method_of(method, **settings) if isinstance(method, str) else method
+    population = read_ellipses(
+        ellipses,
+        f=1.0 if f is None else f,
+        xi=0.02 if xi is None else xi,
+        threshold=threshold,
+        metric=str(metric),
+    )
     derivation = Derivation.of(
-        read_ellipses(
-            ellipses,
-            f=1.0 if f is None else f,
-            xi=0.02 if xi is None else xi,
-            threshold=threshold,
-            metric=str(metric),
-        ),
-        method=method_of(method, **settings) if isinstance(method, str) else method,
+        protect_over_lengths(population, metric=str(metric), curve=known_method.curve),
+        method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,
         frequency=f,
         damping_ratio=xi,

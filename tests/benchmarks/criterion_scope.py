@@ -2,11 +2,12 @@
 
     python tests/benchmarks/criterion_scope.py RECORDS [GROUP...]
 
-For each group of the 100 records the criterion is learned from all others: as it is, carried to the length
-of each record, and carried to the structure's response under it; the error of the loop is then computed
-along the whole edge. Printed are the shares kept at the stated 50, 80, 90 and 95 %, and the median area at
-95 % over that of the criterion as it is. GROUP is the beginning of a group's name, such as "length" or
-"region Taiwan".
+For each group of the 100 records the criterion is learned from all others: as recorded, protected over
+lengths (the default), carried to the length of each record, and carried to the structure's response under
+it; the error of the loop is then computed along the whole edge. Printed are the shares kept at the stated
+50, 80, 90, 95 and 99 %, and the median area at 95 % over that of the criterion as recorded. At the end all
+groups of a kind stand together, and each class among motions that were left out by their earthquake alone.
+GROUP is the beginning of a group's name, such as "length" or "region Taiwan".
 """
 
 import sys
@@ -15,7 +16,13 @@ from itertools import pairwise, product
 import numpy as np
 import pandas as pd
 
-from reliab.criterion import Derivation, carry_to_length, carry_to_response, read_ellipses
+from reliab.criterion import (
+    Derivation,
+    carry_to_length,
+    carry_to_response,
+    protect_over_lengths,
+    read_ellipses,
+)
 from reliab.criterion.methods import method_of
 from reliab.motions import load_motions
 from reliab.shipped import shipped
@@ -24,7 +31,7 @@ from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.truth import SimulatedTruth
 
 THRESHOLD = 0.05
-CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
+CONFIDENCES = (0.5, 0.8, 0.9, 0.95, 0.99)
 F, XI = (0.5, 1.0, 2.0), (0.02, 0.05)
 MAGNITUDES = (6.4, 6.6, 7.0, 7.3, 8.0)
 LENGTHS = (0.0, 25.0, 34.0, 45.0, 200.0)
@@ -62,20 +69,28 @@ def kept_by(truth, motion, limits):
 
 
 def judge(ellipses, measures, truth, chosen):
-    """Shares kept and areas of the three criteria for the motions of one group."""
+    """Shares kept by the four criteria (motions, criteria, confidences), and areas (motions, criteria)."""
     others, known = ellipses.isel(motion=~chosen), measures.isel(motion=~chosen)
-    as_it_is = limits_of(others)
+    recorded, protected = limits_of(others), limits_of(protect_over_lengths(others))
     kept, areas = [], []
     for motion in np.flatnonzero(chosen):
         of_length = limits_of(carry_to_length(others, float(ellipses["duration"][motion])))
         of_response = limits_of(carry_to_response(others, known, measures.isel(motion=[motion])))
-        kept.append([kept_by(truth, motion, limits) for limits in (as_it_is, of_length, of_response)])
-        areas.append([np.sqrt((limits / as_it_is)[-1].prod(axis=-1)) for limits in (of_length, of_response)])
-    return np.mean(kept, axis=(0, 3)), np.median(areas, axis=(0, 2))
+        every = recorded, protected, of_length, of_response
+        kept.append([kept_by(truth, motion, limits).mean(axis=-1) for limits in every])
+        areas.append([np.median(np.sqrt((limits / recorded)[-2].prod(axis=-1))) for limits in every])
+    return np.array(kept), np.array(areas)
+
+
+def show(name, events, kept, areas):
+    """Print one line."""
+    shares = "  ".join(" ".join(f"{100 * share:3.0f}" for share in row) for row in kept.mean(axis=0))
+    area = " ".join(f"{part:.2f}" for part in np.median(areas, axis=0)[1:])
+    print(f"{name:24s} {len(kept):7d} {np.unique(events).size:11d}  {shares}  {area}", flush=True)
 
 
 def main():
-    """Print one line for each group."""
+    """Print one line for each group, and for all of a kind."""
     structures = {"f": list(F), "xi": list(XI)}
     ellipses = read_ellipses("real_suite").sel(
         metric=["rms"], threshold=[THRESHOLD], side=["lag"], curve=["inscribed"], **structures
@@ -84,16 +99,31 @@ def main():
     suite = load_motions(sys.argv[1], sets=["far_field", "near_field"])
     by_name = {name: place for place, name in enumerate(suite.names)}
     truth = SimulatedTruth(motions=[suite[by_name[str(name)]] for name in ellipses["motion"].values])
-    print(f"{'left out':22s} motions earthquakes  as it is         by length        by response      area")
-    for name, chosen in groups_of(ellipses).items():
-        if len(sys.argv) > 2 and not any(name.startswith(wanted) for wanted in sys.argv[2:]):
-            continue
-        kept, areas = judge(ellipses, measures, truth, chosen)
-        events = np.unique(ellipses["event"].values[chosen]).size
-        shares = "  ".join(" ".join(f"{100 * share:3.0f}" for share in row) for row in kept)
-        print(
-            f"{name:22s} {chosen.sum():7d} {events:11d}  {shares}  {areas[0]:.2f} {areas[1]:.2f}", flush=True
-        )
+    events = ellipses["event"].values.astype(str)
+    groups = groups_of(ellipses)
+    wanted = [name for name in groups if any(name.startswith(start) for start in sys.argv[2:] or [""])]
+    heads = "as recorded          protected            by length            by response          areas"
+    print(f"{'left out':24s} motions earthquakes  {heads}")
+    by_kind = {}
+    for name in wanted:
+        kept, areas = judge(ellipses, measures, truth, groups[name])
+        show(name, events[groups[name]], kept, areas)
+        by_kind.setdefault(name.split()[0], []).append((events[groups[name]], kept, areas))
+    for kind, parts in by_kind.items():
+        show(f"every {kind}", *(np.concatenate(part) for part in zip(*parts, strict=True)))
+    if len(sys.argv) == 2:
+        show_alone(ellipses, measures, truth, groups)
+
+
+def show_alone(ellipses, measures, truth, groups):
+    """Print each class among motions that were left out by their earthquake alone."""
+    events = ellipses["event"].values.astype(str)
+    kept, areas = np.empty((events.size, 4, len(CONFIDENCES))), np.empty((events.size, 4))
+    for event in np.unique(events):
+        kept[events == event], areas[events == event] = judge(ellipses, measures, truth, events == event)
+    show("every earthquake", events, kept, areas)
+    for name, chosen in groups.items():
+        show(f"  {name}", events[chosen], kept[chosen], areas[chosen])
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from reliab.criterion import Derivation
+from reliab.criterion import Derivation, protect_over_lengths
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError
@@ -77,8 +77,9 @@ class Derived(Candidate):
         """
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
+        population = protect_over_lengths(ellipses, metric=metric, curve=self.method.curve)
         derivation = Derivation.of(
-            ellipses, method=self.method, law=self.law, threshold=threshold, metric=metric
+            population, method=self.method, law=self.law, threshold=threshold, metric=metric
         )
         for confidence in confidences:
             try:
