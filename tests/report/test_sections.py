@@ -1,0 +1,137 @@
+"""Sections say what their criterion and rates are: each sentence with its counterpart."""
+
+import dataclasses
+
+import pandas as pd
+import pytest
+
+from reliab.criterion import derive_criterion
+from reliab.criterion.methods import method_of
+from reliab.report.document import Figure, Paragraph, Table
+from reliab.report.sections.method import (
+    _FITTED,
+    _INSCRIBED,
+    _assumptions,
+    _boundary,
+    _confidence,
+    limits_section,
+)
+from reliab.report.sections.rates import rates_section
+
+
+def words(blocks):
+    """Every word of the paragraphs, points and captions of some blocks."""
+    return " ".join(_pieces(blocks))
+
+
+def _pieces(thing):
+    if isinstance(thing, str):
+        yield thing
+    elif isinstance(thing, dict):
+        yield from _pieces(list(thing.values()))
+    elif isinstance(thing, list | tuple):
+        for part in thing:
+            yield from _pieces(part)
+    elif dataclasses.is_dataclass(thing) and not isinstance(thing, Figure | Table):
+        for field in dataclasses.fields(thing):
+            yield from _pieces(getattr(thing, field.name))
+
+
+def rates(frequencies=(0.5, 2.0), **levels):
+    return pd.DataFrame(
+        [
+            {"candidate": name, "confidence": c, "f": f,
+             "rate": rate * c, "low": rate * c - 0.05, "high": rate * c + 0.02}
+            for name, (rate, confidences) in levels.items()
+            for c in confidences
+            for f in (float("nan"), *frequencies)
+        ]
+    )  # fmt: skip
+
+
+def test_the_division_is_told_where_there_is_one():
+    plain, divided = (
+        rates_section(rates(ours=(1.0, (0.8, 0.9))), confidence=0.9, division=division)
+        for division in ("", "by region")
+    )
+    assert plain.title == "Put to the test on held-out earthquakes"
+    assert plain.label == "sec:coverage"
+    assert "Whole earthquakes were held out in turn" in words(plain.blocks)
+    assert "Division" not in words(plain.blocks)
+    assert divided.title == "Put to the test: by region"
+    assert divided.label == "sec:coverage-by-region"
+    assert "Division: by region" in words(divided.blocks)
+    assert "Whole earthquakes" not in words(divided.blocks)
+    labels = [block.label for block in divided.blocks if isinstance(block, Figure | Table)]
+    assert labels == [f"{kind}-by-region" for kind in ("fig:calibration", "fig:by-frequency", "tab:rates")]
+
+
+def test_the_figures_hold_what_they_are_about():
+    table = rates(ours=(0.95, (0.8, 0.9)), printed=(0.5, (0.9,)))
+    opening, calibration, by_frequency, shares = rates_section(table, confidence=0.89, leads=True).blocks
+    assert isinstance(opening, Paragraph)
+    assert calibration.leads
+    caption = words((calibration.caption,))
+    assert "Printed laws state one confidence only" in caption
+    drawn = [text.get_text() for text in calibration.drawing.legends[0].get_texts()]
+    assert drawn == ["observed as stated", "ours"]
+    names = [text.get_text() for text in by_frequency.drawing.legends[0].get_texts()]
+    assert sorted(names) == ["ours", "printed", "stated 90 %"]
+    assert "at a stated 90" in words((by_frequency.caption,))
+    assert shares.frame["confidence"].tolist() == [0.8, 0.9, 0.9]
+    assert shares.frame["containment rate"].tolist() == pytest.approx([0.76, 0.855, 0.45])
+    assert shares.frame["containment low"].tolist() == pytest.approx([0.71, 0.805, 0.40])
+    assert [column.key for column in shares.columns] == [
+        "candidate", "confidence", "containment rate", "containment low", "containment high"
+    ]  # fmt: skip
+
+
+def test_nothing_is_said_of_printed_laws_where_there_are_none_or_no_others():
+    for levels in ({"ours": (1.0, (0.8, 0.9))}, {"printed": (1.0, (0.9,))}):
+        _, calibration, *_ = rates_section(rates(**levels), confidence=0.9).blocks
+        assert "Printed laws" not in words((calibration.caption,))
+        assert not calibration.leads
+
+
+def test_one_frequency_needs_no_figure_by_frequency():
+    blocks = rates_section(rates((1.0,), ours=(1.0, (0.8, 0.9))), confidence=0.9).blocks
+    assert [type(block) for block in blocks] == [Paragraph, Figure, Table]
+
+
+@pytest.fixture(scope="module")
+def criterion(ellipses_of):
+    return derive_criterion(ellipses_of((1.0,), (0.02,)), method=method_of("dirichlet"), joint=True)
+
+
+@pytest.mark.parametrize("curve", ["inscribed", "ellipse"])
+def test_the_boundary_names_its_curve(criterion, curve):
+    provenance = dataclasses.replace(criterion.provenance, curve=curve)
+    given = dataclasses.replace(criterion, provenance=provenance)
+    said = words(_boundary(given).blocks)
+    expected, other = (_INSCRIBED, _FITTED)[:: 1 if curve == "inscribed" else -1]
+    assert expected in said
+    assert other not in said
+    assert _FITTED in words(_boundary(None).blocks)
+
+
+@pytest.mark.parametrize("joint", [True, False])
+def test_the_confidence_says_for_what_it_holds(criterion, joint):
+    said = words(_confidence(dataclasses.replace(criterion, joint=joint)).blocks)
+    assert ("for both together" in said) is joint
+    assert ("for each of them separately" in said) is not joint
+
+
+@pytest.mark.parametrize(
+    ("fraction", "sentence"), [(1.0, "All stiffness stands"), (0.4, "does not hold for a larger")]
+)
+def test_the_share_in_the_laboratory_is_told(fraction, sentence):
+    said = words(_assumptions(fraction).blocks)
+    assert sentence in said
+    assert ("40" in said) is (fraction == 0.4)
+    assert "constant gain and a constant delay" in said
+
+
+def test_limits_begin_with_the_sentences_that_are_given():
+    (points,) = limits_section(["First sentence."]).blocks
+    assert points.items[0] == "First sentence."
+    assert len(points.items) == 3
