@@ -6,6 +6,7 @@ from .api import (
     design_test as design_test,
     diagnose_campaign as diagnose_campaign,
     ellipses as ellipses,
+    export_monitor as export_monitor,
     follow_test as follow_test,
     judge_paper_cases as judge_paper_cases,
     perform_study as perform_study,

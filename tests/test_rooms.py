@@ -21,6 +21,7 @@ ROOMS = (
     "discrepancy",
     "explore",
     "validation",
+    "in_loop",
     "assessment",
     "criterion",
     "sampling",

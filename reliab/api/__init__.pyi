@@ -12,6 +12,7 @@ from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
 from .explorer import ExplorerPage as ExplorerPage, write_explorer as write_explorer
 from .following import Message as Message, follow_test as follow_test
+from .in_loop import WrittenMonitor as WrittenMonitor, export_monitor as export_monitor
 from .installation import (
     copy_samples as copy_samples,
     describe_installation as describe_installation,

@@ -25,7 +25,7 @@ SERVICES: dict[str, Any] = {
     "ellipses": [api.trace_boundaries],
     "criterion": [api.derive_criteria],
     "calibrate": [api.calibrate],
-    "monitor": [api.follow_test],
+    "monitor": [api.follow_test, api.export_monitor],
     "explore": [api.write_explorer],
     "record": [api.record],
     "fetch": [api.fetch_dataset],

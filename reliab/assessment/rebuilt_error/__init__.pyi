@@ -1,3 +1,4 @@
+from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
 from .monitor import Monitor as Monitor
@@ -5,12 +6,14 @@ from .nonlinear_reference import rebuild_with_specimen as rebuild_with_specimen
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild
 from .rebuilt import RebuiltError as RebuiltError
+from .recursion import Recursion as Recursion, equilibrium as equilibrium
 from .specimen_check import (
     FEWEST_PERIODS as FEWEST_PERIODS,
     SpecimenCheck as SpecimenCheck,
     examine_specimen as examine_specimen,
 )
 from .spread import Estimate as Estimate
+from .stability_indicator import LOOKS as LOOKS, Damping as Damping
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
 from .whole_structure import WholeStructure as WholeStructure

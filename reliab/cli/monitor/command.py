@@ -5,14 +5,14 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import Annotated, ClassVar, TextIO
 
 import typer
 
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, takes
 from reliab.cli.options import ChannelsFile, Column, MetricName
-from reliab.cli.output import console
+from reliab.cli.output import console, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
 
@@ -21,17 +21,19 @@ _ABOVE_THRESHOLD = 1
 
 @dataclass(frozen=True, kw_only=True)
 class MonitorDemand(Demand):
-    """Options of `reliab monitor`, arguments of `reliab.follow_test`."""
+    """Options of `reliab monitor`, arguments of `reliab.follow_test` and `reliab.export_monitor`."""
+
+    belongs_to: ClassVar = {"structure": "export"}
 
     source: Annotated[
-        str,
+        str | None,
         typer.Argument(
             metavar="FILE|-",
             autocompletion=samples,
             help="CSV file that is or will be written to, or - to read rows from standard input; or "
-            "sample_test, which ships.",
+            "sample_test, which ships. None with --export.",
         ),
-    ]
+    ] = None
     f: Annotated[
         str | None,
         typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or with its standard deviation 1±0.01."),
@@ -54,6 +56,14 @@ class MonitorDemand(Demand):
         str,
         typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
     ] = "0"
+    structure: Annotated[
+        Path | None,
+        typer.Option(
+            "--structure",
+            metavar="FRAME.toml",
+            help="With --export: frame with one specimen, in place of --f, --xi and --alpha.",
+        ),
+    ] = None
     threshold: Annotated[
         float,
         typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %."),
@@ -90,6 +100,14 @@ class MonitorDemand(Demand):
             help="Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
         ),
     ] = 600.0
+    export: Annotated[
+        tuple[str, str] | None,
+        typer.Option(
+            "--export",
+            metavar="c DIR|fmu FILE.fmu",
+            help="Write the monitor for the loop itself, as C sources or as an FMU (FMI 2.0); needs --rate.",
+        ),
+    ] = None
     json_target: Annotated[
         str | None,
         typer.Option(
@@ -109,9 +127,28 @@ def monitor(demand: MonitorDemand) -> None:
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
     response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB.
     """
+    if demand.export is not None:
+        _export(demand)
+    else:
+        _follow(demand)
+
+
+def _export(demand: MonitorDemand) -> None:
+    from reliab.api import export_monitor
+
+    written = demand.ask(export_monitor, "json_target", why="beside `export`")
+    if demand.json_target is not None:
+        write_json(written.to_dict(), demand.json_target)
+    if demand.json_target != "-":
+        console().print(f"Written to {written.path}: {', '.join(written.files)}", highlight=False)
+
+
+def _follow(demand: MonitorDemand) -> None:
     from reliab.api import follow_test
     from reliab.cli.monitor.shown import Screen
 
+    if demand.source is None:
+        raise InputError("A test that is followed needs its file", remedy="Name it, or - for standard input")
     messages = demand.ask(
         follow_test, "json_target", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )

@@ -1,0 +1,194 @@
+"""`reliab.export_monitor`: the running error of a structure as C or as an FMU, for the loop of a test."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.assessment.rebuilt_error import WholeStructure
+from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
+from reliab.simulation.frames import read_frame
+from reliab.structures import Structure
+from reliab.vocabulary import Metric
+
+_MILLISECONDS = 1e-3
+_LONGEST_LAG = 1000.0  # ms
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrittenMonitor:
+    """A monitor that was written.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+        Folder of the sources, or the FMU.
+    files : tuple of str
+        Names of the files.
+    degrees_of_freedom : int
+        Of the structure.
+    """
+
+    path: Path
+    files: tuple[str, ...]
+    degrees_of_freedom: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys."""
+        return {
+            "path": str(self.path),
+            "files": list(self.files),
+            "degrees_of_freedom": self.degrees_of_freedom,
+        }
+
+
+def export_monitor(
+    export: tuple[str, str | Path],
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity = 1.0,
+    structure: str | Path | None = None,
+    scale: Quantity = 1.0,
+    feedback_lag: Quantity = 0.0,
+    threshold: float = 0.05,
+    metric: str = "rms",
+    rate: float | None = None,
+) -> WrittenMonitor:
+    """Write the running error for the loop of a test, as C or as an FMU.
+
+    Parameters
+    ----------
+    export : tuple of str and path
+        "c" and a folder, or "fmu" and a file.
+    f, xi, alpha : float, str or StatedValue
+        Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-]; standard
+        deviations are not used.
+    structure : str or pathlib.Path, optional
+        TOML file of a frame with one linear specimen, in place of `f`, `xi` and `alpha`.
+    scale, feedback_lag : float, str or StatedValue, optional
+        Scale of the displacement sensor [-]; time by which the force is fed back late [ms].
+    threshold : float, optional
+        Largest error of a good test [-]; the alarm of the error is raised above twice of it.
+    metric : {"rms", "mte"}, optional
+        Error that is compared.
+    rate : float
+        Rate of the loop [Hz].
+
+    Returns
+    -------
+    WrittenMonitor
+        Where it was written.
+
+    Raises
+    ------
+    InputError
+        If something is not stated or not allowed, or nothing can be written there.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     export_monitor(("c", folder), f=1, xi=0.02, rate=1024).degrees_of_freedom
+    1
+    """
+    kind, place = export[0], Path(export[1])
+    if kind not in ("c", "fmu"):
+        raise InputError("`export` writes c or fmu", value=kind, remedy="Name one of them, and where it goes")
+    monitor = _monitor(f, xi, alpha, structure, scale, feedback_lag, threshold, metric, rate)
+    if kind == "fmu":
+        content = {place: pack_fmu(monitor)}
+    else:
+        content = {place / name: text.encode() for name, text in monitor_sources(monitor).items()}
+    _write(content)
+    names = tuple(sorted(path.name for path in content))
+    return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.structure.interface.size)
+
+
+def _monitor(
+    f: Quantity | None,
+    xi: Quantity | None,
+    alpha: Quantity,
+    structure: str | Path | None,
+    scale: Quantity,
+    feedback_lag: Quantity,
+    threshold: float,
+    metric: str,
+    rate: float | None,
+) -> LoopMonitor:
+    """Read what the monitor is made for."""
+    if rate is None:
+        raise InputError("A monitor in a loop needs `rate`, the rate of the loop", remedy="Give it in hertz")
+    for name, number in {"threshold": threshold, "rate": rate}.items():
+        if not 0.0 < number < float("inf"):
+            raise InputError(f"`{name}` must be positive", value=number)
+    stated = stated_values(alpha=alpha, scale=scale, feedback_lag=feedback_lag, f=f, xi=xi)
+    require_positive(stated)
+    lag = stated["feedback_lag"].value
+    if not 0.0 <= lag <= _LONGEST_LAG:
+        raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
+    return LoopMonitor(
+        structure=_of_values(f, xi, stated) if structure is None else _of_frame(structure, f, xi, alpha),
+        time_step=1.0 / rate,
+        feedback_lag=lag * _MILLISECONDS,
+        sensor_scale=stated["scale"].value,
+        threshold=threshold,
+        metric=Metric.parse(metric),
+    )
+
+
+def _of_values(f: Quantity | None, xi: Quantity | None, stated: dict[str, Any]) -> WholeStructure:
+    """Return the structure of one degree of freedom."""
+    for name, value in (("f", f), ("xi", xi)):
+        if value is None:
+            raise InputError(
+                f"A monitor in a loop needs `{name}`, or the `structure` of a frame",
+                remedy="State one of them",
+            )
+    return WholeStructure.of(
+        Structure(
+            frequency=stated["f"].value,
+            damping_ratio=stated["xi"].value,
+            experimental_fraction=stated["alpha"].value,
+        )
+    )
+
+
+def _of_frame(path: str | Path, f: Quantity | None, xi: Quantity | None, alpha: Quantity) -> WholeStructure:
+    """Return the structure of a frame with one linear specimen."""
+    for name, is_stated in {
+        "f": f is not None,
+        "xi": xi is not None,
+        "alpha": alpha not in (1.0, "1"),
+    }.items():
+        if is_stated:
+            raise InputError(
+                f"`{name}` has no meaning beside `structure`",
+                remedy="Leave it out; the structure says what the test is of",
+            )
+    partition = read_frame(path).partition
+    if partition.effects:
+        raise InputError(
+            "A monitor in a loop is made for a linear specimen",
+            value=", ".join(effect.name for effect in partition.effects),
+            remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
+            where=str(path),
+        )
+    return WholeStructure.of_partition(partition)
+
+
+def _write(content: dict[Path, bytes]) -> None:
+    for path, data in content.items():
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with written_whole(path) as unfinished:
+                unfinished.write_bytes(data)
+        except OSError as error:
+            raise InputError(
+                "A monitor must be written to a place that is writable",
+                value=error.strerror,
+                remedy="Name another",
+                where=str(path),
+            ) from error

@@ -1,0 +1,265 @@
+"""The monitor in C gives the error that Python gives, and a fault instead of a wrong number."""
+
+import ctypes
+import shutil
+import subprocess
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from reliab.api import export_monitor
+from reliab.assessment.rebuilt_error import Monitor, WholeStructure
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures import Structure
+
+STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler is installed here")
+pytestmark = needs_compiler
+SHIM = """
+#include "reliab_monitor.h"
+#include <stddef.h>
+size_t follow_size(void);
+void follow(void *place, const double *begin, long n, const double *command, const double *measured,
+            double *out);
+size_t follow_size(void) { return sizeof(reliab_monitor); }
+void follow(void *place, const double *begin, long n, const double *command, const double *measured,
+            double *out)
+{
+    reliab_monitor *monitor = (reliab_monitor *)place;
+    long i;
+    reliab_monitor_init(monitor);
+    if (begin != NULL) { reliab_monitor_begin(monitor, begin[0], begin[1]); }
+    for (i = 0; i < n; i++) {
+        out[6 * i + 4] = reliab_monitor_step(monitor, command[i], measured[i]);
+        out[6 * i] = reliab_monitor_error(monitor);
+        out[6 * i + 1] = reliab_monitor_rms(monitor);
+        out[6 * i + 2] = reliab_monitor_mte(monitor);
+        out[6 * i + 3] = reliab_monitor_net_damping(monitor);
+        out[6 * i + 5] = monitor->offset;
+    }
+}
+"""
+UNSTABLE, ERROR, FAULT = 1, 2, 4
+
+
+@dataclass(frozen=True)
+class Followed:
+    error: np.ndarray
+    rms: np.ndarray
+    mte: np.ndarray
+    damping: np.ndarray
+    status: np.ndarray
+    offset: np.ndarray
+
+
+def built(folder, compiler=None, flags=STRICT):
+    """The exported folder as a library."""
+    (folder / "shim.c").write_text(SHIM)
+    library = folder / f"monitor{len(list(folder.glob('*.so')))}.so"
+    command = [compiler or COMPILERS[0], *flags, "-shared", "-fPIC", "reliab_monitor.c", "shim.c", "-lm"]
+    subprocess.run([*command, "-o", str(library)], cwd=folder, check=True)  # noqa: S603 - a compiler
+    return ctypes.CDLL(str(library))
+
+
+def followed(library, command, measured, begin=None):
+    table = np.empty((command.size, 6))
+    library.follow_size.restype = ctypes.c_size_t
+    place = ctypes.create_string_buffer(library.follow_size() + 16)
+    pointers = [values.ctypes.data_as(ctypes.c_void_p) for values in (command, measured, table)]
+    state = None if begin is None else (ctypes.c_double * 2)(*begin)
+    library.follow(place, state, ctypes.c_long(command.size), *pointers)
+    return Followed(*table.T)
+
+
+def random_test(seed, rate, seconds=12.0):
+    """A structure, and the command and measured displacement of its simulated test."""
+    rng = np.random.default_rng(seed)
+    structure = Structure(
+        frequency=float(np.exp(rng.uniform(np.log(0.5), np.log(4.0)))),
+        damping_ratio=float(rng.uniform(0.01, 0.06)),
+        experimental_fraction=float(rng.uniform(0.3, 1.0)),
+    )
+    share = rng.uniform(0.0, 3.0)
+    delay = share * structure.damping_ratio / (np.pi * structure.frequency * structure.experimental_fraction)
+    ground = np.repeat(rng.normal(size=int(seconds * rate) // 8), 8)
+    test = HybridTest(structure=structure, actuator=Actuator(gain=rng.uniform(0.97, 1.03), delay=delay))
+    histories = run_closed_loop(test, ground, 1.0 / rate)
+    command = np.ascontiguousarray(histories.command.values[0])
+    noise = rng.normal(size=command.size) * 1e-3 * np.abs(command).max()
+    return structure, command, histories.measured + noise
+
+
+def by_python(structure, command, measured, rate, lag, offset):
+    """The monitor of Python after the whole test."""
+    monitor = Monitor(structure, 1.0 / rate, feedback_lag=lag, sensor_offset=offset)
+    monitor.feed(command, measured)
+    return monitor
+
+
+def compare(folder, seed, rate):
+    structure, command, measured = random_test(seed, rate)
+    lag, offset = (0.0, 0.37, 2.6)[seed % 3] / rate, 1e-3 * (seed % 2)
+    export_monitor(
+        ("c", folder),
+        f=structure.frequency,
+        xi=structure.damping_ratio,
+        alpha=structure.experimental_fraction,
+        feedback_lag=1e3 * lag,
+        rate=rate,
+    )
+    ours = followed(built(folder), command, measured, (offset, 0.0))
+    theirs = by_python(structure, command, measured, rate, lag, offset)
+    peak = np.abs(command).max()
+    assert theirs.error.size == command.size
+    assert np.abs(ours.error - theirs.error).max() < 1e-12 * peak
+    assert ours.rms[-1] == pytest.approx(theirs.now.rms, rel=1e-11)
+    assert ours.mte[-1] == pytest.approx(theirs.now.mte, rel=1e-11)
+    return ours, theirs
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024), (2, 4096)])
+def test_errors_are_those_of_python(tmp_path, seed, rate):
+    compare(tmp_path, seed, rate)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [256, 1024, 4096])
+def test_errors_and_alarms_of_many_tests_are_those_of_python(tmp_path, rate):
+    alarms = 0
+    for seed in range(67):
+        ours, theirs = compare(tmp_path, seed, rate)
+        here = np.flatnonzero(ours.status.astype(int) & UNSTABLE)
+        since = here[0] / rate if here.size else None
+        assert since == theirs.gains_energy_since
+        alarms += since is not None
+    assert 10 < alarms < 60
+
+
+def test_net_damping_and_the_alarm_are_those_of_python(tmp_path):
+    """A loop whose delay is three times the critical one is caught at the same sample."""
+    structure = Structure(frequency=1.5, damping_ratio=0.02)
+    rate, delay = 512, 3.0 * 0.04 / (2.0 * np.pi * 1.5)
+    test = HybridTest(structure=structure, actuator=Actuator(delay=delay))
+    shaken = np.random.default_rng(3).normal(size=6 * rate)
+    histories = run_closed_loop(test, shaken, 1.0 / rate)
+    command = np.ascontiguousarray(histories.command.values[0])
+    export_monitor(("c", tmp_path), f=1.5, xi=0.02, rate=rate)
+    ours = followed(built(tmp_path), command, histories.measured, (0.0, 0.0))
+    theirs = Monitor(structure, 1.0 / rate, sensor_offset=0.0)
+    theirs.feed(command, histories.measured)
+    first = int(np.flatnonzero(ours.status.astype(int) & UNSTABLE)[0])
+    assert first / rate == theirs.gains_energy_since
+    look = round(rate / 1.5 / 4)
+    last = command.size // look * look
+    again = Monitor(structure, 1.0 / rate, sensor_offset=0.0)
+    again.feed(command[:last], histories.measured[:last])
+    assert ours.damping[-1] == pytest.approx(again.now.damping.ratio, rel=1e-9)
+
+
+def test_a_frame_is_followed_as_python_does(tmp_path):
+    from reliab.shipped import shipped
+    from reliab.simulation.frames import read_frame
+
+    path = shipped("datasets", "frames/benchmark_case_1.toml")
+    structure = WholeStructure.of_partition(read_frame(path).partition)
+    rng = np.random.default_rng(5)
+    command = np.cumsum(rng.normal(size=6000)) * 1e-4
+    measured = 0.98 * command + 1e-4 * rng.normal(size=command.size)
+    written = export_monitor(("c", tmp_path), structure=path, rate=1024)
+    ours = followed(built(tmp_path), command, measured, (0.0, 0.0))
+    theirs = by_python(structure, command, measured, 1024, 0.0, 0.0)
+    assert written.degrees_of_freedom == structure.interface.size > 1
+    assert np.abs(ours.error - theirs.error).max() < 1e-12 * np.abs(command).max()
+
+
+def test_an_offset_at_rest_is_learned(tmp_path):
+    _, command, _ = random_test(4, 512)
+    command = np.concatenate([np.zeros(512), 1e-2 * command / np.abs(command).max()])
+    noise = 1e-6 * np.random.default_rng(1).normal(size=command.size)
+    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=512)
+    ours = followed(built(tmp_path), command, 0.99 * command + 2e-3 + noise)
+    assert ours.offset[-1] == pytest.approx(2e-3, abs=5e-7)
+    theirs = Monitor(Structure(frequency=1.0, damping_ratio=0.02), 1 / 512, sensor_offset=ours.offset[-1])
+    theirs.feed(command, 0.99 * command + 2e-3 + noise)
+    moving = np.abs(command) > 1e-4
+    assert np.abs(ours.error - theirs.error)[moving].max() < 1e-14
+    assert ours.rms[-1] == pytest.approx(theirs.now.rms, rel=1e-8)
+    assert ours.mte[-1] == pytest.approx(theirs.now.mte, rel=1e-11)
+
+
+@pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck"])
+def test_a_channel_that_fails_is_a_fault_and_never_a_number(tmp_path, broken):
+    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=256)
+    time = np.arange(2048) / 256
+    command = 0.02 * np.sin(2.0 * np.pi * time)
+    measured = 0.99 * command + 1e-6 * np.random.default_rng(2).normal(size=time.size)
+    measured[1000:] = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300, "stuck": measured[1000]}[broken]
+    for flags in (STRICT, ("-std=c99", "-O3", "-ffast-math")):
+        ours = followed(built(tmp_path, flags=flags), command, measured)
+        faulty = ours.status.astype(int) & FAULT > 0
+        first = int(np.argmax(faulty))
+        assert faulty.any()
+        assert first == 1000 if broken != "stuck" else 1000 < first < 1200
+        assert np.isnan(ours.error[first:]).all()
+        assert np.isnan(ours.rms[first:]).all()
+        assert not np.isnan(ours.error[:first]).any()
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_every_compiler_accepts_it_and_fast_arithmetic_changes_nothing(tmp_path, compiler):
+    if compiler not in COMPILERS:
+        pytest.skip(f"{compiler} is not installed here")
+    _, command, measured = random_test(6, 512)
+    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=512)
+    exact = followed(built(tmp_path, compiler), command, measured)
+    fast = followed(built(tmp_path, compiler, ("-std=c99", "-O3", "-ffast-math")), command, measured)
+    assert np.abs(exact.error - fast.error).max() < 1e-9 * np.abs(command).max()
+    assert (exact.status == fast.status).all()
+
+
+@pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
+def test_sanitizers_find_nothing_in_the_example(tmp_path, sanitizer):
+    _, command, measured = random_test(7, 256)
+    export_monitor(("c", tmp_path), f=1, xi=0.02, feedback_lag=9, rate=256)
+    table = np.stack([command, measured], axis=1)
+    np.savetxt(tmp_path / "test.csv", table, delimiter=",", header="command_m,measured_m", fmt="%.17g")
+    flags = [*STRICT, f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all"]
+    sources = ["reliab_monitor.c", "example.c", "-lm", "-o", "example"]
+    subprocess.run([COMPILERS[0], *flags, *sources], cwd=tmp_path, check=True)  # noqa: S603 - a compiler
+    run = subprocess.run(["./example", "test.csv"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "Sanitizer" not in run.stderr
+    assert len(run.stdout.splitlines()) == command.size
+    errors = np.array([float(line.split()[0]) for line in run.stdout.splitlines()])
+    ours = followed(built(tmp_path), command, measured)
+    assert np.abs(errors - ours.error).max() < 1e-12 * np.abs(command).max()
+
+
+def test_nothing_is_allocated_and_no_state_is_shared(tmp_path):
+    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=256)
+    object_file = [COMPILERS[0], *STRICT, "-c", "reliab_monitor.c", "-o", "monitor.o"]
+    subprocess.run(object_file, cwd=tmp_path, check=True)  # noqa: S603
+    listed = subprocess.run(
+        ["nm", "monitor.o"],  # noqa: S607 - of the compiler
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    symbols = [line.split()[-2:] for line in listed.splitlines()]
+    needed = {name for kind, name in symbols if kind == "U"}
+    assert needed <= {
+        "sqrt",
+        "log",
+        "exp",
+        "erfc",
+        "ceil",
+        "fabs",
+        "memset",
+        "memcpy",
+        "__stack_chk_fail",
+        "_GLOBAL_OFFSET_TABLE_",
+    }
+    assert not {name for kind, name in symbols if kind in "BbDdC"}
