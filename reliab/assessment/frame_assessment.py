@@ -153,6 +153,7 @@ class FrameAssessment:
             "modes": [_mode(mode) for mode in self.modes],
             "over_frequency": _over_frequency(self),
             "error": _error(error),
+            "budget": [item.to_dict() for item in error.budget],
             "metric": str(error.metric),
             "threshold": error.threshold,
             "probability": error.probability,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.budget import Size, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget import Size, Source, sizes_of_unknown, tolerances_of
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest
@@ -167,9 +167,10 @@ def _rebuilding(
     lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
     stated = {"feedback_lag": feedback_lag, "scale": scale}
     given = {name: value for name, value in stated.items() if value is not None}
+    of_structure = _sizes_of_structure(frame)
 
     def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
-        sizes = {**sizes_of_unknown(given, mode, None, test.time_step), **left}
+        sizes = {**sizes_of_unknown(given, mode, None, test.time_step), **of_structure, **left}
         error = rebuild(
             test.command,
             test.measured,
@@ -188,6 +189,21 @@ def _rebuilding(
         )
 
     return rebuilt
+
+
+def _sizes_of_structure(frame: FrameUnderTest) -> dict[str, Size]:
+    """Sizes of what is not known of the structure; a factor of M acts as its inverse does on C, K and k_e."""
+    tolerances = frame.tolerances
+    deviations = {
+        "frequency": tolerances.of_frequency,
+        "damping_ratio": tolerances.damping_ratio,
+        "experimental_fraction": tolerances.specimen_stiffness,
+    }
+    return {
+        name: Size(deviation=deviation, source=Source.STATED)
+        for name, deviation in deviations.items()
+        if deviation
+    }
 
 
 def _check_frame(frame: FrameUnderTest) -> None:

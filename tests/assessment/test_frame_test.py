@@ -13,6 +13,7 @@ from reliab.motions.synthetic import synthetic_suite
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.frame_tables import TolerancesTable
 from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems import TransferFunction
 from reliab.stated_value import StatedValue
@@ -40,12 +41,16 @@ def frame():
 @pytest.fixture(scope="module")
 def test_and_truth(frame):
     """A test with a late actuator, and its true error from the exact response of the undivided frame."""
-    motion = synthetic_suite(count=2)[0]
+    return simulated(frame.partition, synthetic_suite(count=2)[0], 3)
+
+
+def simulated(partition, motion, seed):
+    """Recording of a test by the digital laboratory, and its true error."""
     ground = motion.acceleration[: int(20.0 / motion.time_step)]
     rig = Rig(transfer_system=SERVO, sensors=Sensors(displacement_noise=2e-6))
-    run = run_laboratory(frame.partition, rig, ground, motion.time_step, rate=RATE, seed=3)
+    run = run_laboratory(partition, rig, ground, motion.time_step, rate=RATE, seed=seed)
     fine = np.interp(np.arange(run.piston.size) / RATE, motion.time_step * np.arange(ground.size), ground)
-    exact = frame.partition.interface @ undivided_response(frame.partition.frame, fine, 1.0 / RATE)
+    exact = partition.interface @ undivided_response(partition.frame, fine, 1.0 / RATE)
     error = float(np.sqrt(np.mean((run.piston - exact) ** 2)) / np.abs(exact).max())
     recording = Recording(
         name="frame.csv",
@@ -185,3 +190,39 @@ def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_tru
         assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
     incoherent = replace(assessment, over_frequency=None)
     assert any("hardly coherent" in words for words in incoherent.warnings)
+
+
+@pytest.mark.slow
+def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
+    whole, rng = frame.partition.frame, np.random.default_rng(33)
+    uncertain = replace(frame, tolerances=TolerancesTable(stiffness=0.03))
+    held = {"exact": 0, "uncertain": 0}
+    motions = synthetic_suite(count=12)
+    for seed, motion in enumerate(motions):
+        factor = 1.0 + 0.03 * rng.normal()
+        built = replace(whole, stiffness=factor * whole.stiffness)
+        specimen = Specimen(stiffness=factor * frame.partition.specimen.stiffness)
+        true = Partition(frame=built, interface=frame.partition.interface, specimen=specimen)
+        recording, error = simulated(true, motion, seed)
+        for name, known in (("exact", frame), ("uncertain", uncertain)):
+            interval = assess_frame(recording, known, feedback_lag=LAG).error.of(Metric.RMS)
+            held[name] += interval.low <= error <= interval.high
+    assert held["exact"] <= 0.5 * len(motions)
+    assert held["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases
+
+
+def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
+    tolerances = TolerancesTable(mass=0.03, stiffness=0.04, damping_ratio=0.1, specimen_stiffness=0.02)
+    budget = assess_frame(test_and_truth[0], replace(frame, tolerances=tolerances)).to_dict()["budget"]
+    sizes = {item["name"]: item["size"] for item in budget}
+    assert sizes["frequency"] == pytest.approx(2.5)
+    assert sizes["damping_ratio"] == pytest.approx(10.0)
+    assert sizes["experimental_fraction"] == pytest.approx(2.0)
+    assert {item["source"] for item in budget if item["name"] in {"frequency", "damping_ratio"}} == {"stated"}
+    contributions = [item["contribution"] for item in budget]
+    assert contributions == sorted(contributions, reverse=True)
+
+
+def test_frequencies_are_not_stated_beside_mass_and_stiffness():
+    with pytest.raises(ValueError, match="give frequency, or mass and stiffness"):
+        TolerancesTable(frequency=0.01, stiffness=0.03)

@@ -34,6 +34,13 @@ One set of tables describes every structure::
     of = "interface"                         # or a degree of freedom, or "drift"
     between = ["2", "1"]                     # of a drift
 
+    [tolerances]                             # optional: relative standard deviations, for `reliab assess`
+    mass = 0.01                              # of a factor of M
+    stiffness = 0.03                         # of a factor of K, the specimen's stiffness with it
+    # or frequency = 0.005, in place of both, where natural frequencies were measured
+    damping_ratio = 0.15
+    specimen_stiffness = 0.02                # of the specimen's share of the stiffness
+
     [transfer_system]                        # optional: the rig, whose error `reliab criterion` states
     numerator = [250.0]                      # coefficients in descending powers of s
     denominator = [1.0, 250.0]
@@ -56,10 +63,12 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
-from reliab.simulation.frames.frame_tables import FrameDescription
+from reliab.simulation.frames.frame_tables import FrameDescription, TolerancesTable
 from reliab.simulation.transfer_systems import TransferSystem
 from reliab.structures import Partition, with_specimen
 from reliab.structures.frames import Frame
+
+_EXACT = TolerancesTable()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +82,7 @@ class FrameUnderTest:
     output: Array | None
     error_of: str  # The response in words
     transfer_system: TransferSystem | None = None  # The rig; None where the file describes none
+    tolerances: TolerancesTable = _EXACT  # How exactly the structure is known
 
 
 def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
@@ -145,4 +155,5 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
         output=of.output(frame),
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
         transfer_system=rig,
+        tolerances=description.tolerances,
     )

@@ -360,6 +360,37 @@ class ErrorTable(DescribedTable):
         )
 
 
+Deviation = Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)]
+
+
+class TolerancesTable(DescribedTable):
+    """Relative standard deviations of what the file states, each of one factor of the whole structure."""
+
+    mass: Deviation = Field(default=0.0, description="Of a factor of the mass matrix")
+    stiffness: Deviation = Field(
+        default=0.0, description="Of a factor of the stiffness matrix and of the specimen’s stiffness"
+    )
+    frequency: Deviation | None = Field(
+        default=None, description="Of the measured natural frequencies, in place of `mass` and `stiffness`"
+    )
+    damping_ratio: Deviation = Field(default=0.0, description="Of a factor of all damping ratios")
+    specimen_stiffness: Deviation = Field(
+        default=0.0, description="Of the specimen’s share of the stiffness, beside the factors above"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.frequency is not None and (self.mass or self.stiffness):
+            message = "give frequency, or mass and stiffness"
+            raise ValueError(message)
+        return self
+
+    @property
+    def of_frequency(self) -> float:
+        """Relative standard deviation of the natural frequencies, ω² = k/m [-]."""
+        return 0.5 * math.hypot(self.mass, self.stiffness) if self.frequency is None else self.frequency
+
+
 class FrameDescription(DescribedTable):
     """A structure of which one part stands in the laboratory."""
 
@@ -369,6 +400,9 @@ class FrameDescription(DescribedTable):
     damping: DampingTable = Field(description="Damping")
     specimen: SpecimenTable = Field(description="Specimen and interface")
     error: ErrorTable = Field(default=ErrorTable(), description="Whose error counts")
+    tolerances: TolerancesTable = Field(
+        default=TolerancesTable(), description="How exactly the structure is known, for `reliab assess`"
+    )
     transfer_system: TransferTable | None = Field(
         default=None, description="The rig, whose error `reliab criterion` states"
     )
