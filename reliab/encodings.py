@@ -7,13 +7,22 @@ from pathlib import Path
 
 from reliab.files import ordinary
 
+_UNMARKED = re.compile(rb"\x00[\t\n\r -~]|[\t\n\r -~]\x00(?!\x00)")
 _FORMULA = re.compile(r"'*[=+\-@]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def encoding_of(head: bytes) -> str:
-    """Name the encoding of a text by its byte order mark: UTF-16, as from Windows, or else UTF-8."""
-    return "utf-16" if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+    r"""Name the encoding of a text: UTF-16, as from Windows, by its mark or its first character; else UTF-8.
+
+    >>> encoding_of("f".encode("utf-16")), encoding_of(b"f\x00"), encoding_of(b"\x00f"), encoding_of(b"f,")
+    ('utf-16', 'utf-16-le', 'utf-16-be', 'utf-8-sig')
+    """
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    if _UNMARKED.match(head):
+        return "utf-16-be" if head[0] == 0 else "utf-16-le"
+    return "utf-8-sig"
 
 
 def encoding_of_file(path: str | Path) -> str:
@@ -28,8 +37,9 @@ def as_utf8(content: bytes) -> bytes:
     >>> as_utf8("f = 1 Hz".encode("utf-16")), as_utf8(b"\xef\xbb\xbff = 1 Hz"), as_utf8(b"\xb0")
     (b'f = 1 Hz', b'f = 1 Hz', b'\xb0')
     """
-    if encoding_of(content) == "utf-16":
-        return content.decode("utf-16", errors="replace").encode()
+    encoding = encoding_of(content)
+    if encoding.startswith("utf-16"):
+        return content.decode(encoding, errors="replace").encode()
     return content.removeprefix(codecs.BOM_UTF8)
 
 
@@ -39,7 +49,9 @@ def pieces_as_utf8(pieces: Iterable[bytes]) -> Iterator[bytes]:
     for piece in pieces:
         if begins and piece:
             encoding = encoding_of(piece)
-            decoder = codecs.getincrementaldecoder(encoding)("replace") if encoding == "utf-16" else None
+            decoder = None
+            if encoding.startswith("utf-16"):
+                decoder = codecs.getincrementaldecoder(encoding)("replace")
         begins = not piece
         if decoder is None or not piece:
             yield piece

@@ -77,7 +77,7 @@ class Header:
 
 def recognises(head: bytes) -> bool:
     """Whether a file begins as text."""
-    return b"\x00" not in head or encoding_of(head) == "utf-16"
+    return b"\x00" not in head or encoding_of(head).startswith("utf-16")
 
 
 def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
