@@ -91,3 +91,7 @@ def test_a_criterion_is_of_tests_as_long_as_the_test(seconds, below, above, word
     assert (found.below, found.above) == (below, above)
     assert words in found.label
     assert 0.0 <= found.weight < 1.0
+
+
+def test_a_headline_is_the_word_in_capitals_with_blanks():
+    assert [word.shout for word in Word] == ["RELIABLE", "UNDECIDED", "NOT RELIABLE"]

@@ -687,6 +687,8 @@ def test_densities_and_contours_of_a_posterior():
     for found, share in zip(levels, (0.9, 0.5), strict=True):
         assert counts[counts >= found].sum() >= share * 4000
         assert counts[counts > found].sum() <= share * 4000
+    contours = np.concatenate([path.vertices for path in pair.collections[-1].get_paths()])
+    np.testing.assert_allclose(contours.mean(axis=0), [5.0, -3.0], atol=0.5)
     assert size(figure) == pytest.approx((100.0, 100.0))
     area = sum(np.diff(path[:, 0]) @ (path[:-1, 1]) for path in [first.patches[0].get_path().vertices])
     assert abs(area) == pytest.approx(1.0, abs=0.05)
