@@ -10,7 +10,10 @@ from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
 from reliab.recordings import StatedChannels, read_test, rows_as_written
 
-ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark", "utf-16-le", "utf-16-be")
+ENCODINGS = (
+    *("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark"),
+    *("utf-16-le", "utf-16-be"),
+)
 HEADER = "# units: m/s2\r\n# time_step: 0.01\r\n# event: Köln\r\n"
 RECORD = HEADER + "".join(f"{0.1 * k:.2f}\r\n" for k in range(9))
 TEST = "time_s,command_m,measured_m\r\n" + "".join(f"{k / 64},{k % 7},{k % 5}\r\n" for k in range(80))
