@@ -6,16 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import takes
 from reliab.cli.options import (
-    ChannelsFile,
-    Column,
-    Delimiter,
     JsonTarget,
-    Rate,
-    TestName,
-    TimeUnits,
-    Units,
+    ReadsTests,
 )
 from reliab.cli.output import console, table, write_json
 from reliab.significant import significant
@@ -26,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CalibrateDemand(Demand):
+class CalibrateDemand(ReadsTests):
     """Options of `reliab calibrate`, arguments of `reliab.calibrate`."""
 
     test: Annotated[
@@ -50,15 +44,6 @@ class CalibrateDemand(Demand):
             help="Delay of the actuator in this test [ms], 12±0.5; 0 where both channels record one signal.",
         ),
     ] = None
-    channels: ChannelsFile = None
-    test_name: TestName = None
-    command: Column = None
-    measured: Column = None
-    time: Column = None
-    rate: Rate = None
-    units: Units = None
-    time_units: TimeUnits = None
-    delimiter: Delimiter = None
     json_target: JsonTarget = None
 
 

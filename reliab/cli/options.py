@@ -138,6 +138,21 @@ OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 
 
 @dataclass(frozen=True, kw_only=True)
+class ReadsTests(Demand):
+    """Options of a command that reads a test of a file: which test, which columns, in what units."""
+
+    channels: ChannelsFile = None
+    test_name: TestName = None
+    command: Column = None
+    measured: Column = None
+    time: Column = None
+    rate: Rate = None
+    units: Units = None
+    time_units: TimeUnits = None
+    delimiter: Delimiter = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Reported(Demand):
     """Options of a command that writes a report."""
 

@@ -7,16 +7,10 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import takes
 from reliab.cli.options import (
-    ChannelsFile,
-    Column,
-    Delimiter,
     JsonTarget,
-    Rate,
-    TestName,
-    TimeUnits,
-    Units,
+    ReadsTests,
 )
 from reliab.cli.output import console, table, write_json
 from reliab.errors import InputError
@@ -28,7 +22,7 @@ _COLUMNS = {"channel": "left", "column": "left", "unit": "left", "factor to SI":
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordDemand(Demand):
+class RecordDemand(ReadsTests):
     """Options of `reliab record`, arguments of `reliab.record`."""
 
     sources: Annotated[
@@ -43,15 +37,6 @@ class RecordDemand(Demand):
         Path | None,
         typer.Option("--csv", metavar="TEST.csv", help="The recognised channels as CSV, in SI units."),
     ] = None
-    test_name: TestName = None
-    channels: ChannelsFile = None
-    command: Column = None
-    measured: Column = None
-    time: Column = None
-    rate: Rate = None
-    units: Units = None
-    time_units: TimeUnits = None
-    delimiter: Delimiter = None
     f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
     xi: Annotated[str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02.")] = None
     alpha: Annotated[

@@ -100,11 +100,13 @@ def _has_number(line: str, delimiter: str) -> bool:
 def _begun(
     waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated], before: _Layout | None
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
-    """Layout of a text, as soon as two rows of numbers are there, and the lines from the first on."""
+    """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
     delimiter = delimiter_of(lines) if before is None else before.delimiter
     for place, line in enumerate(lines):
-        if not is_comment(line) and begins_table(lines, delimiter, place):
+        if is_comment(line):
+            continue
+        if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
             above = [text for text in lines[:place] if text.strip()]
             named = (
                 before if before is not None and not above else _layout(above, line, delimiter, name, stated)
@@ -118,6 +120,17 @@ def _begun(
             remedy="Write command and measured displacement as columns",
         )
     return None, []
+
+
+def _stands_below_names(lines: list[str], delimiter: str) -> bool:
+    """Whether the last line is a row of numbers, and the one above it has as many names."""
+    cells = cells_of(lines[-1], delimiter)
+    if len(lines) < 2 or len(cells) < 2 or any(number_of(cell) is None for cell in cells):  # noqa: PLR2004
+        return False
+    return (
+        len(cells_of(lines[-2], delimiter)) == len(cells)
+        and header_of(lines[-2:-1], len(cells), delimiter).named
+    )
 
 
 def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapping[Part, Stated]) -> _Layout:

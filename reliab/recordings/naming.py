@@ -22,6 +22,7 @@ from reliab.recordings.words import (
 )
 
 _Meaning = TypeVar("_Meaning", Quantity, Role)
+_FLAG: Final = re.compile(r"^(?:at|new)(?=[A-Z])")  # atTarget: whether it was reached, not the target
 _GERMAN: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
 _GAPS: Final = re.compile(
     r"[^A-Za-z0-9]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
@@ -149,7 +150,7 @@ def _described(column: str, stated: Unit | None) -> Named:
         quantity=_with_unit(quantity, unit),
         role=role,
         weak=weak,
-        altered=bool(_ALTERED & {*words, *around}),
+        altered=bool(_ALTERED & {*words, *around}) or bool(_FLAG.match(last)),
         number=_number(words, bare),
         unit=unit,
     )

@@ -10,7 +10,7 @@ import pandas as pd
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.behaviour import compare
+from reliab.recordings.behaviour import compare, explained, moves
 from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
 from reliab.recordings.channels_file import StatedChannels, read_channels_file
 from reliab.recordings.clocks import at_one_clock
@@ -28,6 +28,7 @@ _HEADER_NAMES: Final = {
     "mass": ("mass", "mass_kg"),
     "scale": ("scale", "sensor scale", "sensor_scale"),
 }
+_EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
 
@@ -141,7 +142,7 @@ def histories_of(
         channels=keyed,
         values={key: keyed[key].in_si(values) for key, values in read.items()},
         time_step=step,
-        notes=(*columns.notes, *notes, *clock_notes),
+        notes=(*columns.notes, *notes, *_possible_forces(columns, completed), *clock_notes),
     )
 
 
@@ -221,6 +222,7 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
         beside = pairs.get((partner, channel.actuator)) if partner else None
         if channel.part in DISPLACEMENTS and not channel.unit and beside is not None:
             if beside.unit:
+                _require_plain_unit(columns, beside)
                 _require_same_unit(columns, channel, beside)
                 unit = unit_of(beside.unit)
                 notes.append(
@@ -242,6 +244,36 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
             notes.append(f"The command is stated in {channel.unit}, the measured in {beside.unit}.")
         completed.append(channel)
     return completed, notes
+
+
+def _possible_forces(columns: Columns, channels: Sequence[Channel]) -> list[str]:
+    """Name nameless columns that the motion explains: a force, a velocity or a second sensor may do so."""
+    measured = next((channel.column for channel in channels if channel.part is Part.MEASURED), None)
+    if columns.named or measured is None or any(channel.part is Part.FORCE for channel in channels):
+        return []
+    used = {channel.column for channel in channels}
+    motion = columns.values[measured]
+    alike = [
+        repr(name)
+        for name, values in columns.values.items()
+        if name not in used and values.size == motion.size and moves(values)
+        if explained(values, motion) >= _EXPLAINED
+    ]
+    if not alike:
+        return []
+    which = " and ".join(alike)
+    return [f"{which} may hold the force, and is not used: state the column and its unit with `channels`."]
+
+
+def _require_plain_unit(columns: Columns, channel: Channel) -> None:
+    """Ask what `disp_in` means where no other channel states a unit: inches, or an input."""
+    if channel.unit == "in" and channel.column.lower().endswith("_in"):
+        raise InputError(
+            "A unit must be stated where a name may mean two things",
+            value=f"{channel.column!r}: in inches, or an input",
+            remedy="State it with `units`",
+            where=columns.where,
+        )
 
 
 def _require_same_unit(columns: Columns, channel: Channel, beside: Channel) -> None:

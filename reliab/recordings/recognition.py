@@ -4,9 +4,11 @@ Every choice has a reason. Where two columns are too close, the user is asked wi
 says is never guessed.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from typing import Final
 
 import numpy as np
 
@@ -29,8 +31,12 @@ from reliab.recordings.words import ROLES, Quantity, Role
 from reliab.significant import significant
 
 _SIMILAR = 0.7
+_LEAST_ALIKE, _MOST_ALIKE = 0.5, 0.9  # correlation of columns that are no pair, and of some that may be one
+_STEM: Final = re.compile(r"(?:\(\d+\)|\[\d+\]|\d+)+$")  # places in a matrix or a list behind its name
 _LEAST_LAG = 0.25  # samples by which one history must follow another before that says which is measured
 _CLEAR = 3.0  # times nearer than the next pair
+_EXPLAINED_FORCE = 0.95  # share of a nameless force that the measured motion explains at least
+_IN_PHASE = 0.7  # correlation with the displacement that a nameless force has at least
 _CLEAR_SHARE = 0.1  # of a force that motion explains and the next force does not show
 
 
@@ -49,8 +55,19 @@ def recognise(
     search = _Search(columns, stated, histories=histories)
     time = search.time()
     pairs = search.pairs(tuple(needed), time)
-    extras = search.extras(pairs)
+    extras = search.extras(pairs, time)
     return (*((time,) if time else ()), *pairs, *extras)
+
+
+def described_columns(columns: Columns) -> dict[str, Named]:
+    """Say what names and units mean; columns of one matrix have its name, which says nothing of any."""
+    named = describe(list(columns.values), columns.units)
+    if columns.named or len({_STEM.sub("", name) for name in named}) > 1:
+        return named
+    return {
+        name: replace(what, quantity=what.unit.quantity if what.unit else None, role=None, altered=False)
+        for name, what in named.items()
+    }
 
 
 class _Search:
@@ -58,7 +75,7 @@ class _Search:
 
     def __init__(self, columns: Columns, stated: Mapping[Part, Stated], *, histories: bool) -> None:
         self._columns, self._stated, self._histories = columns, stated, histories
-        self._named = describe(list(columns.values), columns.units)
+        self._named = described_columns(columns)
         self._likenesses: dict[tuple[str, str], Likeness] = {}
 
     def time(self) -> Channel | None:
@@ -95,6 +112,8 @@ class _Search:
         command, measured = (declared[part] or self._best(part, ranked[part]) for part in DISPLACEMENTS)
         if command is not None and declared[Part.COMMAND] is None:
             self._require_plain(self._named[command.column], taken, ranked[Part.MEASURED])
+        if self._histories and command and measured and not any(declared.values()):
+            self._require_alike(command, measured)
         if self._histories and (command is None or measured is None):
             command, measured = self._by_histories(command, measured, taken, needed)
         for part, channel in zip(DISPLACEMENTS, (command, measured), strict=True):
@@ -113,7 +132,7 @@ class _Search:
             if number and name == part
         )
 
-    def extras(self, pairs: Sequence[Channel]) -> tuple[Channel, ...]:
+    def extras(self, pairs: Sequence[Channel], time: Channel | None) -> tuple[Channel, ...]:
         """Find ground acceleration and force, where one column is it."""
         taken = {channel.column for channel in pairs}
         candidates = []
@@ -125,6 +144,8 @@ class _Search:
                 best = self._explained_best(best, pairs)
             if declared is not None:
                 candidates.append(declared)
+            elif part is Part.FORCE and not ranked:
+                candidates += self._force_by_histories(pairs, time)
             elif len(best) == 1:
                 candidates.append(self._channel(part, best[0], "its name or unit"))
         return tuple(candidates)
@@ -199,6 +220,20 @@ class _Search:
             raise self._ambiguous(part, [best, *others])
         reason = "its name" if not rivals else f"its name; {rivals[0].column!r} is a copy of it"
         return self._channel(part, best, reason)
+
+    def _require_alike(self, command: Channel, measured: Channel) -> None:
+        """Ask where two columns with names of a pair do not move together, and another moves with one."""
+        pair = (command.column, measured.column)
+        if self._compare(*pair).correlation > _LEAST_ALIKE:
+            return
+        others = [
+            name
+            for name, what in self._named.items()
+            if name not in pair and what.quantity in {None, Quantity.DISPLACEMENT} and self._moves(name)
+            if any(self._compare(column, name).correlation > _MOST_ALIKE for column in pair)
+        ]
+        if others:
+            raise self._undecided([*pair, *others], "do not all move together")
 
     def _require_plain(
         self, command: Named, taken: Iterable[str], as_measured: Sequence[tuple[int, Named]]
@@ -326,6 +361,33 @@ class _Search:
             f"follows by {significant(abs(likeness.lag))} samples"
         )
         return self._channel(Part.COMMAND, leader, reason), self._channel(Part.MEASURED, follower, reason)
+
+    def _force_by_histories(self, pairs: Sequence[Channel], time: Channel | None) -> list[Channel]:
+        """Take the one nameless column beside a pair that is a force by what it does.
+
+        The measured motion explains it better than the command does, it rises with the displacement, which a
+        velocity and an acceleration do not, and it has another size, which a second sensor has not.
+        """
+        motion = {channel.part: self._columns.values[channel.column] for channel in pairs}
+        used = {channel.column for channel in (*pairs, *((time,) if time else ()))}
+        others = [name for name in self._columns.values if name not in used and self._moves(name)]
+        nameless = not self._columns.named and self._histories
+        if not nameless or len(others) != 1 or set(motion) != set(DISPLACEMENTS) or len(pairs) != 2:  # noqa: PLR2004
+            return []
+        (name,), measured = others, motion[Part.MEASURED]
+        values, what = self._columns.values[name], self._named[name]
+        if what.quantity is not None or values.size != measured.size:
+            return []
+        share = explained(values, measured)
+        if (
+            share < _EXPLAINED_FORCE
+            or explained(values, motion[Part.COMMAND]) >= share
+            or np.corrcoef(values, measured)[0, 1] < _IN_PHASE
+            or compare(measured, values).alike
+        ):
+            return []
+        reason = f"the only other column; the measured motion explains {100.0 * share:.4g} % of it"
+        return [self._channel(Part.FORCE, what, reason)]
 
     def _explained_best(self, forces: Sequence[Named], pairs: Sequence[Channel]) -> list[Named]:
         """Take the force that the measured motion explains, where it explains no other as well."""

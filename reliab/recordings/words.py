@@ -40,15 +40,18 @@ class Role(StrEnum):
 
 QUANTITIES: Final[Mapping[Quantity, str]] = {
     Quantity.TIME: (
-        "time times tout timestamp elapsed seconds zeit laufzeit uhrzeit tempo tiempo temps shijian"
+        "time times timer tout timestamp elapsed seconds zeit laufzeit messzeit uhrzeit zeitstempel tempo "
+        "tiempo temps shijian"
     ),
     Quantity.DISPLACEMENT: (
+        "pot potentiometer laser wa "
         "disp displ dis dsp displacement displacements stroke position pos lvdt ldt temposonic "
         "temposonics encoder travel deflection elongation weg wegaufnehmer kolbenweg verschiebung hub "
         "auslenkung spostamento spost corsa posizione desplazamiento desp carrera posicion "
         "deplacement weiyi xingcheng"
     ),
     Quantity.FORCE: (
+        "messdose kraftmessdose "
         "force forces load loads loadcell lc frc forc kraft kraefte last pruefkraft forza carico "
         "carga fuerza effort li lizhi zaihe hezai shear reaction restoring"
     ),
@@ -79,7 +82,8 @@ ROLES: Final[Mapping[Role, str]] = {
     Role.COMMAND: (
         "command commanded commands cmd cmnd comm commandsignal targ target targeted tgt desired "
         "reference ref setpoint demand dem soll sollwert sollweg vorgabe comando riferimento consigna "
-        "referencia deseado desiderato consigne mingling zhiling mubiao qiwang"
+        "referencia deseado objetivo "
+        "comandado comandato imposto desiderato consigne mingling zhiling mubiao qiwang"
     ),
     Role.MEASURED: (
         "measured measurement meas msd actual achieved feedback feedbk fbk fdbk fb istwert istweg ist "
@@ -93,13 +97,14 @@ ROLES: Final[Mapping[Role, str]] = {
 """Words that say on which side of the transfer system a channel stands."""
 
 WEAK_ROLES: Final[Mapping[Role, str]] = {
-    Role.COMMAND: "input des in",
+    Role.COMMAND: "input des in set",
     Role.MEASURED: "response resp output out sensor real reached act",
 }
 """Words that say so only where no column does with a plainer one: `act` may be the actuator's."""
 
 ALTERED: Final = (
-    "filtered filt raw compensated comp compensation corrected smoothed delayed predicted estimated est "
+    "drift filtered filt raw compensated comp compensation corrected smoothed delayed predicted "
+    "estimated est "
     "simulated sim model ideal initial old previous offset peak max min mean gefiltert roh kompensiert "
     "filtrato compensato filtrado compensado lvbo buchang"
 )
@@ -114,9 +119,9 @@ NEUTRAL: Final = (
 
 SYMBOLS: Final[Mapping[str, tuple[Quantity, Role | None]]] = {
     "t": (Quantity.TIME, None),
-    **dict.fromkeys(("xc", "uc", "dc"), (Quantity.DISPLACEMENT, Role.COMMAND)),
+    **dict.fromkeys(("xc", "uc", "dc", "xd", "ud"), (Quantity.DISPLACEMENT, Role.COMMAND)),
     **dict.fromkeys(("xm", "um", "dm"), (Quantity.DISPLACEMENT, Role.MEASURED)),
-    **dict.fromkeys(("fm", "fe"), (Quantity.FORCE, Role.MEASURED)),
+    **dict.fromkeys(("fm", "fe", "fmeas", "fmeasured", "fact"), (Quantity.FORCE, Role.MEASURED)),
     **dict.fromkeys(("ag", "agm", "xgdd", "xddg", "ugdd", "uddg"), (Quantity.ACCELERATION, Role.GROUND)),
 }
 """Symbols of equations, as whole names without the signs in them: x_c, u_m."""

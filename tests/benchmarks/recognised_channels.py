@@ -85,6 +85,52 @@ OTHERS = (
     ("Frame drift", "mm"),
     ("Table displacement", "mm"),
 )
+# A second list, not by the author of the recogniser: names of OpenFresco's Simulink and dSPACE models, of
+# MTS, HBM and NI programs, of public data sets and benchmarks of RTHS, in English and four other languages.
+LABORATORIES: dict[str, str] = {
+    "command": """
+targDsp; commDsp; ctrlDsp; targSig Dsp; commSig disp; xd; x_d; u_c; disp_cmd; DispCmd; Disp Command;
+Axial Disp Cmd; Axial Displacement Command; Ch 1 Axial Disp. Command; ATTarget; Actuator Target;
+target displacement; Target Disp; Commanded displacement; Cmd Pos; Position Cmd; Stroke command; Set
+Position; reference displacement; ref_disp; Ref Position; x_ref; xref; desired displacement;
+des_disp; r_disp_ref; Sollweg; Weg_Soll; Kolbenweg Soll; Sollwert Weg; Spostamento imposto;
+Spostamento comandato; Riferimento posizione; Desplazamiento objetivo; Desplazamiento comandado;
+Consigna desplazamiento; zhiling weiyi; mubiao weiyi; input displacement; disp_in; Actuator Cmd;
+act_cmd_disp; Act1 Command; Hydraulic command displacement; Demand displacement; dispDemand
+""",
+    "measured": """
+measDsp; daqDsp; measSig Dsp; xm; x_m; u_m; disp_meas; DispMeas; Disp Feedback; Axial Disp Fbk;
+Axial Displacement; Ch 1 Axial Disp.; ATL1; ATLVDT; LVDT1; LVDT_1; Actuator LVDT; measured
+displacement; Meas Disp; Achieved displacement; Position Fbk; Pos Feedback; Stroke; Actual Position;
+Temposonic 1; Linear pot; String pot 1; actual displacement; act_disp; feedback displacement;
+fbk_disp; Istweg; Weg_Ist; Kolbenweg Ist; Istwert Weg; Spostamento misurato; Spostamento attuatore;
+Posizione misurata; Desplazamiento medido; Desplazamiento real; Medida LVDT; shice weiyi; fankui
+weiyi; output displacement; disp_out; Actuator Position; Encoder position; Laser displacement;
+WA_100; Actuator stroke; resp_disp; Rod displacement; Wegaufnehmer 1
+""",
+    "force": """
+measFrc; daqFrc; measForc; Force; Axial Force; Axial Force Fbk; Ch 1 Axial Force; ATLoad; LC1; Load
+Cell; Load cell 1; f_m; F_meas; Restoring Force; measured force; Actuator load; Kraft; Kraft_Ist;
+Kraftmessdose; Forza misurata; Cella di carico; Fuerza medida; Celda de carga; zuoli; shice li;
+Reaction; Friction force; Actuator force 1
+""",
+}
+DECOYS = (
+    *OTHERS,
+    ("AO0", "V"),
+    ("Valve Cmd", "V"),
+    ("valve drive", "mA"),
+    ("newTarget", ""),
+    ("switchPC", ""),
+    ("atTarget", ""),
+    ("targVel", "mm/s"),
+    ("Force Cmd", "kN"),
+    ("TC_01", "°C"),
+    ("Thermocouple", "degC"),
+    ("Supply Pressure", "psi"),
+    ("Accelerometer X", "g"),
+    ("Strain gauge 4", "microstrain"),
+)
 _BARE = 0.2  # share of files without units
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "Millimeters": 1e-3}
 _FORCES = {"N": 1.0, "kN": 1e3, "kip": 4448.2216152605, "lbf": 4.4482216152605}
@@ -96,7 +142,7 @@ def main() -> None:
     )
     parser.add_argument("--files", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--names", choices=("at_hand", "held_out", "all"), default="held_out")
+    parser.add_argument("--names", choices=("at_hand", "held_out", "all", "laboratories"), default="held_out")
     parser.add_argument("--show", action="store_true")
     options = parser.parse_args()
     counts, random = Counter(), Random(options.seed)  # noqa: S311
@@ -111,9 +157,14 @@ def held_out(name: str) -> bool:
     return zlib.crc32(name.lower().encode()) % 3 == 0
 
 
-def _drawn(random: Random, listed: str, names: str) -> str:
+def _drawn(random: Random, part: str, listed: str, names: str) -> str:
+    listed = LABORATORIES.get(part, listed) if names == "laboratories" else listed
     choices = [" ".join(name.split()) for name in listed.split(";")]
-    chosen = [name for name in choices if names == "all" or held_out(name) is (names == "held_out")]
+    chosen = [
+        name
+        for name in choices
+        if names in {"all", "laboratories"} or held_out(name) is (names == "held_out")
+    ]
     return random.choice(chosen)
 
 
@@ -171,9 +222,9 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
     ):
         if part == "force" and random.random() < 0.3:
             continue
-        name = _drawn(random, listed, "all" if part == "time" else names)
+        name = _drawn(random, part, listed, "all" if part == "time" else names)
         while name in columns:
-            name = _drawn(random, listed, "all" if part == "time" else names)
+            name = _drawn(random, part, listed, "all" if part == "time" else names)
         columns[name] = (unit, values / factor)
         truth[part] = (name, factor)
     if random.random() < _BARE:  # which then is metres and newtons, as far as anyone can tell
@@ -183,7 +234,7 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
             for values in [columns[name][1]]
         }
         truth = {part: (name, 1.0) for part, (name, _) in truth.items()}
-    for name, unit in random.sample(OTHERS, random.randrange(4)):
+    for name, unit in random.sample(DECOYS if names == "laboratories" else OTHERS, random.randrange(4)):
         columns[name] = (unit, _other(name, time, command, measured, force, noise))
     order = list(columns)
     random.shuffle(order)

@@ -62,7 +62,7 @@ CHOICES = {
     "test_name": ("1", "other"),
     "channels": ("missing.toml", "frame.toml"),
 }
-OFTEN = {"f": 0.9, "xi": 0.7}
+OFTEN = {"f": 0.9, "xi": 0.7, "test_name": 0.02, "channels": 0.02}
 
 
 class Answer:
@@ -145,8 +145,8 @@ def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, caps
     monkeypatch.setattr(assessment, "assess_structure", Answer)
     monkeypatch.setattr(assessment, "assess_frame", Answer)
     codes = [agree(capsys, *drawn(number)) for number in range(DRAWS)]
-    assert codes.count(0) > 0.15 * DRAWS
-    assert codes.count(2) > 0.15 * DRAWS
+    assert codes.count(0) > 0.2 * DRAWS
+    assert codes.count(2) > 0.2 * DRAWS
 
 
 @pytest.mark.slow

@@ -328,6 +328,126 @@ def record(folder):
     return folder / "t.nc"
 
 
+def mts_test_suite(folder):
+    header = (
+        '"Run Time","Axial Displacement Command","Axial Displacement","Axial Force"\n'
+        '"Timer","Axial Disp Cmd","Axial Disp Fbk","Axial Force Fbk"\n"sec","mm","mm","kN"'
+    )
+    return _text(folder / "t.csv", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE])
+
+
+def labview_measurement_of_several_clocks(folder):
+    header = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+        "Multi_Headings\tYes\nX_Columns\tMulti\nTime_Pref\tAbsolute\nDate\t2026/01/02\n***End_of_Header***\t\n\t\n"
+        "Channels\t2\t\t\t\nSamples\t2048\t\t2048\nY_Unit_Label\tmm\t\tmm\nX_Dimension\tTime\t\tTime\nX0\t0.0\t\t0.0\n"
+        "Delta_X\t0.00390625\t\t0.00390625\n***End_of_Header***\t\t\t\t\n"
+        "X_Value\tDisp Cmd\tX_Value\tDisp Fbk\tComment"
+    )
+    return _text(folder / "t.lvm", header, [TIME, 1e3 * COMMAND, TIME, 1e3 * MEASURED], "\t")
+
+
+def dewesoft(folder):
+    header = "DEWESoft X\nSample rate: 256 Hz\n\nTime (s);Cmd Disp (mm);LVDT (mm);Load cell (kN)"
+    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
+    return _text(folder / "t.csv", header, columns, ";", decimal=",")
+
+
+def catman(folder):
+    header = (
+        "HBM_CATMAN_DATAFILE\t5.0\n24.11.2026\t10:00:00\n"
+        "Time  1 - default sample rate\tWeg Soll\tWeg Ist\tKraft\n"
+        "[s]\t[mm]\t[mm]\t[kN]\nMX440 CH1\tMX440 CH2\tMX440 CH3\tMX440 CH4\nSampleRate\t256\t256\t256\n"
+    )
+    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
+    return _text(folder / "t.asc", header, columns, "\t", decimal=",", encoding="latin-1")
+
+
+def nees_with_units_above(folder):
+    header = (
+        "Active channels:\tTime,DispCmd,LVDT1,LC1\nSample rate:\t256.0000\nChannel units:\tsec,mm,mm,kN\n\n"
+        "Time\tDispCmd\tLVDT1\tLC1\nsec\tmm\tmm\tkN"
+    )
+    return _text(folder / "t.txt", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE], "\t")
+
+
+def excel_with_dates(folder):
+    lines = ["Zeitstempel;Sollweg [mm];Istweg [mm]"]
+    for t, c, m in zip(TIME, 1e3 * COMMAND, 1e3 * MEASURED, strict=True):
+        cells = ";".join(f"{number:.12g}".replace(".", ",") for number in (c, m))
+        lines.append(f"24.11.2026 10:00:{t:012.9f};" + cells)
+    (folder / "t.csv").write_text("\n".join(lines), encoding="utf-8")
+    return folder / "t.csv"
+
+
+def pacific_instruments(folder):
+    header = (
+        "Pacific Instruments PI660\nTest: RTHS1\nChannel,1,2,3,4\n"
+        "Description,Time,Actuator Command,Actuator Position,Actuator Load\nUnits,sec,in,in,kip"
+    )
+    columns = [np.arange(SIZE), TIME, COMMAND / 0.0254, MEASURED / 0.0254, FORCE / 4448.2216152605]
+    return _text(folder / "t.csv", header, columns)
+
+
+def matlab_4(folder):
+    savemat(folder / "t.mat", {"t": TIME, "disp_cmd": COMMAND, "disp_meas": MEASURED}, format="4")
+    return folder / "t.mat"
+
+
+def simulink_array(folder):
+    savemat(folder / "t.mat", {"simout": np.column_stack([TIME, COMMAND, MEASURED, FORCE])})
+    return folder / "t.mat"
+
+
+def logged_signals_as_structures(folder):
+    signals = np.array(
+        [
+            (name, {"Time": TIME, "Data": values})
+            for name, values in (("u_cmd", COMMAND), ("u_meas", MEASURED), ("F_meas", FORCE))
+        ],
+        dtype=[("Name", object), ("Values", object)],
+    )
+    savemat(folder / "t.mat", {"logsout": signals})
+    return folder / "t.mat"
+
+
+def logged_data_set(folder):
+    """`logsout` of Simulink: an object of signals, each with a name and a `timeseries` without one."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from matio.utils.matclass import MatlabOpaque
+    signals = np.empty((1, 3), dtype=object)
+    for place, (name, values) in enumerate(
+        (("disp_cmd", COMMAND), ("disp_meas", MEASURED), ("force", FORCE))
+    ):
+        about = {"Time": TIME[:, np.newaxis], "Data": values[:, np.newaxis], "Name": np.array([""])}
+        series = MatlabOpaque(properties=about, classname="timeseries")
+        signals[0, place] = MatlabOpaque(
+            properties={"Name": np.array([name]), "Values": series},
+            classname="Simulink.SimulationData.Signal",
+        )
+    logged = MatlabOpaque(
+        properties={"Name": np.array(["logsout"]), "Elements": signals},
+        classname="Simulink.SimulationData.Dataset",
+    )
+    return _save_objects(folder / "t.mat", {"logsout": logged}, "v7.3")
+
+
+def signal_express(folder):
+    """TDMS of SignalExpress: the test beside thinned copies of it, as in npTDMS's Digital_Input.tdms."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    channels = [
+        ChannelObject(f"07/09/2026 - Voltage - {name}", channel, values[::every], properties=step)
+        for name, every in (("All Data", 1), ("Decimated Data_Level1", 8))
+        for step in ({"wf_increment": every / RATE},)
+        for channel, values in (("Disp Cmd (m)", COMMAND), ("Disp Fbk (m)", MEASURED))
+    ]
+    with TdmsWriter(str(folder / "t.tdms")) as writer:
+        writer.write_segment(channels)
+    return folder / "t.tdms"
+
+
 LAYOUTS = (
     *(
         csv_with_units_in_brackets,
@@ -359,6 +479,22 @@ LAYOUTS = (
         tdms,
         tdms_with_times,
         classic_netcdf,
+    ),
+    *(
+        mts_test_suite,
+        labview_measurement_of_several_clocks,
+        dewesoft,
+        catman,
+        nees_with_units_above,
+        excel_with_dates,
+    ),
+    *(
+        pacific_instruments,
+        matlab_4,
+        simulink_array,
+        logged_signals_as_structures,
+        logged_data_set,
+        signal_express,
     ),
     record,
 )

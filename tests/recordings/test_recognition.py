@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from layouts import COMMAND, FORCE, MEASURED, TIME, VALVE
+from layouts import COMMAND, FORCE, MEASURED, RATE, TIME, VALVE
 
 from reliab.errors import InputError
 from reliab.recordings import read_recording
@@ -101,3 +101,60 @@ def test_pairs_of_several_actuators_are_asked_about_by_a_test_of_one():
     assert (
         read_recording(pd.DataFrame(table), command="cmd_2", measured="meas_2").command[9] == 2 * COMMAND[9]
     )
+
+
+def nameless(others, folder):
+    """Time, command, measured and further columns without names."""
+    np.savetxt(folder / "t.txt", np.column_stack([TIME, COMMAND, MEASURED, *others]))
+    return read_recording(folder / "t.txt")
+
+
+def test_a_nameless_force_is_the_column_that_the_measured_motion_explains(tmp_path):
+    test = nameless([FORCE], tmp_path)
+    np.testing.assert_allclose(test.force, FORCE)
+    assert any("taken to be in N" in note for note in test.notes)
+
+
+VELOCITY = np.gradient(MEASURED, 1.0 / RATE)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [VELOCITY, np.gradient(VELOCITY, 1.0 / RATE), VALVE, -FORCE],
+    ids=["velocity", "acceleration", "valve", "reversed force"],
+)
+def test_nothing_else_without_a_name_is_taken_for_the_force(tmp_path, other):
+    assert nameless([other], tmp_path).force is None
+
+
+@pytest.mark.parametrize("other", [400.0 * COMMAND, 0.99 * MEASURED], ids=["voltage", "second sensor"])
+def test_a_nameless_column_that_moves_like_a_displacement_is_never_the_force(tmp_path, other):
+    """It is asked about, or left."""
+    try:
+        force = nameless([other], tmp_path).force
+    except InputError:
+        force = None
+    assert force is None
+
+
+def test_a_flag_with_the_name_of_a_command_is_never_taken_beside_one_that_moves():
+    """OpenFresco's models log the flag atTarget beside the target."""
+    flag = (np.arange(TIME.size) // 7 % 2).astype(float)
+    table = {"Time": TIME, "Target": flag, "s1 [m]": COMMAND, "Disp Feedback [m]": MEASURED}
+    with pytest.raises(InputError, match="do not all move together"):
+        columns_of(table)
+    assert columns_of({"Time": TIME, "atTarget": flag, "targDsp": COMMAND, "measDsp": MEASURED}) == {
+        "time": "Time",
+        "command": "targDsp",
+        "measured": "measDsp",
+    }
+
+
+def test_a_name_that_ends_in_in_is_asked_about_where_nothing_else_states_a_unit():
+    table = {"Time": TIME, "disp_in": COMMAND, "Disp Feedback": MEASURED}
+    with pytest.raises(InputError, match="in inches, or an input"):
+        columns_of(table)
+    test = read_recording(pd.DataFrame(table), units="m")
+    np.testing.assert_array_equal(test.command, COMMAND)
+    inches = {"Time": TIME, "command_in": COMMAND, "measured_in": MEASURED}
+    np.testing.assert_allclose(read_recording(pd.DataFrame(inches)).command, 0.0254 * COMMAND)

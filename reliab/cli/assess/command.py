@@ -12,16 +12,10 @@ from reliab.cli.completion import metrics, samples
 from reliab.cli.demand import takes
 from reliab.cli.options import (
     OF_REPORT,
-    ChannelsFile,
-    Column,
-    Delimiter,
     JsonTarget,
-    Rate,
+    ReadsTests,
     Reported,
     StructureFile,
-    TestName,
-    TimeUnits,
-    Units,
 )
 from reliab.errors import InputError
 
@@ -32,7 +26,7 @@ _Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AssessDemand(Reported):
+class AssessDemand(ReadsTests, Reported):
     """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
 
     tests: Annotated[
@@ -177,15 +171,6 @@ class AssessDemand(Reported):
             help="Error of the whole test: RMS^R (default) or MTE^R.",
         ),
     ] = None
-    command: Column = None
-    measured: Column = None
-    time: Column = None
-    rate: Rate = None
-    units: Units = None
-    time_units: TimeUnits = None
-    delimiter: Delimiter = None
-    test_name: TestName = None
-    channels: ChannelsFile = None
     design: Annotated[
         bool,
         typer.Option(

@@ -231,7 +231,8 @@ def _timeseries(tree: Mapping[str, Tree]) -> _Histories | None:
         for k, values in enumerate(columns):
             fits = times is not None and times.size == values.size
             series = Series(values=values, unit=unit, times=times if fits else None)
-            plain = label if label and label != "unnamed" else name
+            outer = _text(_of(tree, "name")) if name.lower() == "values" else ""  # a signal's, in a data set
+            plain = outer or (label if label and label != "unnamed" else name)
             histories.add(f"{plain}[{k + 1}]" if len(columns) > 1 else plain, series)
     return histories
 

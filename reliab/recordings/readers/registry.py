@@ -7,7 +7,7 @@ from typing import Final
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary, require_small
-from reliab.recordings.readers import hierarchical, lvm, matlab, tdms, text
+from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
 from reliab.recordings.readers.columns import Columns
 from reliab.registry import Registry
 
@@ -32,10 +32,24 @@ _SHIPPED = (
         read=hierarchical.read_hierarchical,
     ),
     Format(name="MATLAB 5 to 7.2", recognises=matlab.recognises, read=matlab.read_matlab),
+    Format(name="MATLAB 4", recognises=matlab_4.recognises, read=matlab_4.read_matlab_4),
     Format(name="TDMS", recognises=tdms.recognises, read=tdms.read_tdms),
     Format(name="classic NetCDF", recognises=hierarchical.recognises_classic, read=hierarchical.read_classic),
     Format(name="LabVIEW measurement", recognises=lvm.recognises, read=lvm.read_lvm),
 )
+_BEGIN: Final = 64  # bytes in which a format that is not read says what it is
+_NOT_READ: Final = {
+    b"[Content_Types].xml": ("an Excel workbook", "Save its sheet as CSV"),
+    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": ("an old Excel workbook", "Save its sheet as CSV"),
+    b".npy": ("arrays of NumPy", "Save them as CSV with names of the columns"),
+    b"\x93NUMPY": ("an array of NumPy", "Save it as CSV with names of the columns"),
+    b"PK\x03\x04": ("an archive", "Unpack it"),
+    b"PAR1": ("Parquet", "Save it as CSV, or read it with pandas and give the data frame in Python"),
+    b"ARROW1": ("Feather", "Save it as CSV, or read it with pandas and give the data frame in Python"),
+    b"MDF ": ("an MDF file of a measuring system", "Export it as MATLAB, HDF5 or CSV"),
+    b"MATLAB 7": ("a damaged MATLAB file", "Save it again"),
+}
+"""Formats that are told apart but not read, by what stands at their begin: what they are, what to do."""
 _TEXT: Final = Format(name="text in columns", recognises=text.recognises, read=text.read_text)
 
 FORMATS = Registry(
@@ -60,9 +74,13 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
         form = next((form for form in (*FORMATS.values(), _TEXT) if form.recognises(head)), None)
         if form is not None:
             return form.read(path, delimiter)
+    kind, remedy = next(
+        (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
+        ("another binary format", "Export it in one of these"),
+    )
     raise InputError(
         "A test's file must be text in columns, MATLAB, HDF5, TDMS or NetCDF",
-        value="another binary format",
-        remedy="Export it in one of these",
+        value=kind,
+        remedy=remedy,
         where=path.name,
     )

@@ -1,6 +1,7 @@
 """LabVIEW TDMS files, through npTDMS; the properties of a waveform give unit, begin and step."""
 
 import logging
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -14,6 +15,7 @@ from reliab.recordings.readers.objects import seconds
 from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
+_DECIMATED: Final = re.compile(r"Decimated Data_Level\d+$")  # thinned copies beside a test
 _UNIT_NAMES: Final = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units", "units")
 _INCOMPLETE: Final = "The file ends within its last segment, as after a logger that was stopped."
 _MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
@@ -38,7 +40,8 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
         ) from None
     log_manager.set_level(logging.CRITICAL)  # what npTDMS notices of a file becomes a note or an error
     with path.open("rb") as file, TdmsFile.open(file) as content:
-        groups = content.groups()
+        groups = [group for group in content.groups() if not _DECIMATED.search(group.name)]
+        groups = groups or content.groups()
         _require_bounded([channel for group in groups for channel in group.channels()], path)
         tree: dict[str, Tree] = {}
         for group in groups:

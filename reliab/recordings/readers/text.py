@@ -37,6 +37,7 @@ _RATE_UNITS = {"khz": 1e3, "ms": 1e-3}
 _DELIMITERS: Final = (";", "\t", ",", "")
 _BETWEEN_NAMES: Final = ("\t", ";", ",", "  ", "")
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d*,\d+(?:[eE][+-]?\d+)?$|^[+-]?\d+,(?:[eE][+-]?\d+)?$")
+_LABEL = re.compile(r"^(?!(?:nan|null|none|inf)$)[a-z][a-z _]{2,}:?$", re.IGNORECASE)  # of a setting
 _CLOCK_TIME = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"}
 _FEWEST_COLUMNS = 2
@@ -169,7 +170,8 @@ def header_of(lines: Sequence[str], width: int, delimiter: str) -> Header:
     units = next((cells for cells in reversed(wide[-2:]) if _is_units(cells)), ())
     if not named:
         return Header(names=[f"column {place + 1}" for place in range(width)], units=list(units), named=False)
-    names = [name or f"column {place + 1}" for place, name in enumerate(named[-1])]
+    telling = max(reversed(named), key=_telling)
+    names = [name or f"column {place + 1}" for place, name in enumerate(telling)]
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise InputError(
@@ -208,6 +210,12 @@ def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
         if len(cells) == width and any(cells) and not Line(number=0, cells=cells).numbers:
             return cells
     return ()
+
+
+def _telling(cells: Sequence[str]) -> int:
+    """How many cells of a line are names that say what a column measures, or its side."""
+    described = describe(cells, {}).values()
+    return sum(what.quantity is not None or what.role is not None for what in described)
 
 
 def _is_units(cells: Sequence[str]) -> bool:
@@ -294,7 +302,7 @@ def _require_no_row_above(
         if tuple(cells[: len(header.names)]) == tuple(header.names) or not header.named:
             return
         row = Line(number=above + 1, cells=cells)
-        if row.numbers and not is_comment(lines[above]):
+        if row.numbers and not is_comment(lines[above]) and not _LABEL.match(cells[0]):
             list(_numbers(row, header.names, set(), path))
 
 
