@@ -77,12 +77,13 @@ def rig(kind: str, structure: Structure, peak: float, share: float, rng: np.rand
     }
 
 
-def cases(suite: MotionSuite, count: int, seed: int) -> Iterator[Case]:
+def cases(suite: MotionSuite, count: int, seed: int, diverging: int | None = None) -> Iterator[Case]:
+    """Tests of every kind, so many of each; `diverging`: of each kind that diverges, where it differs."""
     motions = list(suite)
     kinds = [(kind, False) for kind in STABLE] + [(kind, True) for kind in DIVERGING]
     for k, (kind, diverges) in enumerate(kinds):
-        made = 0
-        for number in range(3 * count):
+        made, wanted = 0, diverging if diverges and diverging is not None else count
+        for number in range(3 * wanted):
             rng = np.random.default_rng((seed, k, number))
             motion = resample(motions[int(rng.integers(len(motions)))], RATE)
             structure = Structure(
@@ -116,7 +117,7 @@ def cases(suite: MotionSuite, count: int, seed: int) -> Iterator[Case]:
                 ideal=ideal[:end],
                 facts={"share": share, "peak": peak, "offset": kind == "offset"},
             )
-            if made == count:
+            if made == wanted:
                 break
 
 
