@@ -27,6 +27,7 @@ from reliab.api.sources import (
 from reliab.criterion import (
     Criterion,
     Derivation,
+    Weights,
     compare_shares,
     describe_sample,
     printed_share,
@@ -142,6 +143,7 @@ def derive_criteria(
     duration: float | None = None,
     motion: str | Path | None = None,
     suite: Files | None = None,
+    weights: str | Path | None = None,
     model: str | Path | None = None,
     structure: str | Path | None = None,
     method: str | None = None,
@@ -186,6 +188,9 @@ def derive_criteria(
         structure's response under it.
     suite : str, pathlib.Path or sequence of these, optional
         A few records of the earthquakes that are expected, with which the population is pooled.
+    weights : str or pathlib.Path, optional
+        Table of the magnitudes, lengths or significant durations that a site expects (columns quantity, low,
+        high, share), by which the motions behind the criterion are weighted.
     model, structure : str or pathlib.Path, optional
         Model with effects, or frame with its part in the laboratory, in place of structures.
     method, law : str, optional
@@ -222,11 +227,12 @@ def derive_criteria(
     [1.48, 1.21]
     """
     case = Case(duration=duration, motion=motion, suite=suite)
-    if case.narrows and not any((motions, results, ellipses)):
+    if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
         ellipses = POPULATION
     traced_alone = motions or (law == "table" and results)
     question = _Question(
         case=case,
+        weights=weights,
         structures=(f, xi),
         source=partial(
             EllipseSource,
@@ -269,6 +275,7 @@ class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
     case: Case  # What is known of the earthquake
+    weights: str | Path | None  # Table of what a site expects
     structures: tuple[Numbers | None, Numbers | None]  # Natural frequencies [Hz] and damping ratios [-]
     source: Callable[[], EllipseSource]  # Where the ellipses come from, once they are needed
     of_source: Mapping[str, Any]  # Arguments that only a source of motions uses
@@ -327,6 +334,7 @@ class _Question:
             )
         idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
         idle += ["`duration`, `motion` or `suite`"] if self.case.narrows else []
+        idle += [] if self.weights is None else ["`weights`"]
         if idle and not self.has_source:
             raise InputError(
                 "A printed law is for whole records and a wholly experimental structure, as in the paper",
@@ -347,8 +355,13 @@ class _Question:
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
         source = self.source()
-        dataset = self.case.carried(with_room(source.dataset(self.show)), source, *self.structures, self.show)
-        dataset = protect_over_lengths(dataset, metric=self.metric, curve=method.curve)
+        population = with_room(source.dataset(self.show))
+        dataset = self.case.carried(population, source, *self.structures, self.show)
+        weights = None if self.weights is None else Weights.of(population, self.weights)
+        if weights is None or "length" not in weights.quantities:
+            dataset = protect_over_lengths(dataset, metric=self.metric, curve=method.curve)
+        if weights is not None:
+            dataset = weights.drawn(dataset)
         if self.law == "table":
             dataset = at_structures(dataset, *self.structures)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)

@@ -115,7 +115,8 @@ def divide(
         division = _by_sets(dataset, source, learn, judge)
     else:
         name = scheme or DEFAULT_SCHEME
-        division = Division(folds=folds_of(name, dataset["event"].values), name=name)
+        lengths = dataset["duration"].values if "duration" in dataset.coords else None
+        division = Division(folds=folds_of(name, dataset["event"].values, lengths), name=name)
     return division if leave_out is None else _without(division, leave_out, dataset)
 
 

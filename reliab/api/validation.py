@@ -16,13 +16,16 @@ from reliab.api.judged_motions import (
     require_one_share,
     true_errors,
 )
+from reliab.api.kept_shares import kept_shares
 from reliab.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
+from reliab.criterion import population_of
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.progress import Show, quietly
 from reliab.sweep import Names, Numbers, share_of
 from reliab.validation.cross_validation import (
+    GROUP_SCHEMES,
     RATES,
     Candidate,
     CrossValidation,
@@ -60,6 +63,7 @@ class Validation:
     def to_dict(self) -> dict[str, Any]:
         """Rates with their intervals and confusion matrices as plain values with stable keys."""
         counts = self.counts.counts
+        rows, leads = (_rows(self.counts, ("f", "xi"), side) for side in ("lag", "lead"))
         return {
             "scheme": self.counts.scheme,
             "threshold": self.counts.threshold,
@@ -72,10 +76,12 @@ class Validation:
             "truth": self.counts.truth,
             "unresolved": int(counts["unresolved"].sum()),
             "not_carried": _not_carried(self.counts),
-            "rows": _rows(self.counts, ("f", "xi")),
+            "judged_on": _judged(self.ellipses, self.counts.scheme),
+            "rows": rows,
+            "sentences": [*kept_shares(rows), *kept_shares(leads, " for leads")],
             "by_frequency": _rows(self.counts, ("xi",)),
             "by_damping_ratio": _rows(self.counts, ("f",)),
-            "rows_lead": _rows(self.counts, ("f", "xi"), "lead"),
+            "rows_lead": leads,
         }
 
 
@@ -111,8 +117,8 @@ def validate_criteria(
         of the stiffness.
     threshold : float, optional
         Error up to which a test is good [-].
-    scheme : {"leave_one_event_out", "k_fold", "random_halves"}, optional
-        How earthquakes are divided.
+    scheme : {"leave_one_event_out", "k_fold", "random_halves", "region", "magnitude", "length"}, optional
+        How earthquakes are divided; the last three leave out each class of motions.
     leave_out : {"f", "xi"}, optional
         Whether each frequency or damping ratio is left out in turn, too.
     learn, judge : str or sequence of str, optional
@@ -220,6 +226,15 @@ class _Candidates:
                 remedy=f"Ask for `confidence={candidate.confidence:g}`, or leave the law out",
             )
         return candidate
+
+
+def _judged(ellipses: xr.Dataset, scheme: str) -> str:
+    """Say which motions are judged, and how they were left out."""
+    ways = {
+        "leave_one_event_out": "each judged by other earthquakes",
+        **{name: f"each {name} judged by the others" for name in GROUP_SCHEMES},
+    }
+    return f"{population_of(ellipses)} ({ways.get(scheme, scheme.replace('_', ' '))})"
 
 
 def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:

@@ -28,6 +28,7 @@ from reliab.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
+from reliab.assessment.scope_of_test import place_by_response, quantities_of_test, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.assessment.tracking_measures import measure_tracking
 from reliab.assessment.verdict import Verdict, word_of_probability
@@ -134,6 +135,10 @@ def assess(
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
+        scope=scope_of_test(chosen, quantities_of_test(clean, structure, judged.error.reference)),
+        by_response=None
+        if criterion is not None or model is not None
+        else place_by_response(clean, structure, judged.error.reference, chosen, tracking),
         placement=None if motion is None else _placed(motion, clean, tracking, judged.error, question),
         error=judged.error,
         faults=judged.effects,

@@ -31,12 +31,20 @@ def cautions(findings: Findings) -> tuple[str, ...]:
             _of_signal,
             _of_constancy,
             _of_validity,
+            _of_scope,
             _of_motion,
             _of_contradictions,
         )
         for sentence in group(findings)
     )
     return tuple(dict.fromkeys([*findings.assumed, *sentences]))
+
+
+def _of_scope(findings: Findings) -> Iterator[str]:
+    if findings.placement is None:
+        yield from findings.scope.sentences
+    if findings.speaks_for_none:
+        yield "No share of ground motions is stated for such a test; its own error stands."
 
 
 def _of_faults(findings: Findings) -> Iterator[str]:

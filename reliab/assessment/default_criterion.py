@@ -1,5 +1,7 @@
 """The criterion that ships with the package: real ground motions, the recommended method."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -7,11 +9,20 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.assessment.criterion_window import RECORD, CriterionWindow, window_for
-from reliab.criterion import Criterion, derive_criterion, protect_over_lengths
+from reliab.boundary import FirstOrderEllipse
+from reliab.criterion import (
+    Criterion,
+    carry_to_response,
+    derive_criterion,
+    protect_over_lengths,
+    range_of,
+)
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.sweep import open_windows
+from reliab.structures import Structure
+from reliab.sweep import open_windows, read_netcdf
+from reliab.vocabulary import CurveName, Metric
 
 _TABLE = "real_suite/ellipses.nc"
 _SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
@@ -63,7 +74,7 @@ def default_criterion(
         xi=_neighbours(population["xi"].values, damping_ratio),
         metric=[metric],
     )
-    return derive_criterion(
+    criterion = derive_criterion(
         _at_threshold(near, threshold),
         method=method_of(RECOMMENDED),
         joint=True,
@@ -72,6 +83,48 @@ def default_criterion(
         confidence=confidence,
         source=_SOURCE,
     )
+    durations = _measures()["effective_duration"].sel(f=frequency, xi=damping_ratio, method="nearest")
+    scope = {**criterion.provenance.scope, "effective_duration": range_of(durations.values)}
+    return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
+
+
+def criterion_of_response(
+    response: FirstOrderEllipse,
+    structure: Structure,
+    *,
+    threshold: float,
+    confidence: float,
+    without: Sequence[str] = (),
+) -> Criterion | None:
+    """Derive the criterion of RMS^R for motions under which a structure responds as it did in a test.
+
+    `without` names earthquakes to leave out. None for a structure that is partly numerical or lies beyond the
+    shipped ones, where responses of the motions are not known.
+    """
+    ellipses, measures = _shipped_ellipses(), _measures()
+    own = {"f": structure.frequency, "xi": structure.damping_ratio}
+    beyond = any(not measures[name].min() <= value <= measures[name].max() for name, value in own.items())
+    if beyond or structure.experimental_fraction != 1.0:
+        return None
+    learned = ~np.isin(ellipses["event"].values, without)
+    population = _at_threshold(ellipses.sel(metric=[str(Metric.RMS)]), threshold).isel(motion=learned)
+    values = response.amplitude, response.delay, response.effective_duration
+    names = "a_first", "b_first", "effective_duration"
+    of_test = xr.Dataset(
+        {
+            name: (("motion", "f", "xi"), np.full((1, 1, 1), value))
+            for name, value in zip(names, values, strict=True)
+        },
+        coords={
+            "motion": ["this test"],
+            "duration": ("motion", [response.duration]),
+            **{name: [value] for name, value in own.items()},
+        },
+    )
+    carried = carry_to_response(
+        population.sel(curve=[str(CurveName.INSCRIBED)]), measures.isel(motion=learned), of_test
+    )
+    return derive_criterion(carried, joint=True, threshold=threshold, confidence=confidence, source=_SOURCE)
 
 
 def shipped_frequencies() -> list[float]:
@@ -97,6 +150,13 @@ def _population(window: CriterionWindow, without: str | None, metric: str) -> xr
     if window.weight > 0.0:
         ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
     return protect_over_lengths(ellipses.assign_attrs(window=window.label), metric=metric)
+
+
+@lru_cache(maxsize=1)
+def _measures() -> xr.Dataset:
+    """Measures of the responses under the motions of the shipped ellipses."""
+    rule, remedy = "Measures of responses must be a NetCDF file", "Install the package again"
+    return read_netcdf(shipped("datasets", "real_suite/first_order.nc"), rule, remedy)
 
 
 @lru_cache(maxsize=1)

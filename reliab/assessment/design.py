@@ -1,7 +1,8 @@
 """Before the test: how much delay and amplitude error a rig may have."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +35,11 @@ class Tolerance:
         Delay [s] at which the loop loses stability.
     outside_validity : bool
         Whether the criterion was carried over from another structure.
+    population : str
+        Ground motions for which the criterion speaks, in words; empty where it does not state them.
+    scope : mapping of str to sequence of float
+        Least value, 5 % and 95 % quantile and greatest value of their lengths [s], cycles, effective
+        durations [s] and magnitudes.
     """
 
     frequency: float
@@ -44,6 +50,8 @@ class Tolerance:
     b: float
     critical_delay: float
     outside_validity: bool
+    population: str = ""
+    scope: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     @property
     def amplitude_error(self) -> float:
@@ -60,7 +68,7 @@ class Tolerance:
         """Tolerable |A − 1| [-] and delay [s] of a rig with both errors in equal parts."""
         return self.amplitude_error / np.sqrt(2.0), self.delay / np.sqrt(2.0)
 
-    def to_dict(self) -> dict[str, float | None]:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers with stable keys; delays in milliseconds."""
         amplitude, delay = self.both
         critical = MILLI * self.critical_delay
@@ -77,6 +85,8 @@ class Tolerance:
             "delay_limit_of_both_ms": MILLI * delay,
             "critical_delay_ms": critical if np.isfinite(critical) else None,
             "outside_validity": self.outside_validity,
+            "population": self.population,
+            "scope": dict(self.scope),
         }
 
 
@@ -157,6 +167,8 @@ def tolerable_errors(
                     b=b,
                     critical_delay=float(critical_delay(structure)),
                     outside_validity=carried_from is not None,
+                    population=candidate.provenance.population,
+                    scope=candidate.provenance.scope,
                 )
             )
     return tolerances

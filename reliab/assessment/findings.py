@@ -12,6 +12,7 @@ from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.placement import Placement
+from reliab.assessment.scope_of_test import ScopeOfTest
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.tracking_measures import TrackingMeasures
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
@@ -60,6 +61,9 @@ class Findings:
     measures: TrackingMeasures  # Established measures of tracking
     windows: Windows  # A and d in moving windows
     population: Placement  # The test against the population of ground motions
+    scope: ScopeOfTest  # The test compared with the motions behind the criterion
+    # The test against the motions that ship, carried to its own response; None where they cannot be
+    by_response: Placement | None
     placement: OwnPlacement | None  # The test against its own ground motion's boundary, where that is known
     error: ErrorOfTest  # The error of this test, rebuilt from its command and measured displacement
     faults: tuple[FaultEffect, ...]  # Faults of the recording
@@ -93,7 +97,12 @@ class Findings:
 
     @property
     def index_probability(self) -> float | None:
-        """Probability, by A and d alone, that the error of such a test stays below the threshold."""
+        """Probability, by A and d alone, that the error of such a test stays below the threshold.
+
+        None where the test lies outside of the motions behind the criterion.
+        """
+        if self.speaks_for_none:
+            return None
         return capped(self.population.probability if self.placement is None else self.placement.probability)
 
     @property
@@ -105,7 +114,13 @@ class Findings:
             probability=self.index_probability,
             confidence=self.criterion.confidence,
             own_motion=self.placement is not None,
+            outside=self.scope.sentences if self.speaks_for_none else (),
         )
+
+    @property
+    def speaks_for_none(self) -> bool:
+        """Whether the index rests on ground motions that are none like the test's."""
+        return self.placement is None and self.scope.outside
 
     @property
     def reliable(self) -> bool:

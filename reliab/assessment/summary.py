@@ -6,6 +6,7 @@ import numpy as np
 
 from reliab.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.assessment.rebuilt_error import Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
@@ -30,7 +31,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "alpha": structure.experimental_fraction,
         "threshold": findings.criterion.threshold,
         "metric": findings.criterion.metric,
-        "confidence": findings.criterion.confidence,
+        "confidence": None if findings.speaks_for_none else findings.criterion.confidence,
         "A": tracking.amplitude,
         "phi": -turn * tracking.delay,
         "f_eq_hz": tracking.plain.equivalent_frequency,
@@ -51,6 +52,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "critical_delay_ms": finite(MILLI * findings.critical_delay),
         "basis": "population" if findings.placement is None else "motion",
         "population": _population(findings),
+        "scope": findings.scope.to_dict(),
         "motion": None if findings.placement is None else _motion(findings),
         **_details(findings),
         **_recording(findings.recording),
@@ -139,7 +141,20 @@ def _by_index(findings: Findings) -> dict[str, Any]:
         "probability": findings.index_probability,
         "largest_probability": LARGEST_PROBABILITY,
         "basis": "population" if findings.placement is None else "motion",
+        "by_response": _by_response(findings.by_response),
         "side": "lead" if findings.tracking.delay < 0.0 else "lag",
+    }
+
+
+def _by_response(placed: Placement | None) -> dict[str, Any] | None:
+    if placed is None:
+        return None
+    return {
+        "a": placed.a,
+        "b": placed.b,
+        "index": finite(placed.index),
+        "index_interval": _ends(placed.index_interval),
+        "probability": capped(placed.probability),
     }
 
 
@@ -182,7 +197,7 @@ def _population(findings: Findings) -> dict[str, Any]:
         "delay_limit_ms": float(np.sqrt(placed.b)),
         "index": finite(placed.index),
         "reliable": None if placed.index is None else placed.index <= 1.0,
-        "probability": capped(placed.probability),
+        "probability": None if findings.scope.outside else capped(placed.probability),
         "method": criterion.method,
         "joint": criterion.joint,
         "law": criterion.law.name,

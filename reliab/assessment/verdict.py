@@ -63,8 +63,11 @@ def verdict_by_index(
     probability: float | None,
     confidence: float,
     own_motion: bool,
+    outside: Sequence[str] = (),
 ) -> Verdict:
     """Judge a test by its index.
+
+    `outside` says why no motion behind the criterion is like the test's; the index then decides nothing.
 
     Returns undecided where the interval holds 1, and where too many ground motions would keep the error below
     the threshold to call the test bad, and too few to call it good.
@@ -74,6 +77,12 @@ def verdict_by_index(
             word=Word.UNDECIDED,
             reasons=("The test leads, and the criterion has no limits for leads.",),
             would_decide=("Give its ground motion, or a criterion that has limits for leads.",),
+        )
+    if outside:
+        return Verdict(
+            word=Word.UNDECIDED,
+            reasons=(*outside, "The criterion says nothing of such a test."),
+            would_decide=("Give the test's ground motion; it decides the index.",),
         )
     low, high = interval
     if high <= 1.0:

@@ -39,6 +39,11 @@ from .scope import (
     Position as Position,
     ScopeComparison as ScopeComparison,
     compare_with_scope as compare_with_scope,
+    magnitudes_of as magnitudes_of,
+    population_of as population_of,
+    range_of as range_of,
+    regions_of as regions_of,
 )
 from .share_comparison import compare_shares as compare_shares
 from .summary import describe_sample as describe_sample, summarise as summarise
+from .weights import Weights as Weights

@@ -84,13 +84,13 @@ def scope_of(ellipses: xr.Dataset, effective_durations: Array | None = None) -> 
     ranges: dict[str, list[float]] = {}
     magnitudes = magnitudes_of(ellipses["event"].values.tolist())
     if magnitudes is not None:
-        ranges["magnitude"] = _range(magnitudes)
+        ranges["magnitude"] = range_of(magnitudes)
     if "duration" in ellipses.coords:
         lengths = ellipses["duration"].values.astype(np.float64)
-        ranges["length"] = _range(lengths)
-        ranges["cycles"] = _range(np.outer(lengths, ellipses["f"].values))
+        ranges["length"] = range_of(lengths)
+        ranges["cycles"] = range_of(np.outer(lengths, ellipses["f"].values))
     if effective_durations is not None:
-        ranges["effective_duration"] = _range(effective_durations)
+        ranges["effective_duration"] = range_of(effective_durations)
     return ranges
 
 
@@ -115,10 +115,17 @@ def magnitudes_of(events: Sequence[str]) -> list[float] | None:
     return [float(table[event]) for event in events]
 
 
+def regions_of(events: Sequence[str]) -> list[str] | None:
+    """Region of each motion's earthquake; None unless all are earthquakes of the shipped table."""
+    table = _earthquakes()["region"]
+    return [str(table[event]) for event in events] if set(events) <= set(table.index) else None
+
+
 @cache
 def _earthquakes() -> pd.DataFrame:
     return pd.read_csv(shipped("datasets", _TABLE)).set_index("event")
 
 
-def _range(values: Sequence[float] | Array) -> list[float]:
+def range_of(values: Sequence[float] | Array) -> list[float]:
+    """Least value, 5 % and 95 % quantile and greatest value."""
     return [float(value) for value in np.quantile(np.asarray(values), (0.0, 0.05, 0.95, 1.0))]

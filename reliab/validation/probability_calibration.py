@@ -36,7 +36,7 @@ def probability_calibration(
     ends of its 95 % interval over earthquakes, and number of `tests`.
     """
     events, truth = ellipses["event"].values, truth or EllipseTruth(ellipses)
-    folds = folds_of(scheme, events)
+    folds = folds_of(scheme, events, ellipses["duration"].values if "duration" in ellipses.coords else None)
     structures = list(product(ellipses["f"].values.tolist(), ellipses["xi"].values.tolist()))
     shape = (events.size, len(edges) - 1)
     stated, good, count = (np.zeros(shape) for _ in range(3))

@@ -5,8 +5,8 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
+from reliab.api.kept_shares import kept_shares
 from reliab.cli.validate import validate
-from reliab.cli.validate.shown_rates import kept_shares
 from reliab.errors import InputError
 from reliab.shipped import shipped
 

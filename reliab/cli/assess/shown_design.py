@@ -36,6 +36,8 @@ def show_design(design: "Design") -> None:
             f"{MILLI * delay:.3f}",
         )
     terminal = console()
+    if first.population:
+        terminal.print(f"For ground motions like these: {first.population}.", markup=False, highlight=False)
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(

@@ -69,6 +69,15 @@ class CriterionDemand(Demand):
             "criterion.",
         ),
     ] = None
+    weights: Annotated[
+        Path | None,
+        typer.Option(
+            "--weights",
+            metavar="FILE.csv",
+            help="Magnitudes, lengths or significant durations that a site expects, by which the motions are "
+            "weighted; columns quantity, low, high, share.",
+        ),
+    ] = None
     model: ModelFile = None
     structure: StructureFile = None
     method: Annotated[

@@ -45,7 +45,8 @@ class ValidateDemand(Demand):
         typer.Option(
             "--scheme",
             metavar="NAME",
-            help="How earthquakes are divided: leave_one_event_out (default), k_fold or random_halves.",
+            help="How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
+            "earthquakes; region, magnitude or length: each class of them left out.",
         ),
     ] = None
     leave_out: Annotated[

@@ -1,6 +1,5 @@
 """What `reliab validate` prints: how often criteria hold, and how often probabilities are right."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
@@ -38,7 +37,8 @@ def show_criteria(content: dict[str, Any]) -> None:
     terminal.print(_table(title, content["rows"]))
     if content["rows_lead"]:
         terminal.print(_table("The same for actuators that are early (leads)", content["rows_lead"]))
-    for sentence in (*kept_shares(content["rows"]), *kept_shares(content["rows_lead"], " for leads")):
+    terminal.print(f"Judged on {content['judged_on']}:", highlight=False)
+    for sentence in content["sentences"]:
         terminal.print(sentence, highlight=False)
     if content["n_of_learned_earthquakes"]:
         terminal.print(
@@ -60,34 +60,6 @@ def show_criteria(content: dict[str, Any]) -> None:
         )
     if content["truth"] == "ellipse":
         terminal.print(_ELLIPSE_NOTE)
-
-
-def kept_shares(rows: list[dict[str, Any]], of_side: str = "") -> Iterator[str]:
-    """Say of each method and law whether the share of motions that it states is kept.
-
-    >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
-    >>> print(*kept_shares([{"candidate": "guo_2017_18", "confidence": 0.95, "containment": rate}]))
-    guo_2017_18 does not keep the share that it states: it protects 52.0% of the motions where it states 95%.
-    """
-    for candidate in dict.fromkeys(row["candidate"] for row in rows):
-        judged = [
-            (row["containment"], row["confidence"])
-            for row in rows
-            if row["candidate"] == candidate and row["containment"]["rate"] is not None
-        ]
-        if not judged:
-            continue
-        below = [(rate, stated) for rate, stated in judged if rate["rate"] < stated]
-        broken = [f"{stated:.0%}" for rate, stated in below if (rate["high"] or rate["rate"]) < stated]
-        keeps = "keeps the share that it states"
-        if broken:
-            at = f" at {', '.join(broken)}" if len(judged) > 1 else ""
-            keeps = f"does not keep the share that it states{at}"
-        elif below:
-            keeps = "may keep the share that it states, as far as so few motions can tell"
-        shares = ", ".join(f"{rate['rate']:.1%} where it states {stated:.0%}" for rate, stated in judged)
-        first, *others = shares.split(" where", 1)
-        yield f"{candidate} {keeps}{of_side}: it protects {first} of the motions where{others[0]}."
 
 
 def _table(title: str, rows: list[dict[str, Any]]) -> "Table":

@@ -2,6 +2,7 @@ from .candidates import Candidate as Candidate, Derived as Derived, Limits as Li
 from .cell import Cell as Cell
 from .counts import RATES as RATES, CrossValidation as CrossValidation, tabulate as tabulate
 from .folds import (
+    GROUP_SCHEMES as GROUP_SCHEMES,
     SCHEMES as SCHEMES,
     Fold as Fold,
     folds_of as folds_of,

@@ -6,11 +6,13 @@ learned from other earthquakes. `SCHEMES` lists the divisions by the names that 
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.criterion import magnitudes_of, regions_of
 from reliab.errors import InputError
 
 
@@ -135,16 +137,64 @@ SCHEMES: Final[Mapping[str, Callable[[NDArray[np.str_]], Iterator[Fold]]]] = {
 """Every scheme by its name; each takes the earthquakes of the motions."""
 
 
-def folds_of(scheme: str, events: NDArray[np.str_]) -> list[Fold]:
+GROUP_SCHEMES: Final = ("region", "magnitude", "length")
+"""Schemes that leave out whole groups of motions."""
+
+_MAGNITUDES: Final = (6.6, 7.0, 7.3)  # between classes
+_LENGTHS: Final = (25.0, 40.0, 60.0)  # [s]
+
+
+def leave_groups_out(groups: NDArray[np.str_], events: NDArray[np.str_]) -> Iterator[Fold]:
+    """Judge each group of motions by the others, never by motions of the same earthquake.
+
+    `groups`, `events` (motions,).
+    """
+    names = _distinct(groups, 2).tolist()
+    for name in names:
+        others = [other for other in names if other != name]
+        for fold in transfer(groups, events, learned=others, judged=[name]):
+            if fold.learned.any():
+                yield replace(fold, name=f"{name}, {fold.name}")
+
+
+def _groups(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64] | None) -> NDArray[np.str_]:
+    """Region, class of magnitude or class of length of each motion."""
+    names = events.tolist()
+    if scheme == "length" and lengths is not None:
+        return _classes(lengths, _LENGTHS, " s")
+    magnitudes, regions = magnitudes_of(names), regions_of(names)
+    if scheme == "length" or magnitudes is None or regions is None:
+        raise InputError(
+            f"To leave out each {scheme}, that of every motion must be known",
+            value="motions without lengths" if scheme == "length" else ", ".join(sorted(set(names))[:3]),
+            remedy="Choose leave_one_event_out, or judge real_suite, whose earthquakes are known",
+        )
+    if scheme == "region":
+        return np.array(regions, dtype=np.str_)
+    return _classes(np.array(magnitudes), _MAGNITUDES, "")
+
+
+def _classes(values: NDArray[np.float64], edges: Sequence[float], unit: str) -> NDArray[np.str_]:
+    """Names of the classes between edges; a value on an edge belongs below it."""
+    inner = [f"{low:g} to {high:g}{unit}" for low, high in pairwise(edges)]
+    names = [f"up to {edges[0]:g}{unit}", *inner, f"above {edges[-1]:g}{unit}"]
+    return np.array(names, dtype=np.str_)[np.digitize(values, edges, right=True)]
+
+
+def folds_of(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64] | None = None) -> list[Fold]:
     """Divide motions.
 
-    `events` (motions,).
+    `events` (motions,), `lengths` [s] (motions,), which the scheme length needs.
 
     >>> len(folds_of("leave_one_event_out", np.array(["K", "K", "L", "M"])))
     3
     """
+    if scheme in GROUP_SCHEMES:
+        return list(leave_groups_out(_groups(scheme, events, lengths), events))
     if scheme not in SCHEMES:
         raise InputError(
-            "The scheme must be known", value=scheme, remedy=f"Choose among {', '.join(SCHEMES)}"
+            "The scheme must be known",
+            value=scheme,
+            remedy=f"Choose among {', '.join((*SCHEMES, *GROUP_SCHEMES))}",
         )
     return list(SCHEMES[scheme](events))

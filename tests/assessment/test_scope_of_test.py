@@ -1,0 +1,89 @@
+"""A test is compared with the motions behind its criterion; outside of them nothing is promised."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reliab.assessment import assess, default_criterion
+from reliab.assessment.default_criterion import criterion_of_response
+from reliab.assessment.scope_of_test import scope_of_test
+from reliab.boundary import FirstOrderEllipse
+from reliab.criterion import published_criterion
+from reliab.structures import Structure
+
+ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
+
+
+@pytest.fixture(scope="module")
+def criterion():
+    return default_criterion(1.0, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("length", "position"), [(40.0, "inside"), (12.0, "at the edge"), (8.0, "outside"), (150.0, "outside")]
+)
+def test_a_length_is_compared_with_the_lengths_of_the_motions(criterion, length, position):
+    assert scope_of_test(criterion, {"length": length}).position == position
+
+
+def test_a_criterion_that_states_no_motions_is_not_compared():
+    found = scope_of_test(published_criterion("guo_2017_12"), {"length": 1.0})
+    assert found.position is None
+    assert not found.outside
+
+
+def test_outside_no_share_is_stated_and_the_error_decides(simulate):
+    test = simulate(noise=0.001)
+    inside = assess(test, ONE_HERTZ)
+    scope = {**inside.criterion.provenance.scope, "length": [100.0, 110.0, 190.0, 200.0]}
+    elsewhere = replace(inside.criterion, provenance=replace(inside.criterion.provenance, scope=scope))
+    outside = assess(test, ONE_HERTZ, criterion=elsewhere)
+    summary = outside.to_dict()
+    assert summary["scope"]["position"] == "outside"
+    assert summary["confidence"] is None
+    assert summary["population"]["probability"] is None
+    assert summary["by_index"]["probability"] is None
+    assert summary["by_index"]["verdict"] == "undecided"
+    assert any("lies outside" in sentence for sentence in summary["warnings"])
+    assert outside.verdict == inside.verdict
+    assert inside.to_dict()["confidence"] == 0.95
+
+
+def test_its_own_motion_decides_the_index_wherever_the_test_lies(simulate, ground_motions):
+    test = simulate(noise=0.001)
+    inside = assess(test, ONE_HERTZ)
+    scope = {"length": [100.0, 110.0, 190.0, 200.0]}
+    elsewhere = replace(inside.criterion, provenance=replace(inside.criterion.provenance, scope=scope))
+    found = assess(test, ONE_HERTZ, criterion=elsewhere, motion=ground_motions[0])
+    assert found.index_probability is not None
+    assert found.to_dict()["confidence"] == 0.95
+
+
+def test_limits_for_its_own_response_are_near_those_of_small_errors():
+    of_test = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
+    carried = criterion_of_response(of_test, ONE_HERTZ, threshold=0.05, confidence=0.5)
+    a, b = (float(limit) for limit in carried.limits(1.0, 0.02))
+    exact = of_test.parameters(0.05)
+    assert (a / exact[0], b / exact[1]) == pytest.approx((1.0, 1.0), abs=0.4)
+    larger = replace(of_test, amplitude=0.06, delay=1400.0)
+    more = criterion_of_response(larger, ONE_HERTZ, threshold=0.05, confidence=0.5)
+    assert np.all(np.array(more.limits(1.0, 0.02)) > [a, b])
+
+
+@pytest.mark.parametrize(
+    "structure",
+    [
+        Structure(frequency=3.0, damping_ratio=0.02),
+        Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5),
+    ],
+)
+def test_structures_without_known_responses_have_no_such_limits(structure):
+    of_test = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
+    assert criterion_of_response(of_test, structure, threshold=0.05, confidence=0.5) is None
+
+
+def test_a_good_test_is_good_by_its_own_response_too(simulate):
+    placed = assess(simulate(noise=0.001), ONE_HERTZ).by_response
+    assert placed.index < 1.0
+    assert placed.probability > 0.95

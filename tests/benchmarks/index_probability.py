@@ -1,0 +1,88 @@
+"""Reliability diagram of the probability by the index, under earthquakes that were left out.
+
+    python tests/benchmarks/index_probability.py RECORDS [SECONDS...]
+
+Rigs with a gain and a delay are drawn around the boundaries of each of the 100 records, whole or cut to
+SECONDS. Their probability is stated as `reliab assess` does, by the motions of other earthquakes: as a
+criterion for tests of that length (`population`), and carried to the test's own exact response (`response`).
+Whether a rig is good is computed by the loop. Printed are, for each band of stated probability, the mean of
+what is stated and the share of good tests; and the shares kept along the edge of the 95 % limits.
+"""
+
+import sys
+
+import numpy as np
+
+from reliab.assessment import default_criterion
+from reliab.assessment.default_criterion import criterion_of_response
+from reliab.boundary import first_order_ellipse
+from reliab.indices import Window, relative_error
+from reliab.motions import load_motions
+from reliab.simulation import Loop
+from reliab.structures import Structure
+from reliab.sweep.request import excitation_of
+from reliab.validation.cross_validation.cell import Region
+from reliab.vocabulary import Metric
+
+THRESHOLD, CONFIDENCE, RIGS = 0.05, 0.95, 24
+STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)
+BANDS = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
+
+
+def judged(motion, seconds, f, xi, rng):
+    """Probabilities (2, rigs), whether good (rigs,), edges kept (2,) and areas (2,) under one record."""
+    structure = Structure(frequency=f, damping_ratio=xi)
+    excitation = excitation_of(motion, Window.parse("record" if seconds is None else f"{seconds:g}"))
+    response = first_order_ellipse(excitation, structure)
+    length = response.duration
+    of_length = default_criterion(f, xi, THRESHOLD, CONFIDENCE, without=motion.event, duration=length)
+    of_response = criterion_of_response(
+        response, structure, threshold=THRESHOLD, confidence=CONFIDENCE, without=[motion.event]
+    )
+    a, b = (float(limit) for limit in of_response.limits(f, xi))
+    turn, size = np.pi * rng.random(RIGS), np.exp(rng.uniform(-1.2, 1.2, RIGS))
+    gain = 1.0 + size * np.sqrt(a) * np.cos(turn)
+    delay = size * np.sqrt(b) * np.sin(turn) / 1000.0
+    loop = Loop(excitation=excitation, structure=structure)
+
+    def errors(gain, delay):
+        return relative_error(loop.deviation(loop.cells(gain=gain, delay=delay)), Metric.RMS)
+
+    stated, kept, areas = [], [], []
+    for criterion in (of_length, of_response):
+        stated.append(criterion.probability(gain, delay, f, xi))
+        limits = [float(limit) for limit in criterion.limits(f, xi)]
+        edge = Region(a=limits[0], b=limits[1]).edge()
+        kept.append(bool((errors(edge.gain, edge.delay) <= THRESHOLD).all()))
+        areas.append(np.sqrt(limits[0] * limits[1]))
+    return np.array(stated), errors(gain, delay) <= THRESHOLD, kept, areas
+
+
+def main():
+    """Print one table for each length."""
+    suite = load_motions(sys.argv[1], sets=["far_field", "near_field"])
+    for seconds in [None, *map(float, sys.argv[2:])] if len(sys.argv) > 2 else [None]:
+        rng = np.random.default_rng(34)
+        results = [judged(motion, seconds, f, xi, rng) for motion in suite for f, xi in STRUCTURES]
+        stated = np.concatenate([part[0] for part in results], axis=1)
+        good = np.concatenate([part[1] for part in results])
+        kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
+        print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
+        for name, probability in zip(("population", "response"), stated, strict=True):
+            band = np.clip(np.digitize(probability, BANDS) - 1, 0, len(BANDS) - 2)
+            for place in range(len(BANDS) - 1):
+                if (chosen := band == place).any():
+                    print(
+                        f"  {name:10s} {BANDS[place]:.2f} to {BANDS[place + 1]:.2f}: stated "
+                        f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} of {chosen.sum()}"
+                    )
+            print(f"  {name:10s} Brier score {np.mean((probability - good) ** 2):.3f}")
+        print(
+            f"  95 % kept by {', '.join(f'{share:.1%}' for share in kept.mean(axis=0))}; "
+            f"area of the second over the first {np.median(areas[:, 1] / areas[:, 0]):.2f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
