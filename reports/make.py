@@ -66,7 +66,7 @@ def criterion() -> bool:
         metric=derived.metric,
         curve=derived.provenance.curve,
     )
-    limits = {"95 % of motions": derived.limits(FREQUENCY, DAMPING_RATIO)}
+    limits = {"95 % of motions like these": derived.limits(FREQUENCY, DAMPING_RATIO)}
     limits["equation (18) of the paper"] = Equation18().limits(FREQUENCY, DAMPING_RATIO)
     named = {name: (float(a), float(b)) for name, (a, b) in limits.items()}
     (HERE / "criterion.svg").write_bytes(svg(ellipses_and_criterion(sample, named)))

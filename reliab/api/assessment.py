@@ -183,8 +183,8 @@ def assess(
     model : str, pathlib.Path or UpdatedModel, optional
         Model of a nonlinear specimen, or its file as `reliab diagnose` writes it.
     threshold, confidence : float, optional
-        Error of the whole test, 0.05 by default, and share of ground motions, 0.95 by default; a criterion
-        brings its own.
+        Error of the whole test, 0.05 by default, and share of the population's ground motions, 0.95 by
+        default; a criterion brings its own.
     metric : {"rms", "mte"}, optional
         Error of the whole test, RMS^R or MTE^R; a criterion brings its own.
     command, measured, time : str, optional

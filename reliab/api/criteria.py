@@ -64,7 +64,7 @@ class Criteria:
     Attributes
     ----------
     criteria : tuple of Criterion
-        One for each share of the stiffness, error and share of ground motions.
+        One for each share of the stiffness, error and share of the population's ground motions.
     structures : tuple of (float, float)
         Natural frequency [Hz] and damping ratio [-] of each structure that is asked for.
     ellipses : xarray.Dataset, optional
@@ -174,7 +174,7 @@ def derive_criteria(
     f, xi : float or sequence of float, optional
         Natural frequencies [Hz] and damping ratios [-]; all that the source holds by default.
     threshold, confidence : float or sequence of float, optional
-        Errors [-], 0.05 by default, and shares of ground motions, 0.95 by default.
+        Errors [-], 0.05 by default, and shares of the population's ground motions, 0.95 by default.
     metric : {"rms", "mte"}, optional
         Error of the whole test.
     window : str, optional
@@ -343,9 +343,9 @@ class _Question:
             )
 
     def derived(self) -> _Derived:
-        """Derive a criterion for each share of the stiffness, error and share of ground motions.
+        """Derive a criterion for each share of the stiffness, error and confidence.
 
-        What is learned at an error serves all shares of ground motions.
+        What is learned at an error serves all shares of the population's ground motions.
         """
         law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
         if self.chains is not None and not method.samples_chains:

@@ -65,7 +65,8 @@ def design_test(
     threshold : float, optional
         Error of the whole test [-], 0.05 by default; a criterion brings its own.
     confidence : float or sequence of float, optional
-        Shares of ground motions, 0.80, 0.90, 0.95 and 0.99 by default; a criterion brings its own.
+        Shares of the population's ground motions, 0.80, 0.90, 0.95 and 0.99 by default; a criterion brings
+        its own.
     metric : {"rms", "mte"}, optional
         Error of the whole test; a criterion brings its own.
     criterion : str, pathlib.Path or Criterion, optional

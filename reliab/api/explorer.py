@@ -65,7 +65,7 @@ def write_explorer(
         Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-] with which
         the page opens.
     threshold, confidence : float, optional
-        Error of the whole test [-] and share of ground motions [-] with which it opens.
+        Error of the whole test [-] and share of the population's ground motions [-] with which it opens.
     metric : {"rms", "mte"}, optional
         Error of the whole test.
 

@@ -87,7 +87,7 @@ def validate_rebuilt_error(
     metric : {"rms", "mte"}, optional
         Error of the whole test.
     confidence : float, optional
-        Share of ground motions that the criterion states.
+        Share of the population's ground motions that the criterion states.
     trials : int, optional
         Tests of each kind of actuator and specimen, for each structure.
     tests : str or pathlib.Path, optional

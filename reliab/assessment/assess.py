@@ -84,7 +84,7 @@ def assess(
     threshold : float, optional
         Error of the whole test [-].
     confidence : float, optional
-        Share of ground motions.
+        Share of the population's ground motions.
     metric : str, optional
         Which error, "rms" or "mte".
     model : UpdatedModel, optional

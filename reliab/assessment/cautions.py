@@ -44,7 +44,7 @@ def _of_scope(findings: Findings) -> Iterator[str]:
     if findings.placement is None:
         yield from findings.scope.sentences
     if findings.speaks_for_none:
-        yield "No share of ground motions is stated for such a test; its own error stands."
+        yield "No share of the population's ground motions is stated for such a test; its own error stands."
 
 
 def _of_faults(findings: Findings) -> Iterator[str]:
@@ -85,7 +85,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
         return
     size = findings.error.of(Metric(findings.criterion.metric)).value
     basis = (
-        f"{findings.criterion.confidence:.0%} of ground motions"
+        f"{findings.criterion.confidence:.0%} of the population's ground motions"
         if findings.placement is None
         else "a gain and a delay alone"
     )

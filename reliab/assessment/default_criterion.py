@@ -47,7 +47,7 @@ def default_criterion(
     threshold : float, optional
         Error of the whole test [-]; between shipped thresholds, ellipses are interpolated.
     confidence : float, optional
-        Share of ground motions, in (0, 1).
+        Share of the population's ground motions, in (0, 1).
     metric : str, optional
         Which error, "rms" or "mte".
     without : str, optional

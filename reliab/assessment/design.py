@@ -14,7 +14,7 @@ from reliab.structures.stability import critical_delay
 from reliab.vocabulary import MILLI
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
-"""Shares of ground motions for which tolerable errors are stated."""
+"""Shares of the population's ground motions for which tolerable errors are stated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +28,7 @@ class Tolerance:
     threshold : float
         Error of the whole test [-].
     confidence : float
-        Share of ground motions.
+        Share of the population's ground motions.
     a, b : float
         Ellipse parameters [-] and [ms²].
     critical_delay : float
@@ -131,7 +131,7 @@ def tolerable_errors(
     threshold : float, optional
         Error of the whole test [-].
     confidences : sequence of float, optional
-        Shares of ground motions.
+        Shares of the population's ground motions.
     metric : str, optional
         Which error.
     criterion : Criterion, optional

@@ -102,8 +102,8 @@ def verdict_by_index(
         reasons=(
             (
                 "The error of such a test stays below the threshold under "
-                f"{probability:.0%} of ground motions: fewer than the {confidence:.0%} that were asked for, "
-                "and too many to call it bad."
+                f"{probability:.0%} of the population's ground motions: fewer than the {confidence:.0%} that "
+                "were asked for, and too many to call it bad."
             ),
         ),
         would_decide=("Give the test's ground motion; it decides the index.",),

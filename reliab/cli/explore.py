@@ -44,7 +44,10 @@ class ExploreDemand(Demand):
         typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
     ] = None
     confidence: Annotated[
-        float, typer.Option("--confidence", metavar="SHARE", help="Share of ground motions, 0.95 for 95 %.")
+        float,
+        typer.Option(
+            "--confidence", metavar="SHARE", help="Share of the population's ground motions, 0.95 for 95 %."
+        ),
     ] = 0.95
     metric: Annotated[
         str | None,

@@ -312,7 +312,7 @@ def _stating(
     compared = compare_with_scope(scope, case)
     caution = " ".join(compared.sentences)
     if compared.position is Position.OUTSIDE:
-        caution += " No share of ground motions is promised there."
+        caution += " No share of the population's ground motions is promised there."
     return carried.assign_attrs(
         carried_to=words, scope=scope, position=str(compared.position), caution=caution.strip()
     )

@@ -40,7 +40,7 @@ class Criterion:
     metric : str
         Which error, "rms" or "mte".
     confidence : float
-        Share of ground motions, in (0, 1).
+        Share of the population's ground motions, in (0, 1).
     method : str
         What the confidence means, by the name of a method.
     joint : bool
@@ -201,13 +201,14 @@ class Criterion:
     def __repr__(self) -> str:
         return (
             f"<Criterion by {self.method}, law {self.law.name}: {self.metric.upper()} error below "
-            f"{self.threshold:g} for {self.confidence:g} of ground motions>"
+            f"{self.threshold:g} for {self.confidence:g} of the population's ground motions>"
         )
 
     def _repr_html_(self) -> str:
         promise = {
             "error": f"below {significant(self.threshold)} {self.metric.upper()}",
-            "confidence": f"{significant(self.confidence)} of ground motions, by {self.method}",
+            "confidence": f"{significant(self.confidence)} of the population's ground motions, by "
+            f"{self.method}",
             "limits": "a and b together" if self.joint else "a and b, each for itself",
         }
         return table_of_criterion(promise, self.law, self.provenance)

@@ -84,7 +84,7 @@ def derive_criterion(
     metric : str, optional
         Which error.
     confidence : float, optional
-        Share of ground motions, in (0, 1).
+        Share of the population's ground motions, in (0, 1).
     source : str, optional
         Where the ellipses came from, in words.
     progress : callable, optional
@@ -236,7 +236,7 @@ class Derivation:
         Parameters
         ----------
         confidence : float
-            Share of ground motions, in (0, 1).
+            Share of the population's ground motions, in (0, 1).
         joint : bool, optional
             Whether a and b hold together; by default as the method defines it.
         source : str, optional

@@ -55,7 +55,7 @@ class Settings:
     threshold : float, optional
         Error of the whole test [-]; 0.05, or the nearest of the ellipses, by default.
     confidence : float, optional
-        Share of ground motions [-].
+        Share of the population's ground motions [-].
     metric : str, optional
         Which error, "rms" or "mte"; the first of the ellipses by default.
     """

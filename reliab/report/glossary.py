@@ -28,8 +28,8 @@ TERMS: Final = (
         name="assurance",
         pattern=r"\bassurance\b",
         meaning=prose(
-            "Probability that a criterion holds for at least the stated share of ground motions, although it "
-            "was learned from few."
+            "Probability that a criterion holds for at least the stated share of the population's ground "
+            "motions, although it was learned from few."
         ),
     ),
     Term(
@@ -44,7 +44,8 @@ TERMS: Final = (
         name="confidence",
         pattern=r"\bconfidence\b",
         meaning=prose(
-            "Share of ground motions for which a test inside a criterion stays below the threshold."
+            "Share of the population's ground motions for which a test inside a criterion stays below the "
+            "threshold."
         ),
     ),
     Term(

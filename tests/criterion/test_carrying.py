@@ -105,7 +105,7 @@ def test_lengths_follow_the_law_that_the_population_has():
 def test_a_length_outside_of_the_population_promises_nothing():
     carried = carry_to_length(population(np.random.default_rng(3))[0], 5.0)
     assert carried.attrs["position"] == "outside"
-    assert "No share of ground motions is promised" in carried.attrs["caution"]
+    assert "No share of the population's ground motions is promised" in carried.attrs["caution"]
 
 
 def test_the_doubt_of_a_law_widens_far_from_its_motions():

@@ -159,7 +159,9 @@ class AssessDemand(ReadsTests, Reported):
     confidence: Annotated[
         list[float] | None,
         typer.Option(
-            "--confidence", metavar="SHARE", help="Share of ground motions, 0.95; several for --design."
+            "--confidence",
+            metavar="SHARE",
+            help="Share of the population's ground motions, 0.95; several for --design.",
         ),
     ] = None
     metric: Annotated[

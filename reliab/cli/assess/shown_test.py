@@ -98,7 +98,7 @@ def _budget(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     against = (
-        f"{assessment.criterion.confidence:.0%} of ground motions, window "
+        f"{assessment.criterion.confidence:.0%} of the population's ground motions, window "
         f"{assessment.criterion.provenance.window}"
         if assessment.placement is None
         else f"{assessment.placement.motion}, {significant(assessment.placement.window[0])} to "

@@ -37,7 +37,8 @@ class CriterionDemand(Demand):
     xi: DampingRatios = None
     threshold: Thresholds = None
     confidence: Annotated[
-        list[float] | None, typer.Option("--confidence", metavar="SHARE...", help="Shares of ground motions.")
+        list[float] | None,
+        typer.Option("--confidence", metavar="SHARE...", help="Shares of the population's ground motions."),
     ] = None
     metric: MetricName = "rms"
     window: WindowIfGiven = None

@@ -63,7 +63,7 @@ function comparedLimits(now) {
   if (choice === "printed") {
     const pair = printedLimits(now);
     if (pair === null) hint.textContent = "Equation (18) holds for 5 % RMS, 0.25 to 2 Hz and 2 to 10 % damping.";
-    else hint.textContent = "As printed, for 95 % of ground motions; a lead is treated like a lag of the same size.";
+    else hint.textContent = "As printed, for 95 % of ground motions like the paper’s hundred; a lead is treated like a lag of the same size.";
     return pair && bySide(() => pair);
   }
   if (state.kept === null) {

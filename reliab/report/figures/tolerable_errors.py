@@ -29,7 +29,7 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
             key=lambda tolerance: tolerance.frequency,
         )
         f = np.array([tolerance.frequency for tolerance in by_frequency])
-        name = f"{confidence:.0%} of ground motions"
+        name = f"{confidence:.0%} of the population's ground motions"
         axes[0, 0].plot(
             f,
             [tolerance.amplitude_error for tolerance in by_frequency],

@@ -131,9 +131,9 @@ def _confidence(criterion: Criterion) -> Section:
         blocks=(
             Paragraph(
                 text=prose(
-                    "The criterion uses limits of $a$ and $b$ that the stated share of ground motions "
-                    "exceeds. Here ({method}, {together}) the confidence is {meaning}. Earthquakes, not "
-                    "records, are the independent units of the data.",
+                    "The criterion uses limits of $a$ and $b$ that the stated share of the population's "
+                    "ground motions exceeds. Here ({method}, {together}) the confidence is {meaning}. "
+                    "Earthquakes, not records, are the independent units of the data.",
                     method=criterion.method,
                     together=together,
                     meaning=meaning_of_confidence(criterion.method),

@@ -27,7 +27,7 @@ class Design:
     trials: int  # Rounds: tests of each kind of actuator and of specimen, for each structure
     threshold: float  # Error up to which a test is good [-]; tests are made with 0.2 to 3 times this error
     metric: Metric  # Which error
-    confidence: float  # Share of ground motions that the criterion states [-]
+    confidence: float  # Share of the population's ground motions that the criterion states [-]
     # For each motion its earthquake in the suite from which the shipped criterion was learned
     learned_without: Sequence[str | None]
     seed: int = 0  # Seed of sizes, noise and specimens

@@ -36,7 +36,7 @@ class Question:
 
     threshold: float  # Error up to which a test is good [-]
     metric: Metric  # Which error
-    confidence: float  # Share of ground motions that the criterion states [-]
+    confidence: float  # Share of the population's ground motions that the criterion states [-]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -124,8 +124,8 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     return prose(
         "{close} of the {known} numbers that can be recomputed come back within 10 %. So do {rows} of the "
         "{all} rows of Table 2 in $a$ and $b$, but only {errors} in its column “error”. The final "
-        "criterion, equation (18), promises 95 % of ground motions; the fitted ellipses of {worst} to {best}"
-        " of them contain it.",
+        "criterion, equation (18), promises 95 % of ground motions like these hundred; the fitted "
+        "ellipses of {worst} to {best} of them contain it.",
         close=close,
         known=recomputed,
         rows=rows,

@@ -15,7 +15,7 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
     verdicts : pandas.DataFrame
         Columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`.
     confidence : float
-        Share of ground motions that the criteria state [-].
+        Share of the population's ground motions that the criteria state [-].
 
     Returns
     -------

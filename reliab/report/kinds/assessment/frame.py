@@ -70,7 +70,8 @@ def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     if placed is not None and assessment.criterion is not None:
         index = MISSING if placed.index is None else significant(placed.index)
         facts["Index of the criterion"] = (
-            f"{index} against 1, for {percent(assessment.criterion.confidence)} of ground motions"
+            f"{index} against 1, for {percent(assessment.criterion.confidence)} of the population's ground "
+            "motions"
         )
     return facts
 

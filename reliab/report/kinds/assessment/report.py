@@ -244,7 +244,8 @@ def _method(assessment: Assessment) -> Prose:
         )
         if assessment.placement
         else prose(
-            "The limits $a$ and $b$ are those that {share} of ground motions exceed ({meaning}).",
+            "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
+            "({meaning}).",
             share=percent(criterion.confidence),
             meaning=meaning,
         )

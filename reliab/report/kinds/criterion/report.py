@@ -68,6 +68,7 @@ def criterion_report(
         verdict=_verdict(reported, population),
         facts={
             **_facts(reported, coverage),
+            "For ground motions like these": criterion.provenance.population,
             **_real(real_motions),
             "Purpose": purpose,
             "To do next": _NEXT,
@@ -84,7 +85,7 @@ def _verdict(reported: ReportedCriteria, population: str) -> Prose:
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
         *error_below(criterion.metric, criterion.threshold),
-        f" for {percent(criterion.confidence)} of {population} while ",
+        f" for {percent(criterion.confidence)} of {population} like those behind it while ",
         ellipse(a, b),
         *prose(
             " with $d$ in ms: at most {amplitude} of amplitude error alone, or {delay:.2f} ms of delay alone"

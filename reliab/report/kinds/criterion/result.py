@@ -70,7 +70,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         blocks.insert(1, Remark(text=zero))
     if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
-    title = f"Criterion for {percent(main_criterion.confidence)} of {population}"
+    title = f"Criterion for {percent(main_criterion.confidence)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 
