@@ -8,7 +8,13 @@ from typing import Any
 import xarray as xr
 
 from reliab.api.sources import EllipseSource, Files, paths
-from reliab.criterion import carry_to_length, carry_to_response, carry_to_suite
+from reliab.criterion import (
+    Weights,
+    carry_to_length,
+    carry_to_response,
+    carry_to_suite,
+    protect_over_lengths,
+)
 from reliab.errors import InputError
 from reliab.motions import load_motions
 from reliab.progress import Show
@@ -29,9 +35,10 @@ class Case:
     duration: float | None = None  # Length of the records [s]
     motion: str | Path | None = None  # A record
     suite: Files | None = None  # A few records, pooled with the population
+    weights: str | Path | None = None  # Table of what a site expects, by which the population is weighted
 
     def __post_init__(self) -> None:
-        named = [name for name in ("duration", "motion", "suite") if getattr(self, name) is not None]
+        named = [name for name in self.stated if name != "weights"]
         if len(named) > 1:
             raise InputError(
                 "A criterion is asked for one length, one record or one suite",
@@ -40,11 +47,36 @@ class Case:
             )
 
     @property
+    def stated(self) -> list[str]:
+        """Names of what is stated."""
+        names = ("duration", "motion", "suite", "weights")
+        return [name for name in names if getattr(self, name) is not None]
+
+    @property
     def narrows(self) -> bool:
         """Whether anything is known of the earthquake."""
         return (self.duration, self.motion, self.suite) != (None, None, None)
 
-    def carried(
+    def population(
+        self,
+        ellipses: xr.Dataset,
+        source: EllipseSource,
+        f: Numbers | None,
+        xi: Numbers | None,
+        curve: str,
+        show: Show,
+    ) -> xr.Dataset:
+        """Carry the ellipses of a population to the case, or protect all its lengths; weigh its motions.
+
+        `curve`: the ellipses on which the criterion will rest.
+        """
+        weights = None if self.weights is None else Weights.of(ellipses, self.weights)
+        chosen = self._carried(ellipses, source, f, xi, show)
+        if weights is None or "length" not in weights.quantities:
+            chosen = protect_over_lengths(chosen, metric=source.metric, curve=curve)
+        return chosen if weights is None else weights.drawn(chosen)
+
+    def _carried(
         self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
     ) -> xr.Dataset:
         """Carry the ellipses of a population to the case; as they are where nothing is known of it."""

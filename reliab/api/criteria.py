@@ -27,11 +27,9 @@ from reliab.api.sources import (
 from reliab.criterion import (
     Criterion,
     Derivation,
-    Weights,
     compare_shares,
     describe_sample,
     printed_share,
-    protect_over_lengths,
     published_criterion,
     summarise,
 )
@@ -226,13 +224,12 @@ def derive_criteria(
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.21]
     """
-    case = Case(duration=duration, motion=motion, suite=suite)
+    case = Case(duration=duration, motion=motion, suite=suite, weights=weights)
     if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
         ellipses = POPULATION
     traced_alone = motions or (law == "table" and results)
     question = _Question(
         case=case,
-        weights=weights,
         structures=(f, xi),
         source=partial(
             EllipseSource,
@@ -275,7 +272,6 @@ class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
     case: Case  # What is known of the earthquake
-    weights: str | Path | None  # Table of what a site expects
     structures: tuple[Numbers | None, Numbers | None]  # Natural frequencies [Hz] and damping ratios [-]
     source: Callable[[], EllipseSource]  # Where the ellipses come from, once they are needed
     of_source: Mapping[str, Any]  # Arguments that only a source of motions uses
@@ -333,8 +329,7 @@ class _Question:
                 remedy="Leave the source out, or give `figures` or `compare`",
             )
         idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
-        idle += ["`duration`, `motion` or `suite`"] if self.case.narrows else []
-        idle += [] if self.weights is None else ["`weights`"]
+        idle += [f"`{name}`" for name in self.case.stated]
         if idle and not self.has_source:
             raise InputError(
                 "A printed law is for whole records and a wholly experimental structure, as in the paper",
@@ -356,12 +351,7 @@ class _Question:
             )
         source = self.source()
         population = with_room(source.dataset(self.show))
-        dataset = self.case.carried(population, source, *self.structures, self.show)
-        weights = None if self.weights is None else Weights.of(population, self.weights)
-        if weights is None or "length" not in weights.quantities:
-            dataset = protect_over_lengths(dataset, metric=self.metric, curve=method.curve)
-        if weights is not None:
-            dataset = weights.drawn(dataset)
+        dataset = self.case.population(population, source, *self.structures, method.curve, self.show)
         if self.law == "table":
             dataset = at_structures(dataset, *self.structures)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)

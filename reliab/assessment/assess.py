@@ -28,7 +28,7 @@ from reliab.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
-from reliab.assessment.scope_of_test import place_by_response, quantities_of_test, scope_of_test
+from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.assessment.tracking_measures import measure_tracking
 from reliab.assessment.verdict import Verdict, word_of_probability
@@ -109,9 +109,9 @@ def assess(
         displacement does not follow the command.
     """
     _require_judgeable(recording, structure, stated or {})
-    length = recording.duration
+    named = structure.frequency, structure.damping_ratio
     chosen = criterion or default_criterion(
-        structure.frequency, structure.damping_ratio, threshold, confidence, metric=metric, duration=length
+        *named, threshold, confidence, metric=metric, duration=recording.duration
     )
     question = Question(
         structure=structure,
@@ -135,10 +135,8 @@ def assess(
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
         population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        scope=scope_of_test(chosen, quantities_of_test(clean, structure, judged.error.reference)),
-        by_response=None
-        if criterion is not None or model is not None
-        else place_by_response(clean, structure, judged.error.reference, chosen, tracking),
+        scope=scope_of_test(chosen, clean, structure, judged.error.reference),
+        by_response=place_by_response(clean, question, judged.error.reference, chosen, tracking),
         placement=None if motion is None else _placed(motion, clean, tracking, judged.error, question),
         error=judged.error,
         faults=judged.effects,

@@ -25,7 +25,7 @@ from reliab.sweep import open_windows, read_netcdf
 from reliab.vocabulary import CurveName, Metric
 
 _TABLE = "real_suite/ellipses.nc"
-_SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
+SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
 
 
 def default_criterion(
@@ -81,7 +81,7 @@ def default_criterion(
         threshold=threshold,
         metric=metric,
         confidence=confidence,
-        source=_SOURCE,
+        source=SOURCE,
     )
     durations = _measures()["effective_duration"].sel(f=frequency, xi=damping_ratio, method="nearest")
     scope = {**criterion.provenance.scope, "effective_duration": range_of(durations.values)}
@@ -124,7 +124,7 @@ def criterion_of_response(
     carried = carry_to_response(
         population.sel(curve=[str(CurveName.INSCRIBED)]), measures.isel(motion=learned), of_test
     )
-    return derive_criterion(carried, joint=True, threshold=threshold, confidence=confidence, source=_SOURCE)
+    return derive_criterion(carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE)
 
 
 def shipped_frequencies() -> list[float]:

@@ -13,7 +13,7 @@ from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.assessment.rebuilt_error import Part
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
-from reliab.assessment.scope_of_test import scope_of_test
+from reliab.assessment.scope_of_test import compared
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
@@ -232,7 +232,7 @@ def _by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
     placed, criterion = assessment.population, assessment.criterion
     if placed is None or criterion is None:
         return None
-    scope = scope_of_test(criterion, {"length": assessment.recording.duration})
+    scope = compared(criterion, {"length": assessment.recording.duration})
     probability = None if scope.outside else capped(placed.probability)
     verdict = verdict_by_index(
         index=placed.index,

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from reliab.arrays import Array
-from reliab.assessment.default_criterion import criterion_of_response
+from reliab.assessment.default_criterion import SOURCE, criterion_of_response
+from reliab.assessment.error_of_test import Question
 from reliab.assessment.placement import Placement, place
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.boundary import ellipse_of_response
@@ -17,23 +18,13 @@ from reliab.vocabulary import Metric
 
 @dataclass(frozen=True, kw_only=True)
 class ScopeOfTest:
-    """Where a test lies among the motions behind its criterion.
+    """Where a test lies among the motions behind its criterion."""
 
-    Attributes
-    ----------
-    position : Position, optional
-        The least favourable of all quantities; None where the criterion does not state its motions.
-    sentences : tuple of str
-        One for each quantity that is not inside.
-    test : mapping of str to float
-        The quantities of the test: `length` [s], `cycles`, and `effective_duration` [s] of its response.
-    population : mapping of str to sequence of float
-        Least value, 5 % and 95 % quantile and greatest value of these over the motions.
-    """
-
-    position: Position | None
-    sentences: tuple[str, ...]
+    position: Position | None  # Least favourable of all quantities; None where the motions are not stated
+    sentences: tuple[str, ...]  # One for each quantity that is not inside
+    # `length` [s] and `cycles` of the test, and `effective_duration` [s] of its response
     test: Mapping[str, float]
+    # Least value, 5 % and 95 % quantile and greatest value of these over the motions
     population: Mapping[str, Sequence[float]]
 
     @property
@@ -51,39 +42,41 @@ class ScopeOfTest:
         }
 
 
-def scope_of_test(criterion: Criterion, test: Mapping[str, float]) -> ScopeOfTest:
+def scope_of_test(
+    criterion: Criterion, recording: Recording, structure: Structure, reference: Array | None = None
+) -> ScopeOfTest:
+    """Compare a test with the motions behind a criterion.
+
+    `reference`: exact response of the structure (n,), whose effective duration is compared too.
+    """
+    test = {"length": recording.duration, "cycles": recording.duration * structure.frequency}
+    if reference is not None:
+        shown = ellipse_of_response(reference, recording.time_step, structure)
+        test["effective_duration"] = shown.effective_duration
+    return compared(criterion, test)
+
+
+def compared(criterion: Criterion, test: Mapping[str, float]) -> ScopeOfTest:
     """Compare the quantities of a test with those of the motions behind a criterion."""
     scope = {name: values for name, values in criterion.provenance.scope.items() if name in test}
     if not scope:
         return ScopeOfTest(position=None, sentences=(), test=test, population={})
-    compared = compare_with_scope(scope, test)
-    return ScopeOfTest(position=compared.position, sentences=compared.sentences, test=test, population=scope)
-
-
-def quantities_of_test(recording: Recording, structure: Structure, reference: Array) -> dict[str, float]:
-    """Length [s] and number of cycles of a test, and the effective duration [s] of its exact response."""
-    shown = ellipse_of_response(reference, recording.time_step, structure)
-    return {
-        "length": recording.duration,
-        "cycles": recording.duration * structure.frequency,
-        "effective_duration": shown.effective_duration,
-    }
+    found = compare_with_scope(scope, test)
+    return ScopeOfTest(position=found.position, sentences=found.sentences, test=test, population=scope)
 
 
 def place_by_response(
-    recording: Recording,
-    structure: Structure,
-    reference: Array,
-    criterion: Criterion,
-    tracking: TrackingIndex,
+    recording: Recording, question: Question, reference: Array, criterion: Criterion, tracking: TrackingIndex
 ) -> Placement | None:
     """Place a test against the motions that ship, carried to its own exact response, shape (n,).
 
-    None where they cannot be carried: for an error other than RMS^R, a partly numerical structure, one beyond
-    those that ship, or a response outside of theirs.
+    None where they cannot be carried: for an error other than RMS^R, a partly numerical or nonlinear
+    structure, one beyond those that ship, a criterion of other motions, or a response outside of theirs.
     """
-    if criterion.metric != Metric.RMS:
+    of_shipped = criterion.provenance.source == SOURCE
+    if not of_shipped or question.metric != Metric.RMS or question.model is not None:
         return None
+    structure = question.structure
     shown = ellipse_of_response(reference, recording.time_step, structure)
     own = criterion_of_response(
         shown, structure, threshold=criterion.threshold, confidence=criterion.confidence

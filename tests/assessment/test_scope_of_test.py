@@ -7,7 +7,7 @@ import pytest
 
 from reliab.assessment import assess, default_criterion
 from reliab.assessment.default_criterion import criterion_of_response
-from reliab.assessment.scope_of_test import scope_of_test
+from reliab.assessment.scope_of_test import compared
 from reliab.boundary import FirstOrderEllipse
 from reliab.criterion import published_criterion
 from reliab.structures import Structure
@@ -24,11 +24,11 @@ def criterion():
     ("length", "position"), [(40.0, "inside"), (12.0, "at the edge"), (8.0, "outside"), (150.0, "outside")]
 )
 def test_a_length_is_compared_with_the_lengths_of_the_motions(criterion, length, position):
-    assert scope_of_test(criterion, {"length": length}).position == position
+    assert compared(criterion, {"length": length}).position == position
 
 
 def test_a_criterion_that_states_no_motions_is_not_compared():
-    found = scope_of_test(published_criterion("guo_2017_12"), {"length": 1.0})
+    found = compared(published_criterion("guo_2017_12"), {"length": 1.0})
     assert found.position is None
     assert not found.outside
 
