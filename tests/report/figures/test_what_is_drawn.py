@@ -190,7 +190,7 @@ def test_tolerable_errors_have_a_line_for_each_confidence():
         ("Natural frequency $f$ [Hz]", r"Amplitude error $\sqrt{a}$ [-]"),
         ("Natural frequency $f$ [Hz]", r"Delay $\sqrt{b}$ [ms]"),
     ]
-    assert legend(figure) == ["90% of ground motions", "99% of ground motions"]
+    assert legend(figure) == ["90% of the population's ground motions", "99% of ground motions"]
     amplitude, delay = figure.axes
     f = np.array([0.5, 1.0, 2.0])
     for name, confidence in (("90% of ground motions", 0.9), ("99% of ground motions", 0.99)):
