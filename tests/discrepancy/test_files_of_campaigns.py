@@ -1,0 +1,77 @@
+"""A campaign is the same whatever layouts the files have that its campaign.toml names."""
+
+import shutil
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from nptdms import ChannelObject, TdmsWriter
+from scipy.io import netcdf_file, savemat
+
+from reliab.discrepancy import read_campaign
+from reliab.shipped import shipped
+
+RIG = shipped("datasets", "campaigns") / "rig_a"
+
+
+def matlab(table, path):
+    savemat(path, {name: table[name].to_numpy() for name in table})
+
+
+def dspace(table, path):
+    time, *others = table
+    channels = np.array(
+        [(f"Model Root/{name}/Out1", table[name].to_numpy()) for name in others],
+        dtype=[("Name", object), ("Data", object)],
+    )
+    savemat(path, {"capture": {"X": {"Name": "Time", "Data": table[time].to_numpy()}, "Y": channels}})
+
+
+def hdf5(table, path):
+    with h5py.File(path, "w") as file:
+        for name in table:
+            file[f"daq/{name}"] = table[name].to_numpy()
+
+
+def tdms(table, path):
+    with TdmsWriter(str(path)) as writer:
+        writer.write_segment([ChannelObject("Log", name, table[name].to_numpy()) for name in table])
+
+
+def netcdf(table, path):
+    with netcdf_file(path, "w") as file:
+        file.createDimension("sample", len(table))
+        for name in table:
+            file.createVariable(name, "d", ("sample",))[:] = table[name].to_numpy()
+
+
+def german(table, path):
+    table.to_csv(path, sep=";", decimal=",", index=False, float_format="%.17g")
+
+
+@pytest.mark.parametrize(
+    ("write", "ending"),
+    [
+        (matlab, "mat"),
+        (dspace, "mat"),
+        (hdf5, "h5"),
+        (tdms, "tdms"),
+        (netcdf, "nc"),
+        (german, "txt"),
+    ],
+)
+def test_a_campaign_of_other_files_is_the_same(tmp_path, write, ending):
+    shutil.copytree(RIG, tmp_path / "rig")
+    description = tmp_path / "rig" / "campaign.toml"
+    text = description.read_text(encoding="utf-8")
+    for path in sorted((tmp_path / "rig").glob("*.csv")):
+        if path.name in text:
+            write(pd.read_csv(path, comment="#"), path.with_suffix(f".{ending}"))
+            text = text.replace(path.name, f"{path.stem}.{ending}")
+            path.unlink()
+    description.write_text(text, encoding="utf-8")
+    for test, expected in zip(read_campaign(tmp_path / "rig").tests, read_campaign(RIG).tests, strict=True):
+        assert test.channels.keys() == expected.channels.keys()
+        for name, values in test.channels.items():
+            np.testing.assert_allclose(values, expected.channels[name], rtol=1e-12, atol=1e-15)
