@@ -22,6 +22,7 @@ from typing import Final, Self
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.criterion.scope import magnitudes_of
@@ -73,7 +74,7 @@ class Weights:
     def drawn(self, ellipses: xr.Dataset) -> xr.Dataset:
         """Draw the population again, with as many motions as the weighted ones are worth."""
         count = round(self.motions)
-        log_a = np.log(ellipses["a"].where(ellipses["a"] > 0.0))
+        log_a: xr.DataArray = np.log(ellipses["a"].where(ellipses["a"] > 0.0))  # type: ignore[assignment]
         others = [name for name in log_a.dims if name != "motion"]
         order = np.argsort(np.nan_to_num(log_a.mean(others).values, nan=np.inf), kind="stable")
         upper = np.cumsum(self.values[order])
@@ -140,7 +141,7 @@ def _values_of(name: str, ellipses: xr.Dataset, path: str) -> Array:
     return values
 
 
-def _members(values: Array, table: pd.DataFrame, path: str) -> Array:
+def _members(values: Array, table: pd.DataFrame, path: str) -> NDArray[np.bool_]:
     """Whether each motion belongs to each class, shape (classes, motions)."""
     low, high = (table[name].to_numpy()[:, None] for name in ("low", "high"))
     members = (values > low) & (values <= high)
@@ -156,7 +157,7 @@ def _members(values: Array, table: pd.DataFrame, path: str) -> Array:
     return members
 
 
-def _raked(classes: Mapping[str, tuple[Array, Array]], path: str) -> Array:
+def _raked(classes: Mapping[str, tuple[Array, NDArray[np.bool_]]], path: str) -> Array:
     """Weights whose sums over the classes of every quantity are the shares."""
     weights = np.ones(next(iter(classes.values()))[1].shape[1])
     for _ in range(_ROUNDS):
