@@ -1,6 +1,7 @@
 """What a folder or a file from someone else names: it must lie in that folder, or in that file."""
 
 import contextlib
+import mmap
 import os
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
@@ -8,6 +9,8 @@ from typing import TYPE_CHECKING
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
 
+_COLLECTION = b"GCOL\x01"
+_HEAD = 16  # bytes before the content of a collection, and of an object in it
 _DEEPEST = 32  # every path is as long as its depth, so that all of them take its square
 
 if TYPE_CHECKING:
@@ -48,11 +51,39 @@ def opened_hdf5(path: str | Path) -> "Iterator[h5py.File]":
     """
     import h5py
 
+    _require_heaps_that_end(ordinary(path))
     with h5py.File(ordinary(path), "r") as file:
         for name, item in objects_of(file):
             if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
                 raise _elsewhere(name, path)
         yield file
+
+
+def _require_heaps_that_end(path: str | Path) -> None:
+    """Refuse a collection of texts in which the HDF5 library would look for the next object for ever.
+
+    A collection is "GCOL", a version, three bytes, its size, and objects of index (2 bytes), uses (2),
+    nothing (4) and size (8): a free one, of index 0, counts with its head, so that one of size 0 is its own
+    successor.
+    """
+    if not Path(path).stat().st_size:
+        return
+    with Path(path).open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        start = content.find(_COLLECTION)
+        while start >= 0:
+            place, end = start + _HEAD, start + int.from_bytes(content[start + 8 : start + _HEAD], "little")
+            while place + _HEAD <= min(end, len(content)):
+                index = int.from_bytes(content[place : place + 2], "little")
+                size = int.from_bytes(content[place + 8 : place + _HEAD], "little")
+                if not index and not size:
+                    raise InputError(
+                        "The texts in an HDF5 file must follow each other",
+                        value=f"one without a size at byte {place}",
+                        remedy="Export it again; this file is damaged",
+                        where=str(path),
+                    )
+                place += _HEAD + -(-size // 8) * 8 if index else size
+            start = content.find(_COLLECTION, start + 1)
 
 
 def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":

@@ -21,13 +21,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import MOST_AT_REST, REST, is_ellipse, names_along
+from reliab.criterion import MOST_AT_REST, REST, is_ellipse, names_along, protect_over_lengths
 from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.recordings import LENGTHS, TIMES, UNITS, page_words
 from reliab.sweep import at_share, share_of
 from reliab.version import __version__
-from reliab.vocabulary import CurveName
+from reliab.vocabulary import CurveName, Metric
 
 _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"
@@ -200,7 +200,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     powers of two: sixteen bits above an offset hold it exactly. Zero stands for a motion without an ellipse.
     Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
-    tables = [_inscribed(dataset) for dataset in ellipses.values()]
+    tables = [_inscribed(_protecting(dataset)) for dataset in ellipses.values()]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -232,6 +232,18 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
     }
+
+
+def _protecting(ellipses: xr.Dataset) -> xr.Dataset:
+    """Ellipses of whole records whose errors RMS^R protect every length, as those of a criterion do."""
+    try:
+        own = ellipses.sel(metric=[str(Metric.RMS)], curve=[str(CurveName.INSCRIBED)])
+    except KeyError:
+        return ellipses
+    protected = protect_over_lengths(own)
+    if protected is own:
+        return ellipses
+    return ellipses.assign({name: protected[name].combine_first(ellipses[name]) for name in ("a", "b")})
 
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:

@@ -13,6 +13,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import LOOKS, Damping, Recursion, WholeStructure, delayed, equilibrium
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
+from reliab.significant import significant
 from reliab.vocabulary import Metric
 
 TEMPLATES = ("reliab_monitor.h", "reliab_monitor.c", "example.c", "README.md")
@@ -49,7 +50,7 @@ class LoopMonitor:
         if samples < _FEWEST_PER_PERIOD:
             raise InputError(
                 f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
-                value=f"{samples:.3g}",
+                value=significant(samples),
                 remedy="Run the monitor at the rate of the loop",
             )
 

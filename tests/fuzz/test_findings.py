@@ -5,6 +5,7 @@ import json
 import re
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import zarr
@@ -16,6 +17,7 @@ from fuzz.targets import TARGETS, examine
 from reliab.criterion import Criterion, read_ellipses
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
+from reliab.received import opened_hdf5
 from reliab.recordings.readers import read_tests
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import read_frame
@@ -56,6 +58,20 @@ def test_an_hdf5_file_with_a_damaged_tree_is_explained(tmp_path):
     (tmp_path / "test.h5").write_bytes(content)
     with pytest.raises(InputError, match="A test's file must be readable"):
         read_tests(tmp_path / "test.h5")
+
+
+def test_an_hdf5_file_whose_texts_never_end_is_refused(tmp_path):
+    path = tmp_path / "record.h5"
+    with h5py.File(path, "w") as file:
+        file.attrs.create("names", ["command", "measured"], dtype=h5py.string_dtype())
+    content = bytearray(path.read_bytes())
+    heap = content.index(b"GCOL")
+    with opened_hdf5(path) as file:
+        assert list(file.attrs["names"]) == ["command", "measured"]
+    content[heap + 16 : heap + 32] = bytes(16)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="must follow each other"), opened_hdf5(path):
+        pass
 
 
 def test_a_table_of_ellipses_with_too_many_cells_in_a_row_is_refused(tmp_path):
