@@ -1,5 +1,7 @@
 """Numbers in sentences: rounded to significant digits, without a power of ten where people write none."""
 
+from reliab.vocabulary import PERCENT
+
 _ORDINARY = (1e-4, 1e7)
 
 
@@ -12,3 +14,13 @@ def significant(value: float, digits: int = 3) -> str:
     text = f"{value:.{digits}g}"
     ordinary = _ORDINARY[0] <= abs(value) < _ORDINARY[1]
     return f"{value:.0f}" if "e" in text and ordinary else text
+
+
+def percent(share: float, digits: int = 3, *, decimals: int | None = None) -> str:
+    """Write a share in per cent, to significant digits or to so many decimals.
+
+    >>> percent(0.05), percent(0.95281), percent(0.05, decimals=2)
+    ('5 %', '95.3 %', '5.00 %')
+    """
+    value = PERCENT * share
+    return f"{significant(value, digits) if decimals is None else f'{value:.{decimals}f}'} %"

@@ -4,6 +4,7 @@ Sizes are limits, not aims: a module is one subject that can be told in one sent
 """
 
 import ast
+import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -295,3 +296,24 @@ def test_what_users_describe_is_parsed_within_bounds():
         if isinstance(node, ast.Call) and ast.unparse(node.func) in PARSING
     }
     assert parsed == {"described_files.py"} | PARSED_AS_WE_WROTE_IT
+
+
+_PERCENT_ALONE = re.compile(r"(?<!±)(?<!\+- )\b\d+%(?![\w;])")
+
+
+def percent_signs(path: Path) -> Iterator[str]:
+    """Per cent that is written without its space; `1±1%` is how a user may type a deviation."""
+    for node in ast.walk(source(path)[1]):
+        if isinstance(node, ast.FormattedValue) and node.format_spec is not None:
+            if ast.unparse(node.format_spec).rstrip("'\"").endswith("%"):
+                yield f"{path.name}:{node.lineno}"
+        elif isinstance(node, ast.JoinedStr):
+            for value, text in itertools.pairwise(node.values):
+                if isinstance(value, ast.FormattedValue) and ast.unparse(text).startswith("'%"):
+                    yield f"{path.name}:{node.lineno}"
+        elif isinstance(node, ast.Constant) and _PERCENT_ALONE.search(str(node.value)):
+            yield f"{path.name}:{node.lineno}"
+
+
+def test_percent_signs_stand_after_a_space():
+    assert [sign for path in modules() for sign in percent_signs(path)] == []

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.report.wording import percent
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 ORDINARY = [*np.geomspace(0.01, 1000.0, 400).tolist(), 0.995, 9.96, 99.5, 99.96, 999.5, 999.96, 1000.0]
 

@@ -41,6 +41,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.shipped import shipped
+from reliab.significant import percent
 from reliab.simulation.frames import read_frame
 from reliab.sweep import (
     Names,
@@ -315,7 +316,7 @@ class _Question:
         strange += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
         if strange:
             raise InputError(
-                f"A printed law states only {printed.confidence:.0%}, by the quantile of each limit",
+                f"A printed law states only {percent(printed.confidence)}, by the quantile of each limit",
                 value=", ".join(strange),
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
@@ -470,10 +471,10 @@ def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
     kept = printed_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
-        f"Of {kept['n_motions']} real motions, {kept['share']:.0%} have a boundary that contains this "
-        f"ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
-        f"{criterion.confidence:.0%}; measured on the ellipses of datasets/real_suite, for all structures "
-        "by `reliab run validation`."
+        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary that "
+        f"contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"{percent(criterion.confidence)}; measured on the ellipses of datasets/real_suite, for all "
+        "structures by `reliab run validation`."
     )
     return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
 

@@ -19,6 +19,7 @@ from reliab.recordings import (
     stated_by_options,
 )
 from reliab.shipped import or_shipped
+from reliab.significant import percent
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
@@ -210,7 +211,8 @@ class _Watch:
             yield from self._alarm(
                 "error",
                 monitor,
-                f"the error is above twice {self.threshold:.2%}; few tests end below that threshold then",
+                f"the error is above twice {percent(self.threshold, decimals=2)}; few tests end below "
+                "that threshold then",
             )
 
     def _alarm(self, name: str, monitor: Monitor, sentence: str) -> Iterator[Message]:

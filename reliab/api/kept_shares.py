@@ -3,14 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from reliab.significant import percent
+
 
 def kept_shares(rows: Sequence[Mapping[str, Any]], of_side: str = "") -> Iterator[str]:
     """Say of each method and law whether the share of motions that it states is kept.
 
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
-    >>> rows = [{"candidate": "guo_2017_18", "confidence": 0.95, "containment": rate}]
+    >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
     >>> print(*kept_shares(rows))
-    guo_2017_18 does not keep the share that it states: it protects 52.0% of the motions where it states 95%.
+    power does not keep the share that it states: it protects 52.0 % of the motions where it states 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):
         judged = [
@@ -20,7 +22,10 @@ def kept_shares(rows: Sequence[Mapping[str, Any]], of_side: str = "") -> Iterato
         ]
         if not judged:
             continue
-        shares = ", ".join(f"{rate['rate']:.1%} where it states {stated:.0%}" for rate, stated in judged)
+        shares = ", ".join(
+            f"{percent(rate['rate'], decimals=1)} where it states {percent(stated, decimals=0)}"
+            for rate, stated in judged
+        )
         first, *others = shares.split(" where", 1)
         yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of the motions where{others[0]}."
 
@@ -28,7 +33,9 @@ def kept_shares(rows: Sequence[Mapping[str, Any]], of_side: str = "") -> Iterato
 def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
     """Whether shares are kept, as far as their intervals can tell."""
     below = [(rate, stated) for rate, stated in judged if rate["rate"] < stated]
-    broken = [f"{stated:.0%}" for rate, stated in below if (rate["high"] or rate["rate"]) < stated]
+    broken = [
+        percent(stated, decimals=0) for rate, stated in below if (rate["high"] or rate["rate"]) < stated
+    ]
     if broken:
         at = f" at {', '.join(broken)}" if len(judged) > 1 else ""
         return f"does not keep the share that it states{at}"

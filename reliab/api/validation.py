@@ -23,6 +23,7 @@ from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.progress import Show, quietly
+from reliab.significant import percent
 from reliab.sweep import Names, Numbers, share_of
 from reliab.validation.cross_validation import (
     GROUP_SCHEMES,
@@ -221,7 +222,7 @@ class _Candidates:
         candidate = Printed(name=name, law=law)
         if asked and not any(candidate.promises(confidence) for confidence in self.confidences):
             raise InputError(
-                f"The law {name} states {candidate.confidence:.0%}",
+                f"The law {name} states {percent(candidate.confidence, decimals=0)}",
                 value=", ".join(f"{confidence:g}" for confidence in self.confidences),
                 remedy=f"Ask for `confidence={candidate.confidence:g}`, or leave the law out",
             )

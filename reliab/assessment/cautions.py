@@ -8,7 +8,7 @@ from reliab.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.verdict import Word
 from reliab.criterion import whole_is_worst
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, Metric
 
 _BY_SHAPE = "shape of the response"
@@ -57,12 +57,12 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
         return
     metric = Metric(findings.criterion.metric)
     counted, otherwise = findings.error.of(metric).value, effect.otherwise.of(metric).value
-    name = ERROR_NAMES[metric]
-    fault = effect.fault
+    name, fault = ERROR_NAMES[metric], effect.fault
+    sizes = [percent(size, decimals=2) for size in (counted, otherwise)]
     if fault.in_loop is True:
         yield (
-            f"The command responds to it, so that the structure felt it: {name} is {counted:.2%} with it and "
-            f"would be {otherwise:.2%} without."
+            f"The command responds to it, so that the structure felt it: {name} is {sizes[0]} with it and "
+            f"would be {sizes[1]} without."
         )
     elif fault.in_loop is False:
         why = (
@@ -70,9 +70,9 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
             if fault.kind in ("spike", "held")
             else "The command does not respond to it, so that only the sensor reading is wrong: "
         )
-        yield f"{why}{name} is {counted:.2%} without it; had the structure felt it, {otherwise:.2%}."
+        yield f"{why}{name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
     else:
-        yield f"{name} is {counted:.2%} as recorded and {otherwise:.2%} without it."
+        yield f"{name} is {sizes[0]} as recorded and {sizes[1]} without it."
 
 
 def _of_error(findings: Findings) -> Iterator[str]:
@@ -85,17 +85,19 @@ def _of_error(findings: Findings) -> Iterator[str]:
         return
     size = findings.error.of(Metric(findings.criterion.metric)).value
     basis = (
-        f"{findings.criterion.confidence:.0%} of the population's ground motions"
+        f"{percent(findings.criterion.confidence, decimals=0)} of the population's ground motions"
         if findings.placement is None
         else "a gain and a delay alone"
     )
     why = (
-        f"gain and delay leave {findings.tracking.unexplained_share:.2%} of the rig's motion unexplained"
+        f"gain and delay leave {percent(findings.tracking.unexplained_share, decimals=2)} of the rig's "
+        "motion unexplained"
         if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
         else "this test's ground motion and length are more or less demanding than those"
     )
     yield (
-        f"The error of this very test ({size:.2%}) and the index ({significant(findings.index)} against 1) "
+        f"The error of this very test ({percent(size, decimals=2)}) and the index "
+        f"({significant(findings.index)} against 1) "
         f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
     )
 
@@ -120,12 +122,17 @@ def _of_signal(findings: Findings) -> Iterator[str]:
         yield f"The test is sampled coarsely: {significant(samples)} samples in a period."
     noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
     if noise > _NOISY:
-        yield (f"The test is noisy: {noise:.1%} of the measured displacement is unrelated to the command.")
+        yield (
+            f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
+            "to the command."
+        )
     limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (
-            f"A gain and a delay leave {tracking.unexplained_share:.2%} of the measured motion unexplained, "
-            f"where an amplitude error of {limit:.2%} is tolerable: the rig has another fault (friction, "
+            f"A gain and a delay leave {percent(tracking.unexplained_share, decimals=2)} of the "
+            "measured motion unexplained, "
+            f"where an amplitude error of {percent(limit, decimals=2)} is tolerable: the rig has "
+            "another fault (friction, "
             "backlash, saturation) or slow noise, and its error may differ by a quarter from that of A and d."
         )
 

@@ -4,8 +4,8 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
-from reliab.significant import significant
-from reliab.vocabulary import PERCENT, Metric
+from reliab.significant import percent, significant
+from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
@@ -32,8 +32,9 @@ def verdict_of_error(
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     reason = (
-        f"{name} is {size.value:.2%}, 90 % interval {size.low:.2%} to {size.high:.2%}, against a threshold "
-        f"of {significant(PERCENT * error.threshold)}%: "
+        f"{name} is {percent(size.value, decimals=2)}, 90 % interval {percent(size.low, decimals=2)} to "
+        f"{percent(size.high, decimals=2)}, against a threshold "
+        f"of {percent(error.threshold)}: "
         f"probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(
@@ -62,9 +63,10 @@ def verdict_of_error(
 def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
     """Say how large the error is, and how large with other values that are stated or possible."""
     sizes = ", ".join(
-        f"{restated.of(error.metric).value:.2%} with {restated.under}" for restated in otherwise
+        f"{percent(restated.of(error.metric).value, decimals=2)} with {restated.under}"
+        for restated in otherwise
     )
-    return f"{ERROR_NAMES[error.metric]} is {error.of(error.metric).value:.2%}, but {sizes}."
+    return f"{ERROR_NAMES[error.metric]} is {percent(error.of(error.metric).value, decimals=2)}, but {sizes}."
 
 
 def probability_text(probability: float, *, bound: float = 0.99) -> str:

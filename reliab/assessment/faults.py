@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.recordings import Recording, without_spikes
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
 
 COPY_TOLERANCE: Final = 1e-6
@@ -128,7 +128,8 @@ def _spikes(
                 finding=(
                     f"The {name} jumps and returns within {significant(lasting)} ms in all, first at "
                     f"{first:.4g} s, "
-                    f"by up to {size:.1%} of the command's peak: no actuator moves like that."
+                    f"by up to {percent(size, decimals=1)} of the command's peak: no actuator moves "
+                    "like that."
                 ),
                 in_command=added if name == "command" else None,
                 in_measured=None if name == "command" else added,
@@ -167,7 +168,8 @@ def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
                 finding=(
                     f"The {name} stands still for {significant(lasting)} s, first at "
                     f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
-                    f"{moved:.0%} of the command's peak: either the actuator stood still, or the "
+                    f"{percent(moved, decimals=0)} of the command's peak: either the actuator stood "
+                    "still, or the "
                     "recording did."
                 ),
                 in_measured=_missing_motion(recording.measured - expected, still)
@@ -192,8 +194,8 @@ def _held(recording: Recording) -> Iterator[Fault]:
     bridged = np.interp(places, places[~held], measured[~held])
     yield Fault(
         kind="held",
-        finding=f"The measured displacement repeats the sample before in {share:.2%} of its samples: it was "
-        "read there as the line between its neighbours.",
+        finding=f"The measured displacement repeats the sample before in {percent(share, decimals=2)} of its "
+        "samples: it was read there as the line between its neighbours.",
         in_measured=measured - bridged,
         in_loop=False,
     )
@@ -235,7 +237,7 @@ def _slow(
     for kind, size, error, shape in terms:
         if abs(size) < least or abs(size) < _SIGNIFICANT * error:
             continue
-        share = f"{abs(size) / peak:.2%} of the command's peak"
+        share = f"{percent(abs(size) / peak, decimals=2)} of the command's peak"
         in_loop = _answered(recording.command, experimental_fraction * size, kind, blocks)
         yield Fault(
             kind=kind,

@@ -19,6 +19,7 @@ from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
 from reliab.indices import TrackingOverFrequency
 from reliab.recordings import Recording
+from reliab.significant import percent
 from reliab.simulation.frames import FrameUnderTest
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, Metric
@@ -175,7 +176,8 @@ class FrameAssessment:
         size = self.error.of(self.error.metric)
         return (
             f"<FrameAssessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, "
-            f"{self.error.metric.upper()} error {size.value:.2%} ({size.low:.2%} to {size.high:.2%})>"
+            f"{self.error.metric.upper()} error {percent(size.value, decimals=2)} "
+            f"({percent(size.low, decimals=2)} to {percent(size.high, decimals=2)})>"
         )
 
 

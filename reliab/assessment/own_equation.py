@@ -15,7 +15,7 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
 from reliab.recordings import Recording
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI
@@ -207,7 +207,8 @@ def _sentence(name: str, estimate: Identified) -> str:
 def _other_ground(misfit: float) -> str:
     return (
         "The recorded ground acceleration does not belong to this test (the equation of motion leaves "
-        f"{misfit:.0%} of it unexplained): check channel and unit. The structure was not identified from it."
+        f"{percent(misfit, decimals=0)} of it unexplained): check channel and unit. The structure was "
+        "not identified from it."
     )
 
 
@@ -219,6 +220,7 @@ def _nonlinear(recording: Recording, structure: Structure, smoothed: Array) -> s
     if not nonlinearity.nonlinear:
         return ""
     return (
-        f"The specimen looks nonlinear: {nonlinearity.share:.1%} of its force follows no spring, dashpot "
+        f"The specimen looks nonlinear: {percent(nonlinearity.share, decimals=1)} of its force follows "
+        "no spring, dashpot "
         "or mass. The error was computed for a linear specimen."
     )

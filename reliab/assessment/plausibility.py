@@ -10,7 +10,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
@@ -124,7 +124,7 @@ def _require_following(recording: Recording) -> None:
     if noise > _LARGEST_NOISE:
         raise InputError(
             "The measured displacement must follow the command",
-            value=f"{noise:.0%} of its power is white noise",
+            value=f"{percent(noise, decimals=0)} of its power is white noise",
             remedy="Check that the channel was connected",
             where=recording.name,
         )

@@ -14,7 +14,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
 from reliab.errors import InputError
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
@@ -91,7 +91,8 @@ def require_restoring_force(
     if unexplained > _UNRELATED:
         raise InputError(
             "The recorded force must follow the measured displacement",
-            value=f"a force whose power follows no spring, dashpot, mass or friction by {unexplained:.0%}",
+            value="a force whose power follows no spring, dashpot, mass or friction by "
+            f"{percent(unexplained, decimals=0)}",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=where,
         )

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.html_table import html_table
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
@@ -33,7 +33,8 @@ def table_of_assessment(assessment: "Findings") -> str:
 
 
 def _interval(estimate: "Estimate") -> str:
-    return f"{estimate.value:.2%} ({estimate.low:.2%} to {estimate.high:.2%})"
+    value, low, high = (percent(size, decimals=2) for size in (estimate.value, estimate.low, estimate.high))
+    return f"{value} ({low} to {high})"
 
 
 def _probability(probability: float) -> str:

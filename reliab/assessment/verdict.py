@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 CERTAIN: Final = 0.95
 """Probability from which on a test is called reliable; below 1 − this, not reliable."""
@@ -102,7 +102,8 @@ def verdict_by_index(
         reasons=(
             (
                 "The error of such a test stays below the threshold under "
-                f"{probability:.0%} of the population's ground motions: fewer than the {confidence:.0%} that "
+                f"{percent(probability, decimals=0)} of the population's ground motions: fewer than the "
+                f"{percent(confidence, decimals=0)} that "
                 "were asked for, and too many to call it bad."
             ),
         ),

@@ -11,7 +11,7 @@ from reliab.cli.completion import campaigns
 from reliab.cli.demand import takes
 from reliab.cli.options import OF_REPORT, JsonTarget, Reported
 from reliab.cli.output import console, progress_bar, table, write_json
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
@@ -76,7 +76,7 @@ def _show(diagnosis: "Diagnosis") -> None:
     if diagnosis.where:
         places = table("Where the calibrated model fails", _WHERE)
         for finding in diagnosis.where:
-            share, p_value = f"{finding.share_of_residual:.0%}", f"{finding.p_value:.0e}"
+            share, p_value = percent(finding.share_of_residual, decimals=0), f"{finding.p_value:.0e}"
             places.add_row(finding.block, finding.channel, finding.kind, share, p_value, finding.test)
         screen.print(places)
     _show_effects(diagnosis)
@@ -113,7 +113,9 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
 def _proved(block: "BlockDiagnosis") -> str:
     """Sentence on the gap of a block."""
     gap = block.gap
-    closed = "" if gap.stated_share is None else f", {gap.stated_share:.1%} of the gap closed"
+    closed = (
+        "" if gap.stated_share is None else f", {percent(gap.stated_share, decimals=1)} of the gap closed"
+    )
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
     return (
         f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import position
 from reliab.errors import InputError
+from reliab.significant import percent
 
 REST = "error_at_rest"
 """Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi,
@@ -61,7 +62,8 @@ def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> N
     raise InputError(
         "An actuator that does not move must exceed the error threshold under at least 95 % of the motions",
         value=(
-            f"{shares.max():.0%} of the motions under which it stays below {threshold:g} at f = {f:g} Hz and "
+            f"{percent(shares.max(), decimals=0)} of the motions under which it stays below "
+            f"{threshold:g} at f = {f:g} Hz and "
             f"ξ = {xi:g}"
         ),
         remedy="Give a smaller threshold, at which amplitude and delay still separate good tests from "

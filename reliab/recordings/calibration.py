@@ -22,6 +22,7 @@ from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.recordings.recording import Recording
 from reliab.signals import converter_step, low_pass, smoothed
+from reliab.significant import percent
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
@@ -179,7 +180,7 @@ def _unsure(hysteresis: StatedValue) -> float:
 def _never_rests(recording: Recording, remainder: float) -> InputError:
     return InputError(
         "Without rests the measured displacement must differ by skew, scale and hysteresis only",
-        value=f"{remainder:.2%} of the motion's amplitude beyond its noise",
+        value=f"{percent(remainder, decimals=2)} of the motion's amplitude beyond its noise",
         remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
         where=recording.name,
     )

@@ -52,7 +52,6 @@ from .style import (
 from .wording import (
     law_in_words as law_in_words,
     listed as listed,
-    percent as percent,
     spelled_out as spelled_out,
     values as values,
 )

@@ -79,8 +79,8 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
     `{name:format}` the value of that name, which is always literal. Mathematics is evaluated, so that
     only numbers and other mathematics can be put into it.
 
-    >>> prose("{share:.0%} of *{name}* lie within $a$, see @fig:limits.", share=0.95, name="a*b$")
-    ('95% of ', Strong(text='a*b$'), ' lie within ', Math(source='a'), ', see ',
+    >>> prose("{share} of *{name}* lie within $a$, see @fig:limits.", share="95 %", name="a*b$")
+    ('95 % of ', Strong(text='a*b$'), ' lie within ', Math(source='a'), ', see ',
      Reference(label='fig:limits'), '.')
     """
     return tuple(_merged(_pieces(template, values)))

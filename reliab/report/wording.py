@@ -8,8 +8,8 @@ import numpy as np
 
 from reliab.criterion.methods import METHODS
 from reliab.report.prose import Math, Piece
-from reliab.significant import significant
-from reliab.vocabulary import PERCENT, Metric
+from reliab.significant import percent
+from reliab.vocabulary import Metric
 
 ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
 """The errors of the whole test in mathematics."""
@@ -44,17 +44,6 @@ def meaning_of_confidence(method: str) -> str:
     'a bound by order statistics, free of any distribution'
     """
     return METHODS[method].meaning if method in METHODS else method
-
-
-def percent(share: float, digits: int = 3) -> str:
-    """Write a share in per cent.
-
-    Examples
-    --------
-    >>> percent(0.05), percent(0.95281)
-    ('5 %', '95.3 %')
-    """
-    return f"{significant(PERCENT * share, digits)} %"
 
 
 def probability(value: float) -> str:

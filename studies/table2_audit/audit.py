@@ -24,6 +24,7 @@ from reliab.boundary import Ellipse
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
+from reliab.significant import percent
 from reliab.structures import Structure
 
 from .hidden_difference import Difference, differences, logarithms, simulated_ellipse
@@ -165,7 +166,9 @@ class _Table:
         result = self._result(row, best)
         if best.distance <= self.close and best.chance <= LARGEST_CHANCE:
             return compared | result
-        nearest = f"nearest: {best.kind}, {result['detail']}, which leaves {best.distance:.0%}"
+        nearest = (
+            f"nearest: {best.kind}, {result['detail']}, which leaves {percent(best.distance, decimals=0)}"
+        )
         return compared | {"difference": NONE_FOUND, "detail": nearest, "chance": best.chance} | unchanged
 
     def _best(self, row: int) -> "_Offer | None":

@@ -50,11 +50,11 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert found["probability"] > 0.95
     assert found["A"] == pytest.approx(0.999, abs=1e-3)
     assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
-    shown = run(folder / "good.csv", *ONE_HERTZ, "--exact").stdout
+    shown = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
     assert shown.startswith("RELIABLE: RMS^R is ")
-    assert "against 5%, probability > 0.99 of staying below" in shown
+    assert "below 5 % with probability > 0.99" in shown
     assert (
-        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5% (RMS^R); window of the error: the test's own 40 s" in shown
+        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5 % (RMS^R); window of the error: the test's own 40 s" in shown
     )
     assert "RMS^R is the root mean square" in " ".join(shown.split())
     assert "Stability margin" in shown
@@ -69,13 +69,41 @@ def test_what_to_improve_first_is_named(folder, name, first):
 
 
 def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
-    shown = " ".join(run("sample_test", *ONE_HERTZ).stdout.split())
-    assert shown.startswith("RELIABLE: RMS^R is 2.28% against 5%, probability 0.9")
+    shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
+    assert shown.startswith("RELIABLE: RMS^R is 2.28 %, below 5 % with probability 0.9")
     assert "What would sharpen this most: Calibrate the displacement sensor" in shown
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")
     assert left_open["verdict"] == "undecided"  # at resonance half a sample of skew is half of the threshold
     assert "scale of the displacement sensor" in left_open["would_decide"][0]
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("name", ["good", "late", "weak"])
+def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatch, name, width):
+    monkeypatch.setattr("reliab.cli.output._WIDTH_OF_PIPES", width)
+    shown = run(folder / f"{name}.csv", *ONE_HERTZ).stdout
+    assert len(shown.splitlines()) <= 12
+    assert shown.count("with probability") == 1
+    content = answer(folder / f"{name}.csv")
+    text = " ".join(shown.split())
+    for metric in ("rms", "mte"):
+        size = content["error"][metric]
+        assert f"{100 * size['value']:.2f} % ({100 * size['low']:.2f} to {100 * size['high']:.2f} %)" in text
+    assert content["budget"][0]["quantity"] in text
+    assert all(remedy in text for remedy in content["would_decide"])
+    details = " ".join(run(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout.split())
+    assert all(" ".join(note.split()) in details for note in [*content["notes"], *content["warnings"]])
+
+
+def test_what_a_test_contradicts_stands_on_the_screen_once(folder):
+    frame = pd.read_csv(folder / "good.csv").assign(measured_m=lambda table: table["command_m"])
+    frame.to_csv(folder / "same.csv", index=False)
+    shown = " ".join(run(folder / "same.csv", *ONE_HERTZ).stdout.split())
+    content = answer(folder / "same.csv")
+    assert content["verdict"] == "undecided"
+    for doubt in content["reasons"][:-1]:
+        assert shown.count(doubt) == 1
 
 
 def test_check_turns_the_verdict_into_an_exit_code(folder):

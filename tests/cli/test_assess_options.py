@@ -57,6 +57,7 @@ WITHOUT = {
 }
 SEEN_ELSEWHERE = {
     "--design": "tests/cli/test_assess.py",
+    "--details": "tests/cli/test_assess.py",
     "--check": "tests/cli/test_assess.py",
     "--figure": "tests/cli/test_assess.py",
     "--report": "test_a_report_and_a_json_file_are_written",

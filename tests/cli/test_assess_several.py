@@ -45,7 +45,7 @@ def test_a_faulty_file_costs_its_row_only(ask, folder):
     assert rows["fault"].isna().tolist() == [True, False, True]
     assert pd.isna(rows.loc["faulty.csv", "verdict"])
     assert "not judged" in out
-    assert f"{rows['rms']['good.csv']:.2%}" in out
+    assert f"{100 * rows['rms']['good.csv']:.2f} %" in out
     assert rows.loc["faulty.csv", "fault"].removeprefix("faulty.csv: ")[:40] in out
 
 

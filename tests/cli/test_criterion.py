@@ -75,7 +75,9 @@ def test_a_printed_law_says_how_many_real_motions_keep_it():
     for law, least, most in (("guo_2017_18", 0.05, 0.20), ("guo_2017_12", 0.90, 1.0)):
         found = answer("--law", law)
         assert least < found["kept_by"]["share"] < most
-        assert f"{found['kept_by']['share']:.0%} have a boundary that contains" in found["warnings"][0]
+        assert (
+            f"{100 * found['kept_by']['share']:.0f} % have a boundary that contains" in found["warnings"][0]
+        )
 
 
 def test_one_default_the_recommended_method_and_joint():

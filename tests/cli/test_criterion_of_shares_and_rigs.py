@@ -71,7 +71,7 @@ def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp
     assert rig["share_below"] == pytest.approx(float((errors < 0.02).mean()))
     assert all(motion["d_ms"] == pytest.approx(4.0, rel=0.1) for motion in rig["motions"])
     shown = run(*given, "--method", "quantile", "--confidence", "0.5").stdout
-    assert f"{errors.max():.2%}" in shown
+    assert f"{100 * errors.max():.2f} %" in shown
 
 
 def test_a_described_rig_that_would_be_unstable_is_said_to_be(records, tmp_path):

@@ -81,8 +81,8 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     )
     printed = " ".join(capsys.readouterr().out.split())
     assert printed.count("Alarm at") == 1
-    assert "s: the error is above twice 0.20%" in printed
-    assert printed.index("Alarm at") < printed.index("The error of the whole test is above 0.20%.")
+    assert "s: the error is above twice 0.20 %" in printed
+    assert printed.index("Alarm at") < printed.index("The error of the whole test is above 0.20 %.")
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
 

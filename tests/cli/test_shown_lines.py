@@ -70,7 +70,7 @@ def test_a_population_elsewhere_and_separate_limits_are_told(capsys, joint):
 def test_a_posterior_says_whether_it_has_converged(capsys, converged):
     complaint = [] if converged else ["R-hat of mean is 1.2"]
     text = shown_of(capsys, [ROW], [{**POSTERIOR, "converged": converged, "complaints": complaint}])
-    title = "Posterior at 0.04 of rms: 4 ensembles of 32 walkers, 900 steps, 31% of the moves taken"
+    title = "Posterior at 0.04 of rms: 4 ensembles of 32 walkers, 900 steps, 31 % of the moves taken"
     assert title in " ".join(text.split())
     assert ("Converged:" in text) is converged
     assert ("THIS POSTERIOR HAS NOT CONVERGED." in text) is not converged

@@ -24,7 +24,7 @@ def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, ca
     row = {"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}
     shown_rates.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
     shown = words_of(capsys.readouterr().out)
-    for part in ("leave one event out", "90.0%", "85", "43"):
+    for part in ("leave one event out", "90.0 %", "85", "43"):
         assert part in shown
     assert ("llipse" in shown) is noted
 
@@ -86,7 +86,10 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     result = monitor.ask(draws=8)
     message.alarms["energy"] = "the loop has gained energy"  # type: ignore[index]
     text = shown()
-    assert f"{result.rms.value:.2%} ({result.rms.low:.2%} to {result.rms.high:.2%})" in text
+    assert (
+        f"{100 * result.rms.value:.2f} % ({100 * result.rms.low:.2f} % to {100 * result.rms.high:.2f} %)"
+        in text
+    )
     assert f"{result.probability(0.05):.3f}" in text
-    assert f"{monitor.now.damping.ratio:.2%}" in text
+    assert f"{100 * monitor.now.damping.ratio:.2f} %" in text
     assert "the loop has gained energy" in text

@@ -24,7 +24,7 @@ DRAWS = 200
 COMMAND = typer.main.get_group(cli.app)
 OF_THE_TERMINAL = {
     *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
-    *("out", "check", "json_target", "help"),
+    *("out", "details", "check", "json_target", "help"),
 }
 TESTS = [
     *[["test.csv"]] * 16,

@@ -16,7 +16,7 @@ def at_rest(ellipses, share):
 
 
 def test_a_threshold_that_nothing_exceeds_is_refused_where_it_means_nothing(ellipses):
-    with pytest.raises(InputError, match=r"does not move .* 10% .* f = 2 Hz and ξ = 0\.05"):
+    with pytest.raises(InputError, match=r"does not move .* 10 % .* f = 2 Hz and ξ = 0\.05"):
         derive_criterion(at_rest(ellipses, 0.10))
     found = derive_criterion(at_rest(ellipses, 0.10), f=1.0)
     assert found.limits(1.0, 0.02) == derive_criterion(ellipses, f=1.0).limits(1.0, 0.02)

@@ -99,7 +99,7 @@ def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, ver
 
 @given(blocks())
 def test_a_gap_is_wholly_closed_only_at_the_noise(block):
-    wholly = "100.0% of the gap closed" in _proved(block)
+    wholly = "100.0 % of the gap closed" in _proved(block)
     closes = "closes to the noise" in _closed(SimpleNamespace(gap=block.gap))
     assert not (wholly or closes) or block.gap.remainder is Remainder.AT_NOISE
     if block.gap.remainder is Remainder.NOT_KNOWN:

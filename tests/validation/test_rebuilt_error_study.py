@@ -196,7 +196,7 @@ def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch
     assert {row["judge"] for row in found["judges"]} >= {REBUILT, CERTAIN, OWN_BOUNDARY}
     assert list(pd.read_csv(path).columns) == list(STUDY_COLUMNS)
     shown = CliRunner().invoke(app, arguments).stdout
-    assert "looks nonlinear in 100%" in shown
+    assert "looks nonlinear in 100 %" in shown
     for idle in (["--scheme", "k_fold"], ["--calibration"], ["--results", "real_suite"]):
         assert isinstance(CliRunner().invoke(app, [*arguments, *idle]).exception, InputError)
     both = CliRunner().invoke(app, [*arguments, "--confidence", "0.9", "--confidence", "0.95"]).exception

@@ -197,6 +197,10 @@ class AssessDemand(ReadsTests, Reported):
             "--out", metavar="FILE.csv", help="Write the verdicts as a table, one row for each test."
         ),
     ] = None
+    details: Annotated[
+        bool,
+        typer.Option("--details", help="Print all that was found, not only what matters most."),
+    ] = False
     check: Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")] = (
         False
     )
@@ -253,7 +257,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
             api.assess,
-            *("tests", "out", "check", "json_target", "report"),
+            *("tests", "out", "details", "check", "json_target", "report"),
             *(OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
             f=_only_value(demand.f, "f"),
@@ -274,6 +278,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
 def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: AssessDemand) -> None:
     from reliab.api import write_verdicts
     from reliab.assessment import Assessment
+    from reliab.cli.assess.shown_briefly import show_briefly
     from reliab.cli.assess.shown_frame import show_frame
     from reliab.cli.assess.shown_test import show_assessment
     from reliab.cli.output import write_json
@@ -282,6 +287,9 @@ def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: A
     if demand.out is not None:
         write_verdicts([{"file": str(test), **content}], demand.out)
     if write_json(content, demand.json_target):
+        return
+    show_briefly(content, without_details=not demand.details)
+    if not demand.details:
         return
     if isinstance(assessment, Assessment):
         show_assessment(assessment)

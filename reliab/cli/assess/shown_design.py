@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.significant import percent
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ def show_design(design: "Design") -> None:
     """Print tolerable errors, and those over the frequency as bars."""
     rows, first = design.tolerances, design.tolerances[0]
     shown = table(
-        f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of {first.threshold:.0%}",
+        f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of "
+        f"{percent(first.threshold, decimals=0)}",
         dict.fromkeys(
             ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
             "right",
@@ -29,7 +31,7 @@ def show_design(design: "Design") -> None:
         amplitude, delay = tolerance.both
         shown.add_row(
             f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
-            f"{tolerance.confidence:.0%}",
+            percent(tolerance.confidence, decimals=0),
             f"{tolerance.amplitude_error:.4f}",
             f"{MILLI * tolerance.delay:.3f}",
             f"{amplitude:.4f}",
@@ -52,7 +54,7 @@ def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: A
     chosen = [point for point in chart if point.confidence == confidence]
     longest = max(point.delay for point in chosen)
     shown = table(
-        f"Over the frequency, at {confidence:.0%}",
+        f"Over the frequency, at {percent(confidence, decimals=0)}",
         {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
     )
     for point in chosen:

@@ -1,18 +1,18 @@
-"""What `reliab assess --structure` prints about a test of a frame."""
+"""What `reliab assess --structure --details` prints about a test of a frame, below the verdict."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 if TYPE_CHECKING:
     from reliab.assessment import FrameAssessment
 
 
 def show_frame(assessment: "FrameAssessment") -> None:
-    """Print verdict, error, tracking at the modes, and what to know."""
+    """Print stability, tracking at the modes, warnings and notes: the details below the verdict."""
     content = assessment.to_dict()
     terminal = console()
     terminal.print(_quantities(content))
@@ -27,14 +27,8 @@ def show_frame(assessment: "FrameAssessment") -> None:
 
 
 def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    metric, threshold = content["metric"], content["threshold"]
-    judged, margin = content["error"][metric], content["stability_margin"]
-    critical = content["critical_delay_ms"]
+    margin, critical = content["stability_margin"], content["critical_delay_ms"]
     rows = {
-        "verdict": content["verdict"].replace("_", " ").upper(),
-        f"error, {metric}": f"{100 * judged['value']:.2f} %",
-        "90 % interval": f"{100 * judged['low']:.2f} to {100 * judged['high']:.2f} %",
-        f"probability below {100 * threshold:g} %": f"{content['probability']:.3f}",
         "A": f"{content['A']:.4f}",
         "d": f"{content['d_ms']:.3f} ms",
         "critical delay": "none" if critical is None else f"{critical:.3f} ms",
@@ -66,18 +60,11 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment import PART_NAMES
-
-    yield from content["reasons"]
-    yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])
     resolved = content["over_frequency"]
     if resolved is not None:
         low, high = resolved["frequency_hz"][0], resolved["frequency_hz"][-1]
         yield (
             f"A and d over frequency are known from {significant(low)} to {significant(high)} Hz and "
-            f"account for an RMS^R of {resolved['error']['rms']:.2%}; without them "
-            f"{resolved['error']['remaining_rms']:.2%} would remain."
+            f"account for an RMS^R of {percent(resolved['error']['rms'], decimals=2)}; without them "
+            f"{percent(resolved['error']['remaining_rms'], decimals=2)} would remain."
         )
-    first = content["error"]["improve_first"]
-    remaining = content["error"]["parts"][first]["remaining_rms"]
-    yield f"Improve first: {PART_NAMES[first]}; without its part RMS^R would be {remaining:.2%}."

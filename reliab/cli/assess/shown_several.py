@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from reliab.cli.output import console, table
-from reliab.significant import significant
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 _COLUMNS = {
@@ -21,11 +21,7 @@ _COLUMNS = {
 def show_several(contents: list[dict[str, Any]]) -> None:
     """Print the verdicts of tests."""
     judged = [content for content in contents if "fault" not in content]
-    asked = (
-        f", {judged[0]['metric'].upper()} against {significant(PERCENT * judged[0]['threshold'])}%"
-        if judged
-        else ""
-    )
+    asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
     shown = table(f"Verdicts on {len(contents)} tests{asked}", _COLUMNS)
     for content in contents:
         shown.add_row(*_row(content))
@@ -45,8 +41,8 @@ def _row(content: dict[str, Any]) -> list[str]:
     return [
         content["file"],
         content["verdict"].replace("_", " "),
-        f"{error['value']:.2%}",
-        f"{PERCENT * error['low']:.2f} … {error['high']:.2%}",
+        percent(error["value"], decimals=2),
+        f"{PERCENT * error['low']:.2f} … {percent(error['high'], decimals=2)}",
         probability_text(content["probability"]),
         f"{content['A']:.5f}",
         f"{content['d_ms']:.4f}",

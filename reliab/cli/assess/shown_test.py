@@ -1,31 +1,21 @@
-"""What `reliab assess` prints about a test."""
+"""What `reliab assess --details` prints about a test, below the verdict."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     from reliab.assessment import Assessment
 
-_STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
-
 
 def show_assessment(assessment: "Assessment") -> None:
-    """Print verdict, error, indices, and what to know."""
+    """Print parts of the error, budget, indices, warnings and notes: the details below the verdict."""
     summary = assessment.to_dict()
     terminal = console()
-    terminal.print(_headline(assessment), style=_STYLES[summary["verdict"]], highlight=False)
-    for reason in summary["reasons"]:
-        terminal.print(reason, highlight=False, markup=False)
-    for remedy in summary["would_decide"]:
-        terminal.print(f"What would decide: {remedy}", highlight=False, markup=False)
-    for item in summary["budget"][:1]:
-        sharper = f"What would sharpen this most: {item['remedy']}"
-        terminal.print(sharper, highlight=False, markup=False)
     terminal.print(_asked(assessment), highlight=False, markup=False)
     terminal.print(_errors(summary))
     terminal.print(_budget(summary))
@@ -39,17 +29,6 @@ def show_assessment(assessment: "Assessment") -> None:
         terminal.print(f"Note: {note}", markup=False, highlight=False)
 
 
-def _headline(assessment: "Assessment") -> str:
-    from reliab.assessment import ERROR_NAMES, probability_text
-
-    name = ERROR_NAMES[assessment.metric]
-    return (
-        f"{assessment.verdict.word.shout}: {name} is {assessment.error.of(assessment.metric).value:.2%} "
-        f"against {significant(PERCENT * assessment.criterion.threshold)}%, "
-        f"probability {probability_text(assessment.probability)} of staying below"
-    )
-
-
 def _asked(assessment: "Assessment") -> str:
     from reliab.assessment import ERROR_NAMES
 
@@ -58,7 +37,7 @@ def _asked(assessment: "Assessment") -> str:
         for name, symbol, unit in (("f", "f", " Hz"), ("xi", "ξ", ""), ("alpha", "α", ""))
     )
     return (
-        f"Structure {stated}; threshold {significant(PERCENT * assessment.criterion.threshold)}% "
+        f"Structure {stated}; threshold {percent(assessment.criterion.threshold)} "
         f"({ERROR_NAMES[assessment.metric]}); "
         f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
         "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
@@ -75,12 +54,16 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     )
     for name, key in (("RMS^R", "rms"), ("MTE^R", "mte")):
         size = summary["error"][key]
-        shown.add_row(name, f"{size['value']:.2%}", f"{PERCENT * size['low']:.2f} … {size['high']:.2%}")
+        shown.add_row(
+            name,
+            percent(size["value"], decimals=2),
+            f"{PERCENT * size['low']:.2f} … {percent(size['high'], decimals=2)}",
+        )
     for name, part in summary["error"]["parts"].items():
         shown.add_row(
             f"  from {PART_NAMES[name]}",
-            f"{part['rms']:.2%}",
-            f"RMS^R without it: {part['remaining_rms']:.2%}",
+            percent(part["rms"], decimals=2),
+            f"RMS^R without it: {percent(part['remaining_rms'], decimals=2)}",
         )
     return shown
 
@@ -92,13 +75,13 @@ def _budget(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     )
     for item in summary["budget"]:
         size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
-        shown.add_row(item["quantity"], size, item["source"], f"{item['contribution']:.2%}")
+        shown.add_row(item["quantity"], size, item["source"], percent(item["contribution"], decimals=2))
     return shown
 
 
 def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     against = (
-        f"{assessment.criterion.confidence:.0%} of the population's ground motions, window "
+        f"{percent(assessment.criterion.confidence, decimals=0)} of the population's ground motions, window "
         f"{assessment.criterion.provenance.window}"
         if assessment.placement is None
         else f"{assessment.placement.motion}, {significant(assessment.placement.window[0])} to "
@@ -126,11 +109,12 @@ def _range(ends: list[float], digits: int) -> str:
 
 
 def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment import PART_NAMES, probability_text
+    from reliab.assessment import probability_text
 
     if assessment.placement is not None:
         yield (
-            f"A gain A and a delay d alone would err by {assessment.placement.error:.2%} under "
+            "A gain A and a delay d alone would err by "
+            f"{percent(assessment.placement.error, decimals=2)} under "
             f"{assessment.placement.motion} "
             f"({significant(assessment.placement.window[0])} to {assessment.placement.window[1]:.4g} s "
             "of its record)."
@@ -144,14 +128,15 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
     for reason in assessment.verdict_by_index.would_decide:
         yield f"The index: {reason}"
     if summary["stability_margin"] is not None:
-        yield f"Stability margin: {summary['stability_margin']:.0%} of the critical delay is free."
-    parts = assessment.error.parts
-    remaining = parts.by_name[parts.first].remaining_rms
-    yield (f"Improve first: {PART_NAMES[parts.first]}; without its part RMS^R would be {remaining:.2%}.")
+        yield (
+            f"Stability margin: {percent(summary['stability_margin'], decimals=0)} of the critical delay is "
+            "free."
+        )
     advice = summary["improve"]
     share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
     yield (
-        f"By the index the {advice['first']} weighs most ({share:.0%}). Tolerable with the other as it is: "
+        f"By the index the {advice['first']} weighs most ({percent(share, decimals=0)}). Tolerable with "
+        "the other as it is: "
         f"{_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
         f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
     )
@@ -165,10 +150,11 @@ def _or_none(what: str, tolerable: float, unit: str) -> str:
 def _tracking(measures: dict[str, Any]) -> str:
     force = "recorded force" if measures["energy_of_recorded_force"] else "a linear specimen"
     return (
-        f"Tracking of the command: largest error {measures['mte']:.2%} of its peak, RMS "
-        f"{measures['rms']:.2%} of its own; tracking indicator "
+        f"Tracking of the command: largest error {percent(measures['mte'], decimals=2)} of its peak, RMS "
+        f"{percent(measures['rms'], decimals=2)} of its own; tracking indicator "
         f"{significant(measures['tracking_indicator_m2'])} m²; "
         f"phase and amplitude error indices {significant(measures['paei_phase_rad'])} rad and "
-        f"{measures['paei_amplitude']:+.4f}; energy error {measures['energy_error']:+.1%} of the largest "
+        f"{measures['paei_amplitude']:+.4f}; energy error {100.0 * measures['energy_error']:+.1f} % of "
+        "the largest "
         f"strain energy ({force})."
     )

@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import Any, Final
 
 from reliab.cli.output import console, table
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 _HEADINGS = (
     *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
@@ -92,7 +92,7 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
     shown = table(
         f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
         f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
-        f"{posterior['accepted']:.0%} of the moves taken",
+        f"{percent(posterior['accepted'], decimals=0)} of the moves taken",
         _DIAGNOSTICS,
     )
     for parameter in posterior["parameters"]:
@@ -118,9 +118,9 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
         terminal.print("The described rig leaves the test of this frame unstable.", style="yellow")
         return
     shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
-    shown.add_row("median of the motions", f"{rig['median']:.2%}")
-    shown.add_row("largest", f"{rig['largest']:.2%}")
-    shown.add_row(f"motions below {significant(rig['threshold'])}", f"{rig['share_below']:.0%}")
+    shown.add_row("median of the motions", percent(rig["median"], decimals=2))
+    shown.add_row("largest", percent(rig["largest"], decimals=2))
+    shown.add_row(f"motions below {significant(rig['threshold'])}", percent(rig["share_below"], decimals=0))
     for name, form in (("A", ".4f"), ("d_ms", ".3f")):
         values = sorted(motion[name] for motion in rig["motions"])
         shown.add_row(f"{name}, least to largest", f"{values[0]:{form}} to {values[-1]:{form}}")
@@ -137,7 +137,10 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
         shown.add_row(
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
             *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
-            *("-" if row[key] is None else f"{row[key]:+.1%}" for key in ("a_deviation", "b_deviation")),
+            *(
+                "-" if row[key] is None else f"{100.0 * row[key]:+.1f} %"
+                for key in ("a_deviation", "b_deviation")
+            ),
         )
     terminal = console()
     terminal.print(shown)
@@ -147,7 +150,8 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
             strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
             if strength is not None:
                 terminal.print(
-                    f"{name} at {where}: s = {significant(strength)} fits best, off by {deviation:.1%} "
+                    f"{name} at {where}: s = {significant(strength)} fits best, off by "
+                    f"{percent(deviation, decimals=1)} "
                     f"at most; by the law s = {significant(fit['white_noise'])}.",
                     highlight=False,
                 )

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, Self
 from rich.live import Live
 
 from reliab.cli.output import console, table
-from reliab.significant import significant
-from reliab.vocabulary import PERCENT, Metric
+from reliab.significant import percent
+from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
     from reliab.api import Message
@@ -45,7 +45,7 @@ class Screen:
             self._stop()
             self._print(_line(content, self._metric, self._threshold))
             side = "above" if content["above_threshold"] else "not above"
-            self._print(f"The error of the whole test is {side} {self._threshold:.2%}.")
+            self._print(f"The error of the whole test is {side} {percent(self._threshold, decimals=2)}.")
         elif self._live is not None:
             self._live.update(_table(message, self._metric, self._threshold))
         elif "error" in content:
@@ -61,11 +61,11 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
     error = message["error"][metric]
     damping = message["net_damping_ratio"]
     return (
-        f"{message['time_s']:8.2f} s  {metric.upper()} {error['value']:.2%} (90 %: "
-        f"{error['low']:.2%} to {error['high']:.2%}), below "
-        f"{significant(PERCENT * threshold)}% with "
+        f"{message['time_s']:8.2f} s  {metric.upper()} {percent(error['value'], decimals=2)} (90 %: "
+        f"{percent(error['low'], decimals=2)} to {percent(error['high'], decimals=2)}), below "
+        f"{percent(threshold)} with "
         f"probability {message['error']['probability']:.3f}, net damping "
-        + ("not settled" if damping is None else f"{damping:.2%}")
+        + ("not settled" if damping is None else percent(damping, decimals=2))
     )
 
 
@@ -75,18 +75,19 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
         f"{now.time:.2f} s of the test, {now.samples} samples", {"quantity": "left", "value": "right"}
     )
     shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
-    shown.add_row("RMS^R so far, with noise", f"{now.rms:.2%}")
-    shown.add_row("MTE^R so far, with noise", f"{now.mte:.2%}")
+    shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
+    shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))
     if result is not None:
         error = result.estimate(metric)
         shown.add_row(
             f"{metric.upper()} with its 90 % interval",
-            f"{error.value:.2%} ({error.low:.2%} to {error.high:.2%})",
+            f"{percent(error.value, decimals=2)} ({percent(error.low, decimals=2)} to "
+            f"{percent(error.high, decimals=2)})",
         )
         probability = result.probability(threshold, metric)
-        shown.add_row(f"probability below {significant(PERCENT * threshold)}%", f"{probability:.3f}")
+        shown.add_row(f"probability below {percent(threshold)}", f"{probability:.3f}")
     damping = None if now.damping is None else now.damping.ratio
-    shown.add_row("net damping ratio", "not settled" if damping is None else f"{damping:.2%}")
+    shown.add_row("net damping ratio", "not settled" if damping is None else percent(damping, decimals=2))
     for alarm in message.alarms.values():
         shown.add_row("ALARM", alarm)
     return shown

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.significant import percent
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -48,7 +49,8 @@ def show_criteria(content: dict[str, Any]) -> None:
         )
     for missing in content["not_carried"]:
         terminal.print(
-            f"{missing['candidate']} at {missing['confidence']:.0%} is not judged: there are too few "
+            f"{missing['candidate']} at {percent(missing['confidence'], decimals=0)} is not judged: "
+            "there are too few "
             f"motions or earthquakes for it.",
             highlight=False,
         )
@@ -67,7 +69,7 @@ def _table(title: str, rows: list[dict[str, Any]]) -> "Table":
     for row in rows:
         shown.add_row(
             row["candidate"],
-            f"{row['confidence']:.0%}",
+            percent(row["confidence"], decimals=0),
             *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
             *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
         )
@@ -84,7 +86,7 @@ def _window(label: str) -> str:
 
 
 def _share(value: float | None) -> str:
-    return "none" if value is None else f"{value:.1%}"
+    return "none" if value is None else percent(value, decimals=1)
 
 
 def _interval(rate: dict[str, float | None]) -> str:
@@ -95,8 +97,9 @@ def _interval(rate: dict[str, float | None]) -> str:
     if rate["rate"] is None:
         return "none"
     if rate["low"] is None or rate["high"] is None:
-        return f"{rate['rate']:.1%}"
-    return f"{rate['rate']:.1%} ({rate['low']:.1%} … {rate['high']:.1%})"
+        return percent(rate["rate"], decimals=1)
+    value, low, high = (percent(rate[key], decimals=1) for key in ("rate", "low", "high"))
+    return f"{value} ({low} … {high})"
 
 
 def show_probabilities(content: dict[str, Any]) -> None:
@@ -105,7 +108,7 @@ def show_probabilities(content: dict[str, Any]) -> None:
     shown = table(title, _BINS)
     for row in content["bins"]:
         rate = {"rate": row["observed"], "low": row["low"], "high": row["high"]}
-        shown.add_row(f"{row['stated']:.1%}", _interval(rate), str(row["tests"]))
+        shown.add_row(percent(row["stated"], decimals=1), _interval(rate), str(row["tests"]))
     console().print(shown)
     if content["truth"] == "ellipse":
         console().print(_ELLIPSE_NOTE)

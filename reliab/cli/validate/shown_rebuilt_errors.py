@@ -3,7 +3,7 @@
 from typing import Any
 
 from reliab.cli.output import console, table
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 _JUDGES = {
     "judge": "left",
@@ -29,7 +29,7 @@ def show_rebuilt_errors(content: dict[str, Any]) -> None:
     for row in content["looks"]:
         terminal.print(
             f"Specimen “{row['specimen']}” ({row['sensor']}): looks nonlinear in "
-            f"{row['looks_nonlinear']:.0%} of {row['tests']} tests.",
+            f"{percent(row['looks_nonlinear'], decimals=0)} of {row['tests']} tests.",
             highlight=False,
         )
 
@@ -45,13 +45,13 @@ def _table(title: str, rows: list[dict[str, Any]], label: str) -> Any:  # noqa: 
             row[label],
             str(row["tests"]),
             *(_rate(row, "bad"), _rate(row, "good")),
-            f"{row['contained']:.0%}",
+            percent(row["contained"], decimals=0),
             "" if row["ratio_50"] is None else f"{row['ratio_05']:.3f} … {row['ratio_95']:.3f}",
-            "" if row["covered"] is None else f"{row['covered']:.0%}",
+            "" if row["covered"] is None else percent(row["covered"], decimals=0),
         )
     return shown
 
 
 def _rate(row: dict[str, Any], kind: str) -> str:
     rate = row[f"{kind}_accepted"]
-    return "none tried" if rate is None else f"{rate:.1%} of {row[kind]}"
+    return "none tried" if rate is None else f"{percent(rate, decimals=1)} of {row[kind]}"

@@ -14,6 +14,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, PosteriorSample, sample
+from reliab.significant import percent
 
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
@@ -66,7 +67,7 @@ class Posterior:
             f"{verdict}: {diagnostics.ensembles} independent ensembles, R-hat at most "
             f"{diagnostics.r_hat.max():.3f}, "
             f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws "
-            f"confirm the surface that was sampled to {self.agreement:.0%}."
+            f"confirm the surface that was sampled to {percent(self.agreement, decimals=0)}."
         )
 
     def of(self, effect: str) -> dict[str, dict[str, Any]]:

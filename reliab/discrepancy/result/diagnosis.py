@@ -11,7 +11,7 @@ from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.html_table import html_table
 from reliab.renamed import renamed_method
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT, Block
 
 if TYPE_CHECKING:
@@ -256,6 +256,7 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
         case Remainder.NOT_KNOWN:
             size = "is an error of the model, noise, or both: the noise floor is unknown"
     return (
-        f"{subject} {size}. {structured_share:.0%} of the energy of its residual follows the motion, so that"
+        f"{subject} {size}. {percent(structured_share, decimals=0)} of the energy of its residual "
+        "follows the motion, so that"
         " no probability above 0.99 is stated."
     )

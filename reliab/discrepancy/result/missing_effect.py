@@ -6,6 +6,7 @@ from typing import Any
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.effects import Effect
 from reliab.renamed import renamed_method
+from reliab.significant import percent
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
@@ -156,7 +157,8 @@ def remark(name: str, probability: float, rival: tuple[str, float] | None) -> st
         return f"The data hint at {words} without settling it. {_OTHERWISE}."
     rival_name = rival[0].replace("_", " ")
     return (
-        f"The data do not tell {words} ({probability:.0%}) from {rival_name} ({rival[1]:.0%}). "
+        f"The data do not tell {words} ({percent(probability, decimals=0)}) from {rival_name} "
+        f"({percent(rival[1], decimals=0)}). "
         f"{telling_test(name, rival[0])}."
     )
 

@@ -9,6 +9,7 @@ from reliab.criterion import EllipseSample
 from reliab.criterion.event_components import event_components
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, plain
 from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
+from reliab.significant import percent
 
 _MARGIN, _ROW = 28.0, 3.7
 _TALLEST = 205.0
@@ -28,7 +29,7 @@ def event_forest(sample: EllipseSample, *, limits: tuple[float, float]) -> Figur
     figure, axes = panels(1, 2, height=min(_MARGIN + _ROW * order.size, _TALLEST), share_y=True)
     shares = event_components(np.stack([sample.log_a, sample.log_b], axis=1), sample.events)
     titles = tuple(
-        f"{name}, {share:.0%} between earthquakes".replace("%", " %")
+        f"{name}, {percent(share, decimals=0)} between earthquakes"
         for name, share in zip(("$a$", "$b$"), shares.event_share, strict=True)
     )
     letters(axes, titles)

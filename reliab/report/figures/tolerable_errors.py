@@ -9,6 +9,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from reliab.assessment import Tolerance
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes
 from reliab.report.style import letters, line, panels, styled
+from reliab.significant import percent
 from reliab.vocabulary import MILLI
 
 _HEIGHT = 76.0
@@ -29,7 +30,7 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
             key=lambda tolerance: tolerance.frequency,
         )
         f = np.array([tolerance.frequency for tolerance in by_frequency])
-        name = f"{confidence:.0%} of the population's ground motions"
+        name = f"{percent(confidence, decimals=0)} of the population's ground motions"
         axes[0, 0].plot(
             f,
             [tolerance.amplitude_error for tolerance in by_frequency],

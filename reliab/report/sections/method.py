@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from reliab.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
 from reliab.report.prose import Prose, prose
-from reliab.report.wording import listed, meaning_of_confidence, percent, window_in_words
+from reliab.report.wording import listed, meaning_of_confidence, window_in_words
+from reliab.significant import percent
 from reliab.validation import HARDENING, measured_yielding
 from reliab.vocabulary import CurveName
 

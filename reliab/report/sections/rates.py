@@ -10,7 +10,8 @@ from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
-from reliab.report.wording import law_in_words, percent
+from reliab.report.wording import law_in_words
+from reliab.significant import percent
 from reliab.validation.cross_validation import CrossValidation, tabulate
 from reliab.vocabulary import PERCENT
 

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reliab.report import Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole, percent
+from reliab.report import Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole
 from reliab.report.prose import prose
+from reliab.significant import percent
 from reliab.validation.rebuilt_error_study import (
     LINEAR,
     OWN_BOUNDARY,

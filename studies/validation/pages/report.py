@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.report import SOURCES, Block, Document, Prose, percent, provenance_of
+from reliab.report import SOURCES, Block, Document, Prose, provenance_of
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.significant import percent
 
 from ..pages.actuators import actuators_section
 from ..pages.cases import cases_section

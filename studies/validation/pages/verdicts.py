@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from reliab.report import Column, Section, Table, Whole, law_in_words, percent
+from reliab.report import Column, Section, Table, Whole, law_in_words
 from reliab.report.prose import prose
+from reliab.significant import percent
 
 
 def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:

@@ -20,6 +20,7 @@ from reliab.criterion.scaling import scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, PosteriorSample, draw, width_of
+from reliab.significant import percent
 from reliab.vocabulary import Side
 
 _DRAWS_OF_LIMITS = 2000
@@ -139,7 +140,8 @@ class HierarchicalFit(Learned):
             return ""
         alone = f"; {left_out} with none at all were left out" if left_out else ""
         return (
-            f"{lacking} of {len(known)} motions have no ellipse at some structure, {(~known).mean():.1%} of "
+            f"{lacking} of {len(known)} motions have no ellipse at some structure, "
+            f"{percent((~known).mean(), decimals=1)} of "
             f"all values; these were drawn from the model given the motion's other structures{alone}."
         )
 

@@ -12,8 +12,8 @@ from reliab.recordings import Recording
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.prose import Prose, prose
-from reliab.report.wording import ERRORS, percent, spelled_out
-from reliab.significant import significant
+from reliab.report.wording import ERRORS, spelled_out
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {

@@ -19,8 +19,7 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.report.wording import percent
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
@@ -130,7 +129,7 @@ def _indices(assessment: FrameAssessment) -> Table:
     ]
     return quantities_table(
         rows,
-        ("Quantity", "Found", f"{LEVEL:.0%} interval".replace("%", " %")),
+        ("Quantity", "Found", f"{percent(LEVEL, decimals=0)} interval"),
         caption=prose(
             "Indices $A$ and $d$ of the whole test at the interface, and the exact critical delay."
         ),

@@ -20,8 +20,8 @@ from reliab.report.numbers import MISSING, Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.report.wording import meaning_of_confidence, percent, spelled_out
-from reliab.significant import significant
+from reliab.report.wording import meaning_of_confidence, spelled_out
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _FAR = 10.0
@@ -120,7 +120,7 @@ def _numbers(assessment: Assessment) -> Table:
     ]
     return quantities_table(
         rows,
-        ("Quantity", "Found", f"{LEVEL:.0%} interval".replace("%", " %"), "Limit"),
+        ("Quantity", "Found", f"{percent(LEVEL, decimals=0)} interval", "Limit"),
         caption=prose(
             "Indices of the test. The limit of $A$ is that of a test without delay, the limit of $d$ that of"
             " a test without amplitude error."

@@ -17,7 +17,8 @@ from reliab.report.figures.parameters_over_structure import (
 from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
-from reliab.report.wording import ERROR_NAMES, percent
+from reliab.report.wording import ERROR_NAMES
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT, Metric
 
 _MOST_COLUMNS = 9

@@ -23,8 +23,8 @@ from reliab.report.kinds.discrepancy.figures import (
 from reliab.report.numbers import Fixed, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
-from reliab.report.wording import percent, spelled_out
-from reliab.significant import significant
+from reliab.report.wording import spelled_out
+from reliab.significant import percent, significant
 
 _CLOSED, _WHOLLY = 0.9, 0.995
 

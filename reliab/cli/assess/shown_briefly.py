@@ -1,0 +1,110 @@
+"""What `reliab assess` prints first about a test: verdict, error, what to improve, in twelve lines."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from reliab.cli.output import console
+from reliab.significant import percent, significant
+from reliab.vocabulary import PERCENT, Metric
+
+_STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
+_LINES = 12
+_LARGEST = 3  # entries of the budget
+
+
+def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
+    """Print verdict, error, doubts and remedies; warnings as far as they fit where no details follow."""
+    terminal = console()
+    terminal.print(_headline(content), style=_STYLES[content["verdict"]], highlight=False, markup=False)
+    sentences = list(_sentences(content))
+    if without_details:
+        further = [warning for warning in content["warnings"] if warning not in content["reasons"]]
+        more = [*map("Warning: {}".format, further), *_channels(content["recording"]["channels"])]
+        room = _LINES - 2 - sum(map(_lines, sentences))
+        while more and sum(map(_lines, more)) > room:
+            more.pop()
+        sentences += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
+    for sentence in sentences:
+        terminal.print(sentence, highlight=False, markup=False)
+
+
+def _lines(sentence: str) -> int:
+    """Lines of the terminal that a sentence takes."""
+    from rich.text import Text
+
+    terminal = console()
+    return len(Text(sentence).wrap(terminal, terminal.width))
+
+
+def _headline(content: dict[str, Any]) -> str:
+    from reliab.assessment import ERROR_NAMES, probability_text
+
+    word, metric = content["verdict"].replace("_", " ").upper(), content["metric"]
+    size = percent(content["error"][metric]["value"], decimals=2)
+    return (
+        f"{word}: {ERROR_NAMES[metric]} is {size}, below {percent(content['threshold'])} with probability "
+        f"{probability_text(content['probability'])}"
+    )
+
+
+def _sentences(content: dict[str, Any]) -> Iterator[str]:
+    yield from content["reasons"][:-1]  # the last one says the size, as the headline does
+    yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
+    yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])
+    yield _improve(content["error"])
+    yield from _widest(content)
+    yield _tracking(content)
+
+
+def _error(content: dict[str, Any], metric: str) -> str:
+    from reliab.assessment import ERROR_NAMES
+
+    value, low, high = (PERCENT * content["error"][metric][key] for key in ("value", "low", "high"))
+    return f"{ERROR_NAMES[Metric(metric)]} {value:.2f} % ({low:.2f} to {high:.2f} %)"
+
+
+def _improve(error: dict[str, Any]) -> str:
+    from reliab.assessment import PART_NAMES
+
+    first = error["improve_first"]
+    remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
+    return f"Improve first: {PART_NAMES[first]}; without it RMS^R would be {remaining}."
+
+
+def _widest(content: dict[str, Any]) -> Iterator[str]:
+    """Largest contributions to the uncertainty of the error, and what would make the largest one smaller."""
+    budget = content.get("budget", [])
+    if budget:
+        entries = (
+            f"{item['quantity']} ±{percent(item['contribution'], decimals=2)}" for item in budget[:_LARGEST]
+        )
+        yield f"Most uncertain: {', '.join(entries)}."
+    if budget and not content["would_decide"]:
+        yield f"What would sharpen this most: {budget[0]['remedy']}"
+
+
+def _tracking(content: dict[str, Any]) -> str:
+    tracked = f"Tracking: A = {content['A']:.4f}, d = {significant(content['d_ms'])} ms"
+    by_index = content["by_index"]
+    if by_index is None or by_index["index"] is None:
+        return f"{tracked}."
+    word, index = by_index["verdict"].replace("_", " "), significant(by_index["index"])
+    return f"{tracked}; by the criterion for them {word} (index {index}, at most 1)."
+
+
+def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:
+    if channels:
+        read = (
+            f"{channel['channel']} = {channel['column']!r} ({channel['unit'] or 'no unit'})"
+            for channel in channels
+        )
+        yield f"Channels: {', '.join(read)}."
+
+
+def _hidden(warnings: int, notes: int) -> str:
+    counts = [
+        f"{count} {word}{'s' if count > 1 else ''}"
+        for count, word in ((warnings, "further warning"), (notes, "note"))
+        if count
+    ]
+    return f"All that was found{', with ' if counts else ''}{' and '.join(counts)}: add --details."
