@@ -168,7 +168,15 @@ def _of_frame(path: str | Path, f: Quantity | None, xi: Quantity | None, alpha: 
                 f"`{name}` has no meaning beside `structure`",
                 remedy="Leave it out; the structure says what the test is of",
             )
-    partition = read_frame(path).partition
+    frame = read_frame(path)
+    partition = frame.partition
+    if frame.output is not None:
+        raise InputError(
+            "A monitor in a loop computes the error of the measured interface displacement",
+            value=frame.error_of,
+            remedy='Leave [error] out, or give of = "interface"',
+            where=str(path),
+        )
     if partition.effects:
         raise InputError(
             "A monitor in a loop is made for a linear specimen",

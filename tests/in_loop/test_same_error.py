@@ -10,6 +10,8 @@ import pytest
 
 from reliab.api import export_monitor
 from reliab.assessment.rebuilt_error import Monitor, WholeStructure
+from reliab.errors import InputError
+from reliab.shipped import shipped
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures import Structure
@@ -159,8 +161,17 @@ def test_net_damping_and_the_alarm_are_those_of_python(tmp_path):
     assert ours.damping[-1] == pytest.approx(again.now.damping.ratio, rel=1e-9)
 
 
+def test_a_frame_whose_error_is_that_of_a_drift_is_refused(tmp_path):
+    text = shipped("datasets", "frames/benchmark_case_1.toml").read_text(encoding="utf-8")
+    (tmp_path / "frame.toml").write_text(
+        f'{text}\n[error]\nof = "drift"\nbetween = ["2", "1"]\n', encoding="utf-8"
+    )
+    with pytest.raises(InputError, match="the error of the measured interface displacement"):
+        export_monitor(("c", tmp_path / "out"), structure=tmp_path / "frame.toml", rate=1024)
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_frame_is_followed_as_python_does(tmp_path):
-    from reliab.shipped import shipped
     from reliab.simulation.frames import read_frame
 
     path = shipped("datasets", "frames/benchmark_case_1.toml")
