@@ -12,6 +12,7 @@ import xarray as xr
 
 from reliab.arrays import Array
 from reliab.criterion.carrying import DIMENSIONS, carry_to_length
+from reliab.criterion.meaning import REST
 from reliab.sweep import shares_of
 from reliab.vocabulary import CurveName, Metric
 
@@ -61,6 +62,8 @@ def protect_over_lengths(
         dimensions = carried[0][name].dims
         values = np.stack([at_length[name].transpose(*dimensions).values for at_length in carried])
         least[name] = dimensions, _least_favourable(values, 1 + dimensions.index("motion"))
+    if REST in ellipses:
+        least[REST] = ellipses[REST]
     first, second, third = (f"{length:.0f}" for length in lengths)
     words = f"each structure at the least favourable of {first}, {second} and {third} s"
     return least.assign_attrs(carried_to=words, position="inside", caution="")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from reliab.cli import run
+from reliab.criterion import protect_over_lengths
 from reliab.errors import InputError
 from reliab.explore.page import Settings, bundled_script, pack, render, write_page
 from reliab.sweep import write_ellipses
@@ -45,7 +46,7 @@ def test_no_placeholder_is_left_and_scripts_are_in_order():
     assert len(names) == len(set(names))
 
 
-def test_codes_hold_the_shipped_ellipses_exactly(small):
+def test_codes_hold_the_shipped_ellipses(small):
     """Decoded by the definition of a float32, not by the page."""
     packed = pack(small)
     planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["codes"])), np.uint8).reshape(2, -1)
@@ -53,8 +54,15 @@ def test_codes_hold_the_shipped_ellipses_exactly(small):
     for half, offset, name in zip(codes.reshape(2, -1), packed["offsets"], ("a", "b"), strict=True):
         decoded = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
         table = small["record"].sel(curve="inscribed")[name]
-        expected = table.transpose("threshold", "metric", "side", "f", "xi", "motion").values.ravel()
-        np.testing.assert_array_equal(decoded, expected)
+        order = ("threshold", "metric", "side", "f", "xi", "motion")
+        table = table.transpose(*order)
+        found = dict(
+            zip(table["metric"].values, np.moveaxis(decoded.reshape(table.shape), 1, 0), strict=True)
+        )
+        np.testing.assert_array_equal(found["mte"], table.sel(metric="mte").values)
+        own = protect_over_lengths(small["record"].sel(metric=["rms"], curve=["inscribed"]))[name]
+        protecting = own.squeeze("curve").transpose(*order).squeeze("metric").values
+        np.testing.assert_allclose(found["rms"], protecting, rtol=2.5e-4)
 
 
 def test_names_in_the_data_cannot_end_the_script(small):

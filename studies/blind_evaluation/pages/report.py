@@ -17,11 +17,11 @@ from reliab.report import (
     Section,
     Table,
     Whole,
-    percent,
     provenance_of,
     spelled_out,
 )
 from reliab.report.prose import prose
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 from ..pages.confusions import discrepancy_confusion, discrepancy_reliability

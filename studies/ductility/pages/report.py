@@ -16,11 +16,11 @@ from reliab.report import (
     Shortest,
     Table,
     Whole,
-    percent,
     provenance_of,
     values,
 )
 from reliab.report.prose import prose
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 from .. import FARTHEST

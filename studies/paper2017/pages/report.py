@@ -19,11 +19,11 @@ from reliab.report import (
     Significant,
     Table,
     in_line,
-    percent,
     provenance_of,
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
+from reliab.significant import percent
 from reliab.sweep import share_of
 from reliab.vocabulary import PERCENT
 

@@ -16,11 +16,11 @@ from reliab.report import (
     Section,
     Table,
     Whole,
-    percent,
     provenance_of,
     spelled_out,
 )
 from reliab.report.prose import prose
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 from ..outcomes import NOMINAL, summary

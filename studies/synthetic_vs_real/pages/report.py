@@ -21,11 +21,11 @@ from reliab.report import (
     Significant,
     Table,
     listed,
-    percent,
     provenance_of,
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 from ..pages.suite_comparison import MEASURES, suite_measures, suite_spectra

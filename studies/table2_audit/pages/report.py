@@ -18,11 +18,11 @@ from reliab.report import (
     Section,
     Significant,
     Table,
-    percent,
     provenance_of,
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 from ..audit import LARGEST_CHANCE, NONE_FOUND
