@@ -94,12 +94,12 @@ def _interval(rate: dict[str, float | None]) -> str:
 
     `rate` [-].
     """
-    if rate["rate"] is None:
+    value, low, high = rate["rate"], rate["low"], rate["high"]
+    if value is None:
         return "none"
-    if rate["low"] is None or rate["high"] is None:
-        return percent(rate["rate"], decimals=1)
-    value, low, high = (percent(rate[key], decimals=1) for key in ("rate", "low", "high"))
-    return f"{value} ({low} … {high})"
+    if low is None or high is None:
+        return percent(value, decimals=1)
+    return f"{percent(value, decimals=1)} ({percent(low, decimals=1)} … {percent(high, decimals=1)})"
 
 
 def show_probabilities(content: dict[str, Any]) -> None:

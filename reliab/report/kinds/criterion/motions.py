@@ -16,8 +16,8 @@ from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import Piece, prose
 from reliab.report.wording import (
     ERRORS,
-    percent,
 )
+from reliab.significant import percent
 from reliab.vocabulary import Metric
 
 _MOST_EVENTS = 40

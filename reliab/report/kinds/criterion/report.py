@@ -22,10 +22,10 @@ from reliab.report.wording import (
     ellipse,
     error_below,
     meaning_of_confidence,
-    percent,
     values,
     window_in_words,
 )
+from reliab.significant import percent
 from reliab.sweep import share_of
 from reliab.vocabulary import PERCENT, Metric
 
