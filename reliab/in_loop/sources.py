@@ -10,7 +10,22 @@ from importlib.resources import files
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import LOOKS, Damping, Recursion, WholeStructure, delayed, equilibrium
+from reliab.assessment.rebuilt_error import (
+    CALM,
+    FALSE_ALARMS,
+    FOLLOWS,
+    INDEPENDENT,
+    LARGE_MOTION,
+    LARGEST_PLAY,
+    LOOKS,
+    MEMORY,
+    SHRINKS,
+    Damping,
+    Recursion,
+    WholeStructure,
+    delayed,
+    equilibrium,
+)
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
 from reliab.significant import significant
@@ -80,7 +95,7 @@ def _configuration(monitor: LoopMonitor) -> str:
 
 
 def _numbers(monitor: LoopMonitor) -> dict[str, str]:
-    """Return what the monitor is made for, and what the indicator of the energy needs."""
+    """Return what the monitor is made for, and what its alarms need."""
     structure, step = monitor.structure, monitor.time_step
     damping = Damping.of(structure, step)
     period = 1.0 / float(structure.natural_frequencies[0])
@@ -93,6 +108,14 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "DAMPING_FACTOR": damping.factor,
         "SAMPLES_IN_PERIOD": damping.samples,
         "CIRCULAR_FREQUENCY": damping.circular_frequency,
+        "MEMORY": MEMORY,
+        "INDEPENDENT": INDEPENDENT,
+        "FALSE_ALARMS": FALSE_ALARMS,
+        "FOLLOWS": FOLLOWS,
+        "LARGE_MOTION": LARGE_MOTION,
+        "LARGEST_PLAY": LARGEST_PLAY,
+        "CALM": CALM,
+        "SHRINKS": SHRINKS,
         "LARGEST_READING": LARGEST_READING,
         "REST_M": _LARGEST_DRIFT,
         "STUCK_M": _STUCK,

@@ -1,7 +1,7 @@
 from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
-from .monitor import Monitor as Monitor
+from .monitor import CALM as CALM, SHRINKS as SHRINKS, Monitor as Monitor
 from .nonlinear_reference import rebuild_with_specimen as rebuild_with_specimen
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild
@@ -13,7 +13,16 @@ from .specimen_check import (
     examine_specimen as examine_specimen,
 )
 from .spread import Estimate as Estimate
-from .stability_indicator import LOOKS as LOOKS, Damping as Damping
+from .stability_indicator import (
+    FALSE_ALARMS as FALSE_ALARMS,
+    FOLLOWS as FOLLOWS,
+    INDEPENDENT as INDEPENDENT,
+    LARGE_MOTION as LARGE_MOTION,
+    LARGEST_PLAY as LARGEST_PLAY,
+    LOOKS as LOOKS,
+    MEMORY as MEMORY,
+    Damping as Damping,
+)
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
 from .whole_structure import WholeStructure as WholeStructure

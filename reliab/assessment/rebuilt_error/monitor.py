@@ -40,8 +40,8 @@ DRAWS = 64
 
 _GROWTH = 0.5  # by which a test must grow before its intervals are computed again
 _PERIODS_BETWEEN = 4.0  # of the structure, at least
-_CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
-_SHRINKS = 0.5  # share of itself to which an error may still fall then
+CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
+SHRINKS = 0.5  # share of itself to which an error may still fall then
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,10 +204,10 @@ class Monitor:
         Returns false before there were intervals, and until the peak of the response has not doubled for 12
         s.
         """
-        if self._running.calm < _CALM:
+        if self._running.calm < CALM:
             return False
         low = self._low[metric] * (self.now.rms if metric is Metric.RMS else self.now.mte)
-        return bool(_SHRINKS * low > threshold)
+        return bool(SHRINKS * low > threshold)
 
     @property
     def due(self) -> bool:

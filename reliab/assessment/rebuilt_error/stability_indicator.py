@@ -42,11 +42,11 @@ SETTLED = 1.0
 FALSE_ALARMS = 0.01
 """Probability of a false alarm in a test of any length."""
 
-_INDEPENDENT = 4.0  # samples in a period of which the errors count as independent, at least
+INDEPENDENT = 4.0  # samples in a period of which the errors count as independent, at least
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
-_LARGE = 0.5  # of the largest power of the motion so far
-_PLAY = 2.2  # times the smallest error that half the width of the play may be
-_FOLLOWS = -0.5  # gain of the error above which the piston follows its command
+LARGE_MOTION = 0.5  # of the largest power of the motion so far
+LARGEST_PLAY = 2.2  # times the smallest error that half the width of the play may be
+FOLLOWS = -0.5  # gain of the error above which the piston follows its command
 _SINGULAR = 1e-12
 _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
 
@@ -78,7 +78,7 @@ class EnergyAlarm:
         self.following = self.following + 1 if net.follows else 0
         if self.following > 1:  # not while it only begins to move
             self.smallest = min(self.smallest, net.error)
-        return net.large and net.high + net.by_play * _PLAY * self.smallest < 0.0
+        return net.large and net.high + net.by_play * LARGEST_PLAY * self.smallest < 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +120,7 @@ class Damping:
         rest = max(float(residual @ joint @ residual), 0.0)
         rough = min(float(residual @ steps @ residual) / rest, _WHITE) if rest > 0.0 else 0.0
         count = float(moments[0, 2, 2])
-        independent = max(count * max(rough / (4.0 - rough), _INDEPENDENT / self.samples), 1.0)
+        independent = max(count * max(rough / (4.0 - rough), INDEPENDENT / self.samples), 1.0)
         errors = np.sqrt(np.maximum(np.diag(inverse), 0.0) * rest / independent)
         units = float(self.factor * scale[3] / scale[1])
         ratio = float(self.ratio) - units * float(residual[1])
@@ -137,8 +137,8 @@ class Damping:
             ratio=ratio,
             deviation=deviation,
             high=ratio + needed * deviation,
-            large=power > _LARGE * float(motion[1]),
-            follows=bool(-(residual[0] + needed * errors[0]) * scale[3] > _FOLLOWS * scale[0]),
+            large=power > LARGE_MOTION * float(motion[1]),
+            follows=bool(-(residual[0] + needed * errors[0]) * scale[3] > FOLLOWS * scale[0]),
             error=float(np.sqrt(max(error, 0.0))),
             by_play=4.0 / np.pi * self.factor / (self.circular_frequency * amplitude),
         )

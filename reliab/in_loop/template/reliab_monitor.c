@@ -239,13 +239,13 @@ static int gains_energy(reliab_monitor *monitor)
     residual[3] = 1.0;
     left = larger(quadratic(joint, residual), 0.0);
     rough = left > 0.0 ? smaller(quadratic(steps, residual) / left, 1.0) : 0.0;
-    independent = larger(count * larger(rough / (4.0 - rough), 4.0 / RELIAB_SAMPLES_IN_PERIOD), 1.0);
+    independent = larger(count * larger(rough / (4.0 - rough), RELIAB_INDEPENDENT / RELIAB_SAMPLES_IN_PERIOD), 1.0);
     units = RELIAB_DAMPING_FACTOR * scale[3] / scale[1];
     monitor->net_damping = RELIAB_DAMPING_RATIO - units * residual[1];
     deviation = units * sqrt(larger(inverse[1][1], 0.0) * left / independent);
     first_deviation = sqrt(larger(inverse[0][0], 0.0) * left / independent);
-    window = ceil(monitor->moved_samples / (2.0 * RELIAB_SAMPLES_IN_PERIOD));
-    needed = exceeded(0.01 / (window * (window + 1.0)));
+    window = ceil(monitor->moved_samples / (RELIAB_MEMORY * RELIAB_SAMPLES_IN_PERIOD));
+    needed = exceeded(RELIAB_FALSE_ALARMS / (window * (window + 1.0)));
     copy[0][0] = joint[0][0];
     copy[0][1] = joint[0][2];
     copy[1][0] = joint[2][0];
@@ -260,7 +260,7 @@ static int gains_energy(reliab_monitor *monitor)
     error = sqrt(larger((1.0 - error) * monitor->moments[0][3][3] / count, 0.0));
     amplitude = sqrt(2.0 / count) * scale[0];
     by_play = 4.0 / PI * RELIAB_DAMPING_FACTOR / (RELIAB_CIRCULAR_FREQUENCY * amplitude);
-    if (-(residual[0] + needed * first_deviation) * scale[3] > -0.5 * scale[0]) {
+    if (-(residual[0] + needed * first_deviation) * scale[3] > RELIAB_FOLLOWS * scale[0]) {
         monitor->following = monitor->following < 2u ? monitor->following + 1u : 2u;
     } else {
         monitor->following = 0u;
@@ -269,8 +269,8 @@ static int gains_energy(reliab_monitor *monitor)
         monitor->smallest_error = monitor->has_smallest != 0 ? smaller(monitor->smallest_error, error) : error;
         monitor->has_smallest = 1;
     }
-    return power > 0.5 * monitor->largest_power && monitor->has_smallest != 0
-        && monitor->net_damping + needed * deviation + by_play * 2.2 * monitor->smallest_error < 0.0;
+    return power > RELIAB_LARGE_MOTION * monitor->largest_power && monitor->has_smallest != 0
+        && monitor->net_damping + needed * deviation + by_play * RELIAB_LARGEST_PLAY * monitor->smallest_error < 0.0;
 }
 
 /* Learn the sensor's offset while the command rests; forget the peaks of the rest when it moves. */
@@ -357,9 +357,9 @@ static void raise_alarms(reliab_monitor *monitor)
     if (monitor->samples % RELIAB_LOOK == 0u && gains_energy(monitor)) {
         monitor->status |= RELIAB_UNSTABLE;
     }
-    if (monitor->at_rest == 0 && calm >= 12.0) {
+    if (monitor->at_rest == 0 && calm >= RELIAB_CALM) {
         const double error = RELIAB_METRIC_IS_RMS != 0 ? reliab_monitor_rms(monitor) : reliab_monitor_mte(monitor);
-        if (0.5 * error > RELIAB_THRESHOLD) {
+        if (RELIAB_SHRINKS * error > RELIAB_THRESHOLD) {
             monitor->status |= RELIAB_ERROR;
         }
     }

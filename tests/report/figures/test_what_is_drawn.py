@@ -1,3 +1,4 @@
+# mypy: disable-error-code="attr-defined,index"
 """What stands in a figure is what was given: curves, bands, limits, names of axes, panels and legends."""
 
 import numpy as np
