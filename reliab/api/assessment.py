@@ -163,8 +163,8 @@ def assess(
         verdict depends on it; without a share it is 1.
     scale, feedback_lag, mass : float, str or StatedValue, optional
         Scale of the displacement sensor [-], 1 by default; time by which the force is fed back late [ms], 0
-        by default; mass of the structure [kg], with which a recorded force is also used to identify the
-        structure.
+        by default; mass of the structure [kg], with which the unit of a recorded force is examined, and
+        the structure is identified from it too where the ground acceleration is recorded.
     skew, command_scale, hysteresis, resolution : float, str or StatedValue, optional
         Time by which the measured displacement was recorded later than the command [ms], scale of the
         command [-], width of the loop of the displacement sensor over the span of its motion [-], and step of
@@ -413,8 +413,8 @@ def _stated(
     recording: Recording, numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
 ) -> dict[str, StatedValue]:
     """Take what is stated, else what the model or the file's header states; check that they agree."""
-    if "mass" in numbers and (recording.ground is None or recording.force is None):
-        raise unused("mass", "without columns of ground acceleration and force")
+    if "mass" in numbers and recording.force is None:
+        raise unused("mass", "without a column of force")
     stated = {**recording.stated, **of_model, **numbers}
     require_positive(stated)
     if "f" not in stated:

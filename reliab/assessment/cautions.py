@@ -6,6 +6,7 @@ import numpy as np
 
 from reliab.assessment.doubts import ERROR_NAMES, sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
+from reliab.assessment.recorded_force import unexamined_unit
 from reliab.assessment.verdict import Word
 from reliab.criterion import whole_is_worst
 from reliab.significant import percent, significant
@@ -28,6 +29,7 @@ def cautions(findings: Findings) -> tuple[str, ...]:
             _of_faults,
             _of_error,
             _of_columns,
+            _of_force,
             _of_signal,
             _of_constancy,
             _of_validity,
@@ -110,6 +112,13 @@ def _of_columns(findings: Findings) -> Iterator[str]:
             f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
             "different units."
         )
+
+
+def _of_force(findings: Findings) -> Iterator[str]:
+    if "mass" not in findings.stated and (
+        sentence := unexamined_unit(findings.recording, findings.structure)
+    ):
+        yield sentence
 
 
 def _of_signal(findings: Findings) -> Iterator[str]:

@@ -14,7 +14,9 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
 from reliab.errors import InputError
+from reliab.recordings import Recording, without_spikes
 from reliab.significant import percent, significant
+from reliab.structures import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
@@ -118,14 +120,36 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
         )
 
 
-def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str) -> None:
+def unexamined_unit(recording: Recording, structure: Structure) -> str:
+    """Say that no stated mass tells the unit of a recorded force, and which mass it belongs to; else ""."""
+    clean, *_ = without_spikes(recording)
+    if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
+        return ""
+    stiffness = _stiffness(clean.measured, clean.force, kernel)
+    if stiffness is None:
+        return ""
+    mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
+    return (
+        "The unit of the recorded force was not examined: in newtons it belongs to a structure of "
+        f"{significant(mass)} kg. State the mass, and a force in another unit is refused."
+    )
+
+
+def _stiffness(measured: Array, force: Array, kernel: Kernel) -> float | None:
     moved, resisted = (
         scipy.signal.detrend(kernel.seen(row, 0), type="constant") for row in (measured, force)
     )
     slope = float(moved @ resisted) / float(moved @ moved)
     of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
+    return slope if of_spring >= _SPRING else None
+
+
+def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str) -> None:
+    slope = _stiffness(measured, force, kernel)
+    if slope is None:
+        return
     ratio, (least, most) = slope / stiffness, _STIFFNESSES
-    if of_spring < _SPRING or least <= ratio <= most:
+    if least <= ratio <= most:
         return
     units = [
         words

@@ -146,6 +146,8 @@ def test_sound_channels_lose_nothing(judged_with_skew, channels, delay):
     assert found.error.alternatives == ()
     assert found.verdict.word == ("reliable" if delay == GOOD else "not_reliable")
     assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
+    unexamined = [warning for warning in found.warnings if "unit of the recorded force" in warning]
+    assert len(unexamined) == (channels in ("ground force", "force"))
 
 
 def test_a_force_that_alone_is_late_changes_nothing_where_the_ground_shows_it(judged_with_skew):

@@ -9,6 +9,7 @@ import scipy
 
 from reliab.assessment import assess
 from reliab.assessment.plausibility import require_plausible
+from reliab.assessment.recorded_force import unexamined_unit
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -107,6 +108,22 @@ def test_a_force_in_another_unit_is_refused(moved, factor, words):
     test = recorded(moved, "spring")
     with pytest.raises(InputError, match=f"must be that of the stated specimen.*{words}"):
         require_plausible(replace(test, force=factor * test.force), stiffness=STIFFNESS)
+
+
+@pytest.mark.parametrize(
+    ("factor", "share", "mass"), [(1.0, 1.0, "1000 kg"), (1e-3, 1.0, "1 kg"), (1.0, 0.25, "4000 kg")]
+)
+def test_a_force_whose_unit_nothing_examines_is_said_with_its_mass(moved, factor, share, mass):
+    test = recorded(moved, "spring", late=0.002)
+    structure = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=share)
+    said = unexamined_unit(replace(test, force=factor * test.force), structure)
+    assert f"a structure of {mass}. State the mass" in said
+
+
+def test_no_mass_tells_the_unit_of_a_dashpot_or_of_no_force(moved):
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    assert unexamined_unit(recorded(moved, "dashpot"), structure) == ""
+    assert unexamined_unit(replace(recorded(moved, "spring"), force=None), structure) == ""
 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 1.0, 2.0])

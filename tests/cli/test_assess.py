@@ -199,6 +199,15 @@ def test_bad_input_is_explained(folder, wrong, monkeypatch):
     assert isinstance(run(*wrong).exception, InputError)
 
 
+def test_a_mass_tells_the_unit_of_a_force_without_any_ground_acceleration(folder, tmp_path):
+    test = pd.read_csv(folder / "good.csv")
+    in_kilonewtons = 1e-3 * 50.0 * (2.0 * np.pi) ** 2 * test["measured_m"]
+    test.assign(force_N=in_kilonewtons).to_csv(tmp_path / "force.csv", index=False)
+    refused = str(run(tmp_path / "force.csv", "--f", 1, "--mass", 50).exception)
+    assert "must be that of the stated specimen" in refused
+    assert "kilonewtons for newtons" in refused
+
+
 def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
     assert run_command(["assess", "--f", "1", str(folder / "good.csv"), "--xi", "0.02", "--exact"]) == 0
     assert capsys.readouterr().out.startswith("RELIABLE")

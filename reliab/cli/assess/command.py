@@ -79,7 +79,8 @@ class AssessDemand(ReadsTests, Reported):
         typer.Option(
             "--mass",
             metavar="KG",
-            help="Mass of the structure; with it a recorded force is also used to identify the structure.",
+            help="Mass of the structure; with it the unit of a recorded force is examined, and beside "
+            "a recorded ground acceleration the force is also used to identify the structure.",
         ),
     ] = None
     skew: Annotated[
