@@ -1,0 +1,161 @@
+"""What commands print of their results: each value in its place, each sentence where there is something to say."""
+
+import re
+from types import SimpleNamespace
+
+import pytest
+
+from reliab.cli.assess.shown_frame import show_frame
+from reliab.cli.criterion.shown import _show_own_boundary
+from reliab.cli.diagnose import _show
+from reliab.cli.monitor.command import _export
+from reliab.cli.record import _check
+from reliab.cli.validate.shown_rates import show_criteria as show_rates
+
+
+@pytest.fixture(autouse=True)
+def wide(monkeypatch):
+    """A terminal on which no cell is broken."""
+    monkeypatch.setenv("COLUMNS", "400")
+
+
+def rows_of(text):
+    """Cells of printed tables, row by row."""
+    cells = [[cell.strip() for cell in re.split(r"[│┃|]", line)[1:-1]] for line in text.splitlines()]
+    return [row for row in cells if len(row) > 1]
+
+
+MODE = {"f_hz": 1.25, "xi": 0.03, "alpha": 0.4, "A": 0.9912, "d_ms": 1.234}
+FRAME = {
+    "structure": "portal", "A": 0.9876, "d_ms": 2.345, "critical_delay_ms": 12.5, "stability_margin": 0.812,
+    "by_index": {"index": 0.444, "verdict": "not_reliable"},
+    "modes": [MODE, {**MODE, "f_hz": 3.5, "A": None, "d_ms": None}],
+    "over_frequency": {"frequency_hz": [0.5, 2.0, 8.0], "error": {"rms": 0.0123, "remaining_rms": 0.0045}},
+    "warnings": ["Look at this."], "notes": ["A remark."],
+    "recording": {"channels": [{"channel": "command", "column": "u", "unit": "mm", "reason": "its name"}]},
+}  # fmt: skip
+
+
+def printed(capsys, show, *arguments):
+    show(*arguments)
+    return capsys.readouterr().out
+
+
+def test_details_of_a_frame_stand_beside_their_names(capsys):
+    text = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: FRAME))
+    lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
+    for line in (
+        "Test of portal", "A 0.9876", "d 2.345 ms", "critical delay 12.500 ms", "stability margin 0.812",
+        "index of the criterion 0.444: not reliable", "Tracking at the modes of the structure",
+        "1 1.250 0.0300 0.400 0.9912 1.234", "2 3.500 0.0300 0.400 unknown unknown",
+        "Warning: Look at this.", "Note: A remark.", "Channels: command = 'u' (mm; its name).",
+        "A and d over frequency are known from 0.5 to 8 Hz and account for an RMS^R of 1.23 %; without "
+        "them 0.45 % would remain.",
+    ):  # fmt: skip
+        assert line in lines, line
+
+
+def test_a_frame_whose_numbers_are_not_known_says_so(capsys):
+    unknown = {
+        **FRAME, "critical_delay_ms": None, "stability_margin": None, "over_frequency": None,
+        "by_index": {"index": None, "verdict": "undecided"},
+    }  # fmt: skip
+    text = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: unknown))
+    lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
+    assert {"critical delay none", "stability margin none"} <= set(lines)
+    assert "index of the criterion unknown: undecided" in lines
+    assert "over frequency" not in text
+    without = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: {**FRAME, "by_index": None}))
+    assert "index of the criterion" not in without
+
+
+def test_the_boundary_of_a_motion_itself_is_a_row_for_each_structure(capsys):
+    row = {"motion": "NGA_1", "f": 1.25, "xi": 0.03, "threshold": 0.04, "a": 1.11e-4, "b": 2.22}
+    text = printed(capsys, _show_own_boundary, [row, {**row, "f": 2.5}])
+    assert "Boundary of NGA_1 itself" in text
+    numbers = [line.replace("│", " ").split() for line in text.splitlines() if "0.03" in line]
+    assert numbers == [[f, "0.03", "0.04", "0.000111", "2.22"] for f in ("1.25", "2.5")]
+
+
+def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsys):
+    finding = SimpleNamespace(
+        block="specimen", channel="force_n", kind="velocity", share_of_residual=0.37, p_value=2e-4, test="t3"
+    )
+    gap = SimpleNamespace(
+        stated_share=0.9, floor=0.0012, source="at rest", held_out=["t7", "t8"], channel="force_n",
+        before=0.1111, after=0.0222,
+    )  # fmt: skip
+    unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
+    block = SimpleNamespace(unknown=unknown, gap=gap, block=SimpleNamespace(block="specimen"))
+    diagnosis = SimpleNamespace(
+        where=[finding], effects=(), doubtful=(), blocks=[block], remarks=["Nothing else."]
+    )
+    text = printed(capsys, _show, diagnosis)
+    flat = " ".join(re.sub(r"[│┃]", " ", text).split())
+    assert "Where the calibrated model fails" in text
+    assert "specimen force_n velocity 37 % 2e-04 t3" in flat
+    assert "Unknown effect in the specimen: 3 x³" in text
+    assert "Nothing else." in text
+    assert "held-out t7, t8, force_n: error 0.1111 before, 0.0222 after, noise 0.0012 (at rest)" in flat
+    unknown.expression = ""
+    assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)
+
+
+RATE = {"rate": 0.9, "low": 0.8, "high": 0.95}
+RATES = {
+    "scheme": "events", "n_motions": 60, "n_events": 20, "metric": "rms", "threshold": 0.05, "window": "12",
+    "rows": [
+        {
+            "candidate": "ours", "confidence": 0.95, "containment": RATE,
+            "containment_by_ellipse": {"rate": 0.85}, "false_safe": {**RATE, "rate": 0.02, "low": None},
+            "accepted_share": {**RATE, "rate": None},
+        }
+    ],
+    "rows_lead": [], "judged_on": "motions", "sentences": ["It protects."], "truth": "ellipse",
+    "n_of_learned_earthquakes": 3, "unresolved": 4,
+    "not_carried": [{"candidate": "theirs", "confidence": 0.99}],
+}  # fmt: skip
+
+
+def test_rates_of_criteria_are_printed_with_what_limits_them(capsys):
+    flat = " ".join(re.sub(r"[│┃]", " ", printed(capsys, show_rates, RATES)).split())
+    for words in (
+        "events: 60 motions of 20 earthquakes, RMS 0.05 over the first 12 s",
+        "ours 95 % 90.0 % (80.0 % … 95.0 %) 85.0 % 2.0 % none", "Judged on motions: It protects.",
+        "3 of the motions are of earthquakes that the suite holds", "theirs at 99 % is not judged",
+        "reaches beyond the stored results: 4 times", "the motions' own ellipses decide",
+    ):  # fmt: skip
+        assert words in flat, words
+    plain = {**RATES, "n_of_learned_earthquakes": 0, "unresolved": 0, "not_carried": [], "truth": "simulated"}
+    flat = " ".join(printed(capsys, show_rates, plain).split())
+    for words in ("suite holds", "not judged", "Not judged", "own ellipses", "leads"):
+        assert words not in flat
+    assert "early (leads)" in printed(capsys, show_rates, {**RATES, "rows_lead": RATES["rows"]})
+
+
+def demand_of(**fields):
+    return SimpleNamespace(refuse_all_but=lambda *_names: None, json_target=None, **fields)
+
+
+def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatch):
+    faults = {"a.nc": [], "b.nc": ["No rate.", "No units."]}
+    monkeypatch.setattr("reliab.api.check_records", lambda sources: {name: faults[name] for name in sources})
+    assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a sound record\n"
+    with pytest.raises(Exception, match="1"):
+        _check(demand_of(sources=["a.nc", "b.nc"]))
+    shown = capsys.readouterr().out
+    assert shown == "a.nc: a sound record\nb.nc: not a sound record\n  No rate.\n  No units.\n"
+
+
+@pytest.mark.parametrize("target", [None, "-"])
+def test_an_exported_monitor_is_printed_or_given_as_json(capsys, monkeypatch, target):
+    written = SimpleNamespace(
+        path="out", files=["a.c", "a.h"], to_dict=lambda: {"path": "out", "files": ["a.c", "a.h"]}
+    )
+    demand = SimpleNamespace(json_target=target, ask=lambda *_arguments, **_named: written)
+    text = printed(capsys, _export, demand)
+    if target is None:
+        assert text == "Written to out: a.c, a.h\n"
+    else:
+        assert '"path": "out"' in text
+        assert "Written to" not in text
