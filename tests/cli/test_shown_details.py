@@ -1,4 +1,4 @@
-"""What commands print of their results: each value in its place, each sentence where there is something to say."""
+"""What commands print of their results: each value in its place, each sentence where something is to say."""
 
 import re
 from types import SimpleNamespace
@@ -49,8 +49,7 @@ def test_details_of_a_frame_stand_beside_their_names(capsys):
         "index of the criterion 0.444: not reliable", "Tracking at the modes of the structure",
         "1 1.250 0.0300 0.400 0.9912 1.234", "2 3.500 0.0300 0.400 unknown unknown",
         "Warning: Look at this.", "Note: A remark.", "Channels: command = 'u' (mm; its name).",
-        "A and d over frequency are known from 0.5 to 8 Hz and account for an RMS^R of 1.23 %; without "
-        "them 0.45 % would remain.",
+        "A and d over frequency are known from 0.5 to 8 Hz and account for an RMS^R of 1.23 %; without them 0.45 % would remain.",  # noqa: E501
     ):  # fmt: skip
         assert line in lines, line
 
@@ -148,7 +147,7 @@ def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatc
 
 
 @pytest.mark.parametrize("target", [None, "-"])
-def test_an_exported_monitor_is_printed_or_given_as_json(capsys, monkeypatch, target):
+def test_an_exported_monitor_is_printed_or_given_as_json(capsys, target):
     written = SimpleNamespace(
         path="out", files=["a.c", "a.h"], to_dict=lambda: {"path": "out", "files": ["a.c", "a.h"]}
     )

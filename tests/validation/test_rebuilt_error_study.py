@@ -30,7 +30,7 @@ from reliab.validation.rebuilt_error_study import (
     summarised,
     try_tests,
 )
-from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN
+from reliab.validation.rebuilt_error_study.conditions import _DECIBELS, CONDITIONS, PLAIN, QUANTISED
 from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
 from reliab.vocabulary import Metric
 
@@ -213,3 +213,14 @@ def test_shares_of_many_tests():
     assert judges.loc[CERTAIN, "bad_accepted"] < 0.02
     assert judges.loc[OWN_BOUNDARY, "bad_accepted"] > judges.loc[REBUILT, "bad_accepted"]
     assert 0.8 < judges.loc[REBUILT, "covered"] <= 1.0
+
+
+def test_a_converter_shows_levels_of_one_width_whose_error_is_its_noise():
+    condition = next(each for each in CONDITIONS if each.sensor == QUANTISED)
+    true = np.sin(np.linspace(0.0, 300.0, 4000)) + 0.2
+    error = condition.read(true, np.random.default_rng(1)) - true
+    width = np.sqrt(12.0) * 10.0 ** (-_DECIBELS[QUANTISED] / 20.0) * np.sqrt(np.mean(true**2))
+    levels = condition.read(true, np.random.default_rng(2)) / width
+    np.testing.assert_allclose(levels, np.round(levels), atol=1e-9)
+    assert np.abs(error).max() <= width * (1.0 + 1e-9)
+    assert np.std(error) == pytest.approx(width / np.sqrt(12.0), rel=0.1)

@@ -105,3 +105,12 @@ def test_contributions_add_up_to_the_interval(judged):
     errors = judged.error.rebuilt.draws.rms
     whole = np.sqrt(sum(item.contribution**2 for item in judged.error.budget))
     assert whole == pytest.approx(np.std(errors), rel=0.3)
+
+
+@pytest.mark.parametrize(("of_sensor", "expected"), [(None, 0.002), (StatedValue(1.0, 0.0015), 0.0025)])
+@pytest.mark.parametrize("equipment", [None, ordinary_equipment()])
+def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equipment):
+    stated = {"command_scale": StatedValue(2.0, 0.004)} | ({} if of_sensor is None else {"scale": of_sensor})
+    size = sizes_of_unknown(stated, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
+    assert size.deviation == pytest.approx(expected)
+    assert size.source is Source.STATED
