@@ -28,6 +28,8 @@ _OPERATORS = {
     ast.USub: ast.UAdd,
 }
 
+_SYMMETRIC = {"min", "max", "minimum", "maximum", "hypot"}  # whose arguments may stand in any order
+
 Line = tuple[str, int]
 Change = tuple[ast.expr | ast.stmt, str, Callable[[], None]]
 """A node, the change in words, and what makes it."""
@@ -117,7 +119,7 @@ def _statements(node: ast.AST) -> Iterator[Change]:
         case ast.If() | ast.IfExp():
             negated = ast.UnaryOp(ast.Not(), node.test)
             yield node, "branches exchanged", partial(setattr, node, "test", negated)
-        case ast.Call(args=[first, second, *rest]) if not _starred(node):
+        case ast.Call(args=[first, second, *rest]) if not (_starred(node) or _name(node.func) in _SYMMETRIC):
             yield node, "arguments exchanged", partial(setattr, node, "args", [second, first, *rest])
         case ast.BinOp(op=ast.Mult() | ast.Div()):
             yield node, "factor dropped", partial(setattr, node, "right", ast.Constant(1))

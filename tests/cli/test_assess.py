@@ -160,43 +160,50 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    ("wrong", "rule"),
     [
-        (),
-        ("none.csv",),
-        ("good.csv",),
-        ("good.csv", "--f", 1, "--f", 2),
-        ("good.csv", "--f", "one"),
-        ("good.csv", "--f", "1±"),
-        ("good.csv", "--f", "1±0.5"),
-        ("good.csv", "--f", 1, "--confidence", 95),
-        ("good.csv", "--f", 1, "--threshold", 5),
-        ("good.csv", "--f", 1, "--threshold", 0),
-        ("good.csv", "--f", 1, "--command", "comand_m"),
-        ("good.csv", "--f", 1, "--criterion", "none.json"),
-        ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
-        ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
-        ("good.csv", "--f", 1, "--motion", "none.at2"),
-        ("good.csv", "--f", 1, "--metric", "peak"),
-        ("good.csv", "--f", 1, "--units", "furlong"),
-        ("good.csv", "--f", 1, "--xi", 2),
-        ("good.csv", "--f", 1, "--date", "2026-01-01"),
-        ("good.csv", "--f", 1, "--mass", 2),
-        ("good.csv", "--f", 1, "--model", "none.toml"),
-        ("good.csv", "--f", 1, "--figure", "chart.svg"),
-        ("good.csv", "--design"),
-        ("--design", "--alpha", 0.5),
-        ("--design", "--check"),
-        ("--design", "--report", "a.pdf"),
-        ("--design", "--motion", "ground.txt"),
-        ("--design", "--threshold", 0),
-        ("--design", "--f", "1±0.01"),
-        ("--design", "--figure", "none/chart.svg"),
+        ((), "A test's file is needed"),
+        (("none.csv",), "must be readable"),
+        (("good.csv",), "frequency of the structure must be stated"),
+        (("good.csv", "--f", 1, "--f", 2), "A test has one"),
+        (("good.csv", "--f", "one"), "with its standard deviation"),
+        (("good.csv", "--f", "1±"), "with its standard deviation"),
+        (("good.csv", "--f", "1±0.5"), "below one third"),
+        (("good.csv", "--f", 1, "--confidence", 95), "confidence must lie between"),
+        (("good.csv", "--f", 1, "--threshold", 5), "for errors from 0.01 to 0.2"),
+        (("good.csv", "--f", 1, "--threshold", 0), "for errors from 0.01 to 0.2"),
+        (("good.csv", "--f", 1, "--command", "comand_m"), "column of the command must be"),
+        (("good.csv", "--f", 1, "--criterion", "none.json"), "criterion's file must be readable"),
+        (
+            ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
+            "`threshold` has no meaning beside",
+        ),
+        (
+            ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
+            "`metric` has no meaning beside",
+        ),
+        (("good.csv", "--f", 1, "--motion", "none.at2"), "A record must exist"),
+        (("good.csv", "--f", 1, "--metric", "peak"), "The metric is rms or mte"),
+        (("good.csv", "--f", 1, "--units", "furlong"), "must be one of length"),
+        (("good.csv", "--f", 1, "--xi", 2), "damping ratio must lie between"),
+        (("good.csv", "--f", 1, "--date", "2026-01-01"), "`date` has no meaning"),
+        (("good.csv", "--f", 1, "--mass", 2), "without a column of force"),
+        (("good.csv", "--f", 1, "--model", "none.toml"), "must be a readable TOML"),
+        (("good.csv", "--f", 1, "--figure", "chart.svg"), "`figure` has no meaning without"),
+        (("good.csv", "--design"), "A test's file has no meaning"),
+        (("--design", "--alpha", 0.5), "`alpha` has no meaning"),
+        (("--design", "--check"), "`check` has no meaning"),
+        (("--design", "--report", "a.pdf"), "`report` has no meaning"),
+        (("--design", "--motion", "ground.txt"), "`motion` has no meaning"),
+        (("--design", "--threshold", 0), "for errors from 0.01 to 0.2"),
+        (("--design", "--f", "1±0.01"), "those of an exact structure"),
+        (("--design", "--figure", "none/chart.svg"), "figure's file must be writable"),
     ],
 )
-def test_bad_input_is_explained(folder, wrong, monkeypatch):
+def test_bad_input_is_explained(folder, wrong, rule, monkeypatch):
     monkeypatch.chdir(folder)
-    assert isinstance(run(*wrong).exception, InputError)
+    with pytest.raises(InputError, match=rule):
+        raise run(*wrong).exception
 
 
 def test_a_mass_tells_the_unit_of_a_force_without_any_ground_acceleration(folder, tmp_path):

@@ -6,6 +6,7 @@ import pytest
 
 import reliab
 from reliab.errors import InputError
+from reliab.recordings.readers import layouts
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
@@ -105,3 +106,13 @@ def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
 def test_what_is_stated_of_a_test_must_have_a_meaning(test, stated, rule):
     with pytest.raises(InputError, match=rule):
         reliab.assess(test, f=1.0, xi=0.02, **stated)
+
+
+def test_a_test_of_more_channels_than_any_laboratory_has_is_refused(monkeypatch):
+    monkeypatch.setattr(layouts, "MOST_COLUMNS", 2)
+    histories = layouts._Histories()  # noqa: SLF001 - before any file is read
+    for name in ("first", "first"):
+        histories.add(name, layouts.Series(values=np.zeros(3)))
+    assert list(histories.series) == ["first", "first (2)"]
+    with pytest.raises(InputError, match="may hold 2 channels at most"):
+        histories.add("third", layouts.Series(values=np.zeros(3)))

@@ -1,0 +1,50 @@
+"""What modes leave over of a loop acts at once, a lag later or a lead earlier, on straight lines."""
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reliab.simulation.frames.mode_recursion import _remainder
+from reliab.simulation.linear_loop.leading_loop import LeadingLoop
+from reliab.simulation.linear_loop.pole_recursion import leading_recursion
+
+STEP = 0.02
+GROUND = np.random.default_rng(8).normal(size=60)
+TIME = STEP * np.arange(GROUND.size)
+
+
+@pytest.mark.parametrize("lead", [0.004, 0.02, 0.033, 0.079])
+def test_the_direct_term_of_a_lead_takes_the_ground_that_much_ahead(lead):
+    none = np.zeros(1, dtype=complex)
+    loop = LeadingLoop(
+        pole=none - 0.3 + 6.0j, residue=none, feedthrough=np.array([1.7]), lead=np.array([lead])
+    )
+    ahead, coefficients = leading_recursion(loop, STEP)
+    left, right = coefficients[-4:-2, 0]
+    now, after = GROUND[10 + ahead[0] - 1], GROUND[10 + ahead[0]]
+    assert left * now + right * after == pytest.approx(-1.7 * np.interp(TIME[10] + lead, TIME, GROUND))
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.005, 0.018])
+def test_the_remainder_of_modes_takes_the_ground_that_much_ahead(ahead):
+    loop = SimpleNamespace(remainder=np.array([2.5]), remainder_time=np.array([-ahead]))
+    row = _remainder(loop, STEP)[:, 0]
+    found = row[2] * GROUND[10] + row[6] * GROUND[11]
+    assert found == pytest.approx(-2.5 * np.interp(TIME[10] + ahead, TIME, GROUND))
+    assert row[[0, 1, 3, 4, 5]].tolist() == [0.0] * 5
+
+
+@pytest.mark.parametrize("late", [0.003, 0.05])
+def test_the_remainder_of_modes_that_lags_is_a_first_order_lag(late):
+    loop = SimpleNamespace(remainder=np.array([2.5]), remainder_time=np.array([late]))
+    row, found = _remainder(loop, STEP)[:, 0], [0.0]
+    for before, now in pairwise(GROUND):
+        found.append(row[0] * found[-1] + row[2] * now + row[3] * before)
+    fine = np.linspace(0.0, TIME[-1], 200 * (TIME.size - 1) + 1)
+    ground, lagged = np.interp(fine, TIME, GROUND), np.zeros(fine.size)
+    kept = np.exp(-(fine[1] - fine[0]) / late)
+    for i in range(1, fine.size):  # of the mean of each small step
+        lagged[i] = kept * lagged[i - 1] + (1.0 - kept) * 0.5 * (ground[i] + ground[i - 1])
+    np.testing.assert_allclose(found, -2.5 * lagged[::200], atol=1e-3)
