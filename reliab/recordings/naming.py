@@ -10,11 +10,13 @@ from typing import Final, TypeVar
 from reliab.recordings.units import Unit, split_unit, unit_of
 from reliab.recordings.words import (
     ALTERED,
+    CALCULATED,
     COMMAND_ENDINGS,
     MEASURED_ENDINGS,
     NEUTRAL,
     QUANTITIES,
     ROLES,
+    SIGNS,
     SYMBOLS,
     WEAK_ROLES,
     Quantity,
@@ -24,6 +26,8 @@ from reliab.recordings.words import (
 _Meaning = TypeVar("_Meaning", Quantity, Role)
 _FLAG: Final = re.compile(r"^(?:at|new)(?=[A-Z])")  # atTarget: whether it was reached, not the target
 _GERMAN: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
+_TURKISH: Final = str.maketrans({"ö": "o", "ü": "u", "ı": "i", "Ö": "O", "Ü": "U", "İ": "I"})
+_TURKISH_ONLY: Final = frozenset("çşğıÇŞĞİ")
 _GAPS: Final = re.compile(
     r"[^A-Za-z0-9]+|(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
 )
@@ -40,6 +44,14 @@ _QUANTITY_OF: Final = _by_word(QUANTITIES)
 _ROLE_OF: Final = _by_word(ROLES)
 _WEAK_ROLE_OF: Final = _by_word(WEAK_ROLES)
 _ALTERED: Final = frozenset(ALTERED.split())
+_AFTER_LETTERS: Final = frozenset(
+    {
+        *_ROLE_OF,
+        *_WEAK_ROLE_OF,
+        *(word for word in _QUANTITY_OF if _QUANTITY_OF[word] is Quantity.DISPLACEMENT),
+    }
+) - {"in", "pot", "is"}
+_CALCULATED: Final = frozenset(CALCULATED.split())
 _KNOWN: Final = frozenset({*_QUANTITY_OF, *_ROLE_OF, *_WEAK_ROLE_OF, *_ALTERED, *NEUTRAL.split()})
 _PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (mm)" is an error
     *(Quantity.ERROR, Quantity.VALVE, Quantity.VOLTAGE, Quantity.CURRENT, Quantity.VELOCITY),
@@ -114,7 +126,7 @@ def _unglued(word: str) -> tuple[str, ...]:
     if word in _KNOWN or len(word) > _LONGEST_WORD:
         return (word,)
     for letter, remainder in ((word[0], word[1:]), (word[-1], word[:-1])):  # xref, dmeas, cmdx
-        if letter in _COORDINATES and remainder in _ROLE_OF:
+        if letter in _COORDINATES and remainder in _AFTER_LETTERS:
             return (letter, remainder)
     if len(word) < _SHORTEST_GLUED:
         return (word,)
@@ -128,8 +140,16 @@ def _unglued(word: str) -> tuple[str, ...]:
     return begins.get(len(word), (word,))
 
 
+_SIGN_WORDS: Final = {sign: word for word, signs in SIGNS.items() for sign in signs.split()}
+_SIGN: Final = re.compile("|".join(sorted(_SIGN_WORDS, key=len, reverse=True)))
+
+
 def _ascii(name: str) -> str:
-    plain_letters = unicodedata.normalize("NFKD", name.translate(_GERMAN))
+    """Put words for signs, and plain letters for those with marks; ö is oe in German and o in Turkish."""
+    if not name.isascii():
+        name = _SIGN.sub(lambda sign: f" {_SIGN_WORDS[sign[0]]} ", unicodedata.normalize("NFKC", name))
+    letters = name.translate(_TURKISH if _TURKISH_ONLY & set(name) else _GERMAN)
+    plain_letters = unicodedata.normalize("NFKD", letters)
     return "".join(letter for letter in plain_letters if not unicodedata.combining(letter))
 
 
@@ -141,6 +161,8 @@ def _described(column: str, stated: Unit | None) -> Named:
         symbol = shorter
     words, around = words_of(bare), words_of(column[: -len(last)] if last != column else "")
     role, weak = _role(words, around)
+    if weak and role is Role.MEASURED and _CALCULATED & {*words, *around}:
+        role, weak = None, False  # "model output"
     quantity = _quantity(words) or _quantity(around)
     if symbol is not None:
         quantity, role, weak = symbol[0], symbol[1], False

@@ -116,6 +116,8 @@ class _Search:
             self._require_alike(command, measured)
         if self._histories and (command is None or measured is None):
             command, measured = self._by_histories(command, measured, taken, needed)
+        if self._histories and command and measured and not any(declared.values()):
+            self._require_following(command, measured)
         for part, channel in zip(DISPLACEMENTS, (command, measured), strict=True):
             if channel is None and part in needed:
                 raise self._missing(part)
@@ -235,6 +237,18 @@ class _Search:
         if others:
             raise self._undecided([*pair, *others], "do not all move together")
 
+    def _require_following(self, command: Channel, measured: Channel) -> None:
+        """Ask where words that often mean something else say which is which, and the histories deny it."""
+        names = [self._named[channel.column] for channel in (command, measured)]
+        likeness = self._compare(command.column, measured.column)
+        as_command, as_measured = (what.weak for what in names)
+        denied = likeness.lag < -_LEAST_LAG and votes(likeness) < 0
+        confirmed = likeness.lag > _LEAST_LAG and votes(likeness) > 0
+        if any(what.role is not None and not what.weak for what in names):
+            return
+        if (denied and (as_command or as_measured)) or (as_measured and not as_command and not confirmed):
+            raise self._undecided([command.column, measured.column], "move together, and neither is named so")
+
     def _require_plain(
         self, command: Named, taken: Iterable[str], as_measured: Sequence[tuple[int, Named]]
     ) -> None:
@@ -349,8 +363,16 @@ class _Search:
             return None, None
         pairs.sort(key=lambda item: -item[0].correlation)
         likeness, first, second = pairs[0]
-        if len(pairs) > 1 and _CLEAR * (1.0 - likeness.correlation) > 1.0 - pairs[1][0].correlation:
-            involved = dict.fromkeys(what.column for item in pairs[:2] for what in item[1:])
+        rivals = [
+            item for item in pairs[1:] if {first.column, second.column} & {item[1].column, item[2].column}
+        ]
+        unclear = [
+            item for item in pairs[1:2] if _CLEAR * (1.0 - likeness.correlation) > 1.0 - item[0].correlation
+        ]
+        if rivals or unclear:  # two sensors of one motion are more alike than command and motion
+            involved = dict.fromkeys(
+                what.column for item in (pairs[0], *rivals, *unclear) for what in item[1:]
+            )
             raise self._undecided(list(involved), "move alike")
         side = votes(likeness)
         if abs(likeness.lag) < _LEAST_LAG or side == 0:

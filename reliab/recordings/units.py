@@ -12,7 +12,9 @@ _POUND: Final = 4.4482216152605  # N
 
 UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
     Quantity.TIME: {
-        **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sek", "sekunden"), 1.0),
+        **dict.fromkeys(
+            ("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "sn", "saniye", "秒", "초"), 1.0
+        ),
         **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
         "ns": 1e-9,
@@ -105,7 +107,7 @@ _WITH_GAP: Final = frozenset(
 )
 _BRACKETS: Final = re.compile(r"(?:[\[({]|<)\s*([^\])}>]{1,20}?)\s*(?:[\])}]|>)\s*$")
 _ENDING: Final = re.compile(r"(?<=[^\W_])_([a-zµμ°]+(?:/s(?:\^?2|²)?|ps2|s2)?)$", re.IGNORECASE)
-_LAST_WORD: Final = re.compile(r"[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
+_LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,8 @@
 """Words by which laboratories name their channels: what is measured, and in which part of the test.
 
-English first, then German, Italian, Spanish, French and Chinese in pinyin. A word is recognised wherever it
-stands in a name ("Act1_DispCmd", "Axial Displacement (mm)"). Nothing else in the package lists one; the page
+English first, then German, Italian, Spanish, French, Turkish and Chinese in pinyin; what is written in
+Chinese, Japanese or Korean signs is translated first. A word is recognised wherever it stands in a name
+("Act1_DispCmd", "Axial Displacement (mm)"). Nothing else in the package lists one; the page
 of `reliab explore` takes them from here.
 """
 
@@ -41,34 +42,40 @@ class Role(StrEnum):
 QUANTITIES: Final[Mapping[Quantity, str]] = {
     Quantity.TIME: (
         "time times timer tout timestamp elapsed seconds zeit laufzeit messzeit uhrzeit zeitstempel tempo "
-        "tiempo temps shijian"
+        "tiempo temps shijian zaman sure"
     ),
     Quantity.DISPLACEMENT: (
-        "pot potentiometer laser wa "
+        "pot potentiometer laser wa heidenhain keyence celesco balluff magnetostrictive ultrasonic "
         "disp displ dis dsp displacement displacements stroke position pos lvdt ldt temposonic "
         "temposonics encoder travel deflection elongation weg wegaufnehmer kolbenweg verschiebung hub "
         "auslenkung spostamento spost corsa posizione desplazamiento desp carrera posicion "
-        "deplacement weiyi xingcheng"
+        "deplacement depl course weiyi xingcheng deplasman deplasmani dep degistirme konum konumu"
     ),
     Quantity.FORCE: (
         "messdose kraftmessdose "
         "force forces load loads loadcell lc frc forc kraft kraefte last pruefkraft forza carico "
-        "carga fuerza effort li lizhi zaihe hezai shear reaction restoring"
+        "carga fuerza effort charge li lizhi zaihe hezai shear reaction restoring cella celda kuvvet kuvveti "
+        "yuk yuku hucre hucresi"
     ),
     Quantity.ACCELERATION: (
-        "acc accel accl acceleration accelerometer beschleunigung beschl accelerazione aceleracion jiasudu"
+        "acc accel accl acceleration accelerometer beschleunigung beschl accelerazione aceleracion "
+        "acceleration ddot jiasudu ivme ivmesi"
     ),
-    Quantity.VELOCITY: "vel velo velocity speed geschwindigkeit velocita velocidad vitesse sudu",
-    Quantity.VOLTAGE: "volt volts voltage spannung tensione voltaje dianya dac adc",
-    Quantity.VALVE: "valve servovalve spool ventil servoventil valvola valvula servofa",
+    Quantity.VELOCITY: "vel velo velocity speed geschwindigkeit velocita velocidad vitesse sudu hiz hizi",
+    Quantity.VOLTAGE: "volt volts voltage spannung tensione tension voltaje dianya dac adc "
+    "voltaj voltaji gerilim",
+    Quantity.VALVE: "valve servovalve spool ventil servoventil valvola servovalvola valvula "
+    "servovalvula vanne servovanne servofa valf valfi servovalf",
     Quantity.ROTATION: (
         "rotation rot angle winkel drehwinkel rotazione angolo giro angulo zhuanjiao moment torque"
     ),
-    Quantity.STRAIN: "strain strains gauge gage dehnung deformacion yingbian",
-    Quantity.PRESSURE: "pressure press druck oeldruck pressione presion yali",
-    Quantity.TEMPERATURE: "temperature temp temperatur temperatura wendu",
-    Quantity.CURRENT: "current amp amps amperage strom corrente corriente dianliu",
-    Quantity.ERROR: "error err abweichung regelabweichung errore diff difference residual wucha",
+    Quantity.STRAIN: "strain strains gauge gage dehnung deformacion deformazione yingbian",
+    Quantity.PRESSURE: "pressure press druck oeldruck pressione presion "
+    "pression olio huile oil yali basinc basinci",
+    Quantity.TEMPERATURE: "temperature temp temperatur temperatura wendu sicaklik sicakligi",
+    Quantity.CURRENT: "current amp amps amperage strom corrente corriente courant dianliu akim akimi",
+    Quantity.ERROR: "error err abweichung regelabweichung errore erreur ecart "
+    "diff difference residual residuo wucha hata hatasi",
     Quantity.COUNT: (
         "count counter index sample samples cycle cycles segment row zyklus zyklen ciclo ciclos"
     ),
@@ -83,15 +90,19 @@ ROLES: Final[Mapping[Role, str]] = {
         "command commanded commands cmd cmnd comm commandsignal targ target targeted tgt desired "
         "reference ref setpoint demand dem soll sollwert sollweg vorgabe comando riferimento consigna "
         "referencia deseado objetivo "
-        "comandado comandato imposto desiderato consigne mingling zhiling mubiao qiwang"
+        "comandado comandato imposto desiderato consigne commande cible mingling zhiling mubiao qiwang komut "
+        "komutu hedef referans istenen kumanda obiettivo rif wanted"
     ),
     Role.MEASURED: (
         "measured measurement meas msd actual achieved feedback feedbk fbk fdbk fb istwert istweg ist "
-        "gemessen misurato misurata misura effettivo medido medida mesure shice fankui celiang shiji"
+        "gemessen misurato misurata misura effettivo medido medida mesure mesuree shice "
+        "fankui celiang shiji olculen olcum olcumu gerceklesen gercek geribesleme "
+        "rilevato rilevata mis eff mes reel retroaction"
     ),
     Role.GROUND: (
         "ground groundmotion base table shake shaketable earthquake eq quake excitation boden tisch "
-        "erdbeben suolo tavola sisma terremoto suelo sismo dizhen dimian zhendongtai"
+        "erdbeben suolo tavola sisma terremoto suelo sismo sol seisme dizhen dimian zhendongtai yer zemin "
+        "taban deprem"
     ),
 }
 """Words that say on which side of the transfer system a channel stands."""
@@ -102,10 +113,12 @@ WEAK_ROLES: Final[Mapping[Role, str]] = {
 }
 """Words that say so only where no column does with a plainer one: `act` may be the actuator's."""
 
+CALCULATED: Final = "predicted estimated est simulated sim model ideal emulated numerical"
+"""Words of what was calculated: the output of a model is no measurement."""
+
 ALTERED: Final = (
-    "drift filtered filt raw compensated comp compensation corrected smoothed delayed predicted "
-    "estimated est "
-    "simulated sim model ideal initial old previous offset peak max min mean gefiltert roh kompensiert "
+    f"{CALCULATED} drift filtered filt raw compensated comp compensation corrected smoothed delayed "
+    "initial old previous offset peak max min mean gefiltert roh kompensiert "
     "filtrato compensato filtrado compensado lvbo buchang"
 )
 """Words of a history that was changed, or is a part of one: another column is preferred."""
@@ -121,8 +134,13 @@ SYMBOLS: Final[Mapping[str, tuple[Quantity, Role | None]]] = {
     "t": (Quantity.TIME, None),
     **dict.fromkeys(("xc", "uc", "dc", "xd", "ud"), (Quantity.DISPLACEMENT, Role.COMMAND)),
     **dict.fromkeys(("xm", "um", "dm"), (Quantity.DISPLACEMENT, Role.MEASURED)),
-    **dict.fromkeys(("fm", "fe", "fmeas", "fmeasured", "fact"), (Quantity.FORCE, Role.MEASURED)),
-    **dict.fromkeys(("ag", "agm", "xgdd", "xddg", "ugdd", "uddg"), (Quantity.ACCELERATION, Role.GROUND)),
+    **dict.fromkeys(
+        ("fm", "fe", "fr", "fs", "frest", "fmeas", "fmeasured", "fact"), (Quantity.FORCE, Role.MEASURED)
+    ),
+    **dict.fromkeys(
+        ("ag", "agm", "xgdd", "xddg", "ugdd", "uddg", "xgddot", "ugddot", "ddxg", "ddug"),
+        (Quantity.ACCELERATION, Role.GROUND),
+    ),
 }
 """Symbols of equations, as whole names without the signs in them: x_c, u_m."""
 
@@ -130,3 +148,35 @@ COMMAND_ENDINGS: Final = "cdtr"
 """Last letters of names that mean the command, where the same name ends in one of the next, too."""
 
 MEASURED_ENDINGS: Final = "ma"
+
+SIGNS: Final[Mapping[str, str]] = {
+    "time": "时间 時間 시간 时刻 時刻",
+    "displacement": "位移 变位 変位 變位 行程 ストローク 변위",
+    "position": "位置 위치",
+    "force": "恢复力 復元力 恢復力 荷载 荷載 荷重 载荷 載荷 反力 力 ロードセル 하중 힘",
+    "acceleration": "加速度 가속도",
+    "velocity": "速度 속도",
+    "voltage": "电压 電圧 電壓 전압",
+    "current": "电流 電流 전류",
+    "valve": "伺服阀 伺服閥 阀控 阀 閥 サーボ弁 サーボバルブ バルブ 弁 밸브",
+    "pressure": "压力 圧力 壓力 油压 油圧 油壓 압력",
+    "temperature": "温度 溫度 油温 油溫 온도",
+    "strain": "应变 應變 ひずみ 歪み 歪 변형률",
+    "rotation": "转角 轉角 回転角 转动 角度 弯矩 彎矩 扭矩 회전",
+    "error": "误差 誤差 偏差 残差 殘差 오차",
+    "status": "状态 狀態 状態 标志 상태",
+    "count": "序号 編號 编号 番号 번호",
+    "command": "命令 指令 目标 目標 给定 給定 期望 参考 參考 명령 목표 기준",
+    "measured": (
+        "实测 實測 実測 反馈 反饋 回馈 测量 測量 量测 量測 計測 测得 測定 フィードバック 実 측정 계측"
+    ),
+    "response": "响应 響應 応答 输出 輸出 出力 응답 출력",
+    "input": "输入 輸入 入力 입력",
+    "ground": "地震动 地震動 地震 地动 地動 地面 地表 地盘 地盤 台面 台上 振动台 振動台 振動臺 입력지진 지반",
+    "filtered": "滤波 濾波 フィルタ 필터",
+    "compensated": "补偿 補償 보상",
+    "predicted": "预测 預測 予測 예측",
+    "simulated": "仿真 模拟 模擬 解析",
+    "actuator": "作动器 作動器 致動器 油压缸 油壓缸 油圧シリンダ アクチュエータ ジャッキ 가력기",
+}
+"""Words in Chinese, Japanese and Korean signs, written without gaps, by the word that means the same."""

@@ -4,7 +4,8 @@ Files are made of names in which laboratories keep their channels (OpenFresco's 
 dSPACE and LabVIEW programs, theses and data papers), in random order, units, scale and delimiter, beside
 channels that belong to nothing. Two thirds of the names were at hand while the vocabulary was written; the
 last third is held out, by a checksum of the name. Printed are the columns with the right part and factor, the
-files about which the user is asked, and those that are silently wrong.
+files about which the user is asked, and those that are silently wrong. `--names countries` takes whole
+headers of laboratories of eight countries (`channel_names/`), each in the language that is spoken there.
 """
 
 import argparse
@@ -131,9 +132,24 @@ DECOYS = (
     ("Accelerometer X", "g"),
     ("Strain gauge 4", "microstrain"),
 )
+_LISTS = ("at_hand", "held_out", "all", "laboratories", "countries", "countries_held_out")
 _BARE = 0.2  # share of files without units
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "Millimeters": 1e-3}
 _FORCES = {"N": 1.0, "kN": 1e3, "kip": 4448.2216152605, "lbf": 4.4482216152605}
+_FACTORS = {
+    **_LENGTHS,
+    **_FORCES,
+    **dict.fromkeys(("s", "sec", "sn", "秒"), 1.0),
+    **dict.fromkeys(("m/s2", "m/s^2"), 1.0),
+    "gal": 1e-2,
+    "cm/s2": 1e-2,
+    "mm/s2": 1e-3,
+    "g": 9.80665,
+    "G": 9.80665,
+    "tf": 9806.65,
+    "kips": _FORCES["kip"],
+}
+_PARTS = {"t": "time", "c": "command", "m": "measured", "f": "force", "g": "ground acceleration"}
 
 
 def main() -> None:
@@ -142,10 +158,11 @@ def main() -> None:
     )
     parser.add_argument("--files", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--names", choices=("at_hand", "held_out", "all", "laboratories"), default="held_out")
+    parser.add_argument("--names", choices=_LISTS, default="held_out")
     parser.add_argument("--show", action="store_true")
     options = parser.parse_args()
     counts, random = Counter(), Random(options.seed)  # noqa: S311
+    options.headers = _headers(options.names)
     with tempfile.TemporaryDirectory() as folder:
         for number in range(options.files):
             _evaluate(random, Path(folder) / f"{number}.csv", options, counts)
@@ -168,8 +185,23 @@ def _drawn(random: Random, part: str, listed: str, names: str) -> str:
     return random.choice(chosen)
 
 
+def _headers(names: str) -> list[list[tuple[str, str, str]]]:
+    """Whole headers of a list, each of names with unit and role; none for lists of single names."""
+    path = Path(__file__).parent / "channel_names" / f"{names}.txt"
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return [
+        [tuple(part.strip() for part in column.split("|")) for column in line.partition(":")[2].split(";")]
+        for line in lines
+        if line and not line.startswith("#")
+    ]
+
+
 def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: Counter) -> None:
-    truth = _write(random, path, options.names)
+    truth = (
+        _write_header(random, path, random.choice(options.headers))
+        if options.headers
+        else _write(random, path, options.names)
+    )
     try:
         found = {channel.part.value: channel for channel in read_recording(path).channels}
     except InputError as error:
@@ -191,26 +223,17 @@ def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: C
             wrong += 1
         if options.show:
             print(part, repr(name), factor, channel, path.read_text(encoding="utf-8").splitlines()[:2])
+    others = {"force", "ground acceleration"} if options.headers else {"force"}  # a table accelerates, too
+    for part in others & set(found) - set(truth):
+        wrong += 1
+        if options.show:
+            print("NOT ONE", part, found[part], path.read_text(encoding="utf-8").splitlines()[:2])
     counts["files_silently_wrong"] += bool(wrong)
 
 
 def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float]]:
     """Write a file; which column is which, and its factor to SI units."""
-    noise = np.random.default_rng(random.randrange(1 << 30))
-    rate, size = random.choice((100.0, 256.0, 512.0, 1024.0)), 3000
-    time = np.arange(size) / rate
-    frequencies = [random.uniform(0.3, 3.0) for _ in range(4)]
-    phases = [random.uniform(0.0, 6.0) for _ in range(4)]
-
-    def moved(at):
-        return sum(
-            0.01 * np.sin(2.0 * np.pi * f * at + p) / f for f, p in zip(frequencies, phases, strict=True)
-        )
-
-    delay = random.uniform(-0.002, 0.02)
-    command, measured = moved(time), random.uniform(0.96, 1.02) * moved(time - delay)
-    measured = measured + 1e-5 * noise.normal(size=size)
-    force = 1e5 * measured + 20.0 * noise.normal(size=size)
+    noise, time, command, measured, force = _motion(random)
     length, strength = random.choice(list(_LENGTHS)), random.choice(list(_FORCES))
     columns: dict[str, tuple[str, np.ndarray]] = {}
     truth: dict[str, tuple[str, float]] = {}
@@ -236,6 +259,49 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
         truth = {part: (name, 1.0) for part, (name, _) in truth.items()}
     for name, unit in random.sample(DECOYS if names == "laboratories" else OTHERS, random.randrange(4)):
         columns[name] = (unit, _other(name, time, command, measured, force, noise))
+    heads = _save(random, path, columns)
+    return {part: (heads[name], factor) for part, (name, factor) in truth.items()}
+
+
+def _write_header(random: Random, path: Path, header) -> dict[str, tuple[str, float]]:
+    """Write a file with the channels of a header; a fifth of them without units, a third in other ones."""
+    noise, time, command, measured, force = _motion(random)
+    manner = random.choices(("as written", "other", "bare"), (0.5, 0.3, 0.2))[0]
+    bare = manner == "bare" and all("=" not in unit for _, unit, role in header if role != "o")
+    swaps = dict(
+        zip(("mm", "kN"), (random.choice(list(_LENGTHS)), random.choice(list(_FORCES))), strict=True)
+    )
+    ground = np.convolve(noise.normal(size=time.size), np.ones(5) / 5.0, "same")
+    motion = {"t": time, "c": command, "m": measured, "f": force, "g": ground}
+    columns: dict[str, tuple[str, np.ndarray]] = {}
+    truth: dict[str, tuple[str, float]] = {}
+    for name, stated, role in header:
+        unit = "" if bare else swaps.get(stated, stated) if manner == "other" else stated
+        if role not in motion:
+            accelerates = "acc" in name.lower() and role == "a"
+            columns[name] = (
+                unit,
+                np.gradient(np.gradient(measured))
+                if accelerates
+                else _other_of_unit(unit, time, command, measured, noise),
+            )
+            continue
+        factor = _FACTORS[unit.removeprefix("=")] if unit else 1.0
+        columns[name] = ("" if unit.startswith("=") else unit, motion[role] / factor)
+        truth[_PARTS[role]] = (name, factor)
+    heads = _save(random, path, columns)
+    return {part: (heads[name], factor) for part, (name, factor) in truth.items()}
+
+
+def _other_of_unit(unit, time, command, measured, noise):
+    """What stands beside the channels of a test: an error, a second displacement, a valve, anything else."""
+    if unit in {"mm", "in", "m"}:
+        return 1e3 * (command - measured) if noise.random() < 0.5 else 700.0 * np.roll(measured, 7)
+    return 50.0 * np.gradient(command) if unit in {"V", "mA", "%"} else noise.normal(size=time.size)
+
+
+def _save(random: Random, path: Path, columns) -> dict[str, str]:
+    """Write the columns in random order; the head of each."""
     order = list(columns)
     random.shuffle(order)
     style = random.choice(("brackets", "square", "line"))
@@ -248,7 +314,26 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
     rows = np.column_stack([columns[name][1] for name in order])
     lines += [separator.join(f"{value:.9g}" for value in row) for row in rows]
     path.write_text("\n".join(lines), encoding="utf-8")
-    return {part: (heads[name], factor) for part, (name, factor) in truth.items()}
+    return heads
+
+
+def _motion(random: Random):
+    noise = np.random.default_rng(random.randrange(1 << 30))
+    rate, size = random.choice((100.0, 256.0, 512.0, 1024.0)), 3000
+    time = np.arange(size) / rate
+    frequencies = [random.uniform(0.3, 3.0) for _ in range(4)]
+    phases = [random.uniform(0.0, 6.0) for _ in range(4)]
+
+    def moved(at):
+        return sum(
+            0.01 * np.sin(2.0 * np.pi * f * at + p) / f for f, p in zip(frequencies, phases, strict=True)
+        )
+
+    delay = random.uniform(-0.002, 0.02)
+    command, measured = moved(time), random.uniform(0.96, 1.02) * moved(time - delay)
+    measured = measured + 1e-5 * noise.normal(size=size)
+    force = 1e5 * measured + 20.0 * noise.normal(size=size)
+    return noise, time, command, measured, force
 
 
 def _other(name, time, command, measured, force, noise):

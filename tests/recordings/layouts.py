@@ -218,6 +218,41 @@ def timeseries(folder):
     return _save_objects(folder / "t.mat", held, "v7")
 
 
+def timeseries_as_saved(folder):
+    """Names with which MATLAB saves properties, and equal steps without any vector of times."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from matio.utils.matclass import MatlabOpaque
+    nothing = np.zeros((0, 0))
+
+    def series(name, values, unit, steps):
+        times = {"Time_": nothing, "Start_": np.array([[0.0]]), "Increment_": np.array([[1e3 / RATE]])}
+        if not steps:
+            times = {
+                "Time_": 1e3 * TIME[:, np.newaxis],
+                "Start_": nothing,
+                "Increment_": np.array([[np.nan]]),
+            }
+        times |= {"Length": np.array([[float(SIZE)]]), "Units": np.array(["milliseconds"])}
+        about = {
+            "Name": np.array([name]),
+            "Time": nothing,
+            "Data": nothing,
+            "Data_": values[:, np.newaxis],
+            "TimeInfo": MatlabOpaque(properties=times, classname="tsdata.timemetadata"),
+            "DataInfo": MatlabOpaque(properties={"Units": np.array([unit])}, classname="tsdata.datametadata"),
+            "IsTimeFirst_": np.array([[True]]),
+        }
+        return MatlabOpaque(properties=about, classname="timeseries")
+
+    held = {
+        "d": series("desired disp", 1e3 * COMMAND, "mm", steps=True),
+        "m": series("feedback disp", 1e3 * MEASURED, "mm", steps=False),
+        "f": series("load cell", 1e-3 * FORCE, "kN", steps=True),
+    }
+    return _save_objects(folder / "t.mat", held, "v7")
+
+
 def _matlab_73(path, fill):
     with h5py.File(path, "w", userblock_size=512) as file:
         fill(file)
@@ -473,6 +508,7 @@ LAYOUTS = (
     *(
         timetable_73,
         timeseries,
+        timeseries_as_saved,
         matlab_73_vectors,
         dspace_73,
         hdf5_groups,

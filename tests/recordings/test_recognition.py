@@ -26,6 +26,13 @@ def columns_of(table):
         ("SetPoint", "ActDisp"),
         ("xref", "dmeas"),
         ("Consigna", "LVDT"),
+        ("位移命令", "位移反馈"),
+        ("目標変位", "応答変位"),
+        ("目標位移", "致動器位移"),
+        ("목표 변위", "측정 변위"),
+        ("Hedef yer değiştirme", "Ölçülen yer değiştirme"),
+        ("Dépl. cible", "Dépl. LVDT"),
+        ("xref", "xlaser"),
     ],
 )
 def test_words_of_laboratories_name_the_channels_in_any_order(command, measured):
@@ -67,6 +74,32 @@ def test_two_sensors_that_follow_the_command_are_asked_about():
     }
     with pytest.raises(InputError, match=r"'LVDT A \(mm\)' and 'LVDT B \(mm\)'"):
         columns_of(table)
+
+
+def test_the_more_alike_of_three_is_no_reason_where_nothing_is_named():
+    """Two sensors of one motion are more alike than it is to its command."""
+    table = {"t": TIME, "a (mm)": 1e3 * MEASURED, "b (mm)": 0.9e3 * MEASURED, "c (mm)": 1e3 * COMMAND}
+    with pytest.raises(InputError, match="'a \\(mm\\)' and 'b \\(mm\\)' and 'c \\(mm\\)'"):
+        columns_of(table)
+
+
+def test_the_output_of_a_model_is_no_measurement():
+    table = {"t": TIME, "Model output disp (mm)": 1e3 * COMMAND, "Actuator stroke (mm)": 1e3 * MEASURED}
+    assert columns_of(table)["measured"] == "Actuator stroke (mm)"
+
+
+def test_a_range_behind_a_name_is_no_unit():
+    table = {"Time": TIME, "Command": COMMAND, "Measured": MEASURED, "Load cell 50 kN": FORCE}
+    channels = read_recording(pd.DataFrame(table)).channels
+    assert {str(channel.part): channel.factor for channel in channels}["force"] == 1.0
+
+
+def test_per_cent_in_front_of_a_line_of_units_begins_no_comment(tmp_path):
+    rows = np.column_stack([VALVE, TIME, 1e3 * COMMAND, 1e3 * MEASURED])
+    path = tmp_path / "t.txt"
+    np.savetxt(path, rows, delimiter="\t", header="Valve\tTime\tCommand\tFeedback\n%\ts\tmm\tmm", comments="")
+    factors = {str(channel.part): channel.factor for channel in read_recording(path).channels}
+    assert factors["command"] == factors["measured"] == 1e-3
 
 
 def test_names_that_say_nothing_without_units_are_asked_about():

@@ -88,7 +88,7 @@ def test_nameless_columns_are_two_or_three(tmp_path, columns):
 def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
     file = tmp_path / "test.csv"
     np.savetxt(file, np.column_stack([MOVING] * 4), delimiter=",")
-    with pytest.raises(InputError, match=r"'column 1' and 'column 2'.*which move together"):
+    with pytest.raises(InputError, match=r"'column 1' and 'column 2'.*which move alike"):
         reliab.assess(file, f=1.0, xi=0.02)
 
 

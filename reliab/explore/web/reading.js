@@ -70,10 +70,10 @@ function numberOf(cell) {
 }
 
 function numbersOf(cells, width, line) {
-  if (cells.length !== width) throw new ReadingError(`Line ${line} has ${cells.length} columns; the first row has ${width}.`);
+  if (cells.length !== width) throw new ReadingError(`Line ${line} has ${cells.length} columns; the first row has ${width}. ${ELSEWHERE}`);
   return cells.map((cell) => {
     const number = numberOf(cell);
-    if (number === null || !Number.isFinite(number)) throw new ReadingError(`Line ${line}: every value must be a finite number.`);
+    if (number === null || !Number.isFinite(number)) throw new ReadingError(`Line ${line}: every value must be a finite number. ${ELSEWHERE}`);
     return number;
   });
 }

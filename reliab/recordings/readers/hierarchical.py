@@ -99,6 +99,8 @@ class _Contents:
         attributes = (
             {} if depth == 0 else {k: np.asarray(v) for k, v in group.attrs.items() if np.ndim(v) == 0}
         )
+        if "MATLAB_sparse" in group.attrs:
+            return {}  # no history: places and values of what is not zero
         if group.attrs.get("MATLAB_class") == b"struct" and (elements := self._elements(group, content)):
             return elements  # type: ignore[return-value]  # an array of structures
         return {**{k: v for k, v in attributes.items() if k not in content}, **content}
@@ -211,7 +213,8 @@ def _require_single_references(file: "h5py.File") -> None:
 
 
 def _characters(values: np.ndarray) -> str | list[str]:
-    """Characters of MATLAB 7.3, one number each; rows of a matrix of them are texts of their own."""
-    rows = np.atleast_2d(values.T)
-    texts = ["".join(map(chr, row)).strip() for row in rows]
+    """Characters of MATLAB 7.3, in numbers of UTF-16; rows of a matrix of them are texts of their own."""
+    across = np.moveaxis(np.atleast_2d(values.T), 1, -1)
+    rows = across.reshape(-1, across.shape[-1]).astype("<u2")
+    texts = [row.tobytes().decode("utf-16-le", errors="replace").strip() for row in rows]
     return texts[0] if len(texts) == 1 else texts

@@ -10,6 +10,9 @@ import pandas as pd
 
 from reliab.errors import InputError
 from reliab.recordings.readers.layouts import Series, Tree
+from reliab.recordings.recording import require_few_samples
+from reliab.recordings.units import unit_of
+from reliab.recordings.words import Quantity
 
 _DEEPEST: Final = 16
 _MOST_ITEMS: Final = 10_000
@@ -44,12 +47,15 @@ def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io m
     if isinstance(item, np.ndarray):
         return _of_array(item, depth)
     if isinstance(properties := getattr(item, "properties", None), Mapping):
-        return {str(name): _as_tree(value, depth + 1) for name, value in properties.items()}
+        content = {str(name): _as_tree(value, depth + 1) for name, value in properties.items()}
+        return _of_timeseries(content) if getattr(item, "classname", "") == "timeseries" else content
     return item if isinstance(item, str | int | float) else str(item)
 
 
 def _of_array(item: np.ndarray, depth: int) -> Tree:
     """Take structures as mappings, cells as lists, characters as text, times in seconds."""
+    if "function_handle" in (item.dtype.names or ()):
+        return ""  # its workspace may hold whatever stood beside it
     if item.dtype.names:
         rows = [
             {name: _as_tree(row[name], depth + 1) for name in item.dtype.names}
@@ -64,7 +70,46 @@ def _of_array(item: np.ndarray, depth: int) -> Tree:
             if item.size == 1
             else [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
         )
-    return seconds(item) if item.dtype.kind in "mM" else item
+    return seconds(item) if item.dtype.kind in "mM" and not _is_calendar(item) else item
+
+
+def _of_timeseries(properties: Mapping[str, Tree]) -> dict[str, Tree]:
+    """Time, data, name and unit of a `timeseries`, under the names with which MATLAB saves them.
+
+    It keeps the data as `Data_`, and equal steps as `Start_`, `Increment_` and `Length` of the object
+    `TimeInfo` with no vector of times at all.
+    """
+    about = _saved(properties, "TimeInfo") or {}
+    data = _saved(properties, "Data")
+    times = _saved(properties, "Time")
+    if times is None:
+        times = _saved(about, "Time")
+    if times is None:
+        times = _equal_steps(about)
+    unit = unit_of(str(_saved(about, "Units") or "s"))
+    factor = unit.factor if unit is not None and unit.quantity is Quantity.TIME else 1.0
+    return {
+        "Time": None if times is None else np.asarray(times, dtype=np.float64) * factor,
+        "Data": data,
+        "Name": _saved(properties, "Name") or "",
+        "DataInfo": {"Units": _saved(_saved(properties, "DataInfo") or {}, "Units") or ""},
+    }
+
+
+def _saved(properties: Mapping[str, Tree], name: str) -> Tree:
+    """Value of a property under its own name or the one it is saved with; None where neither holds any."""
+    held = (properties.get(key) for key in (name, f"{name}_")) if isinstance(properties, Mapping) else ()
+    return next((value for value in held if value is not None and np.size(value) > 0), None)
+
+
+def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:
+    start, step, count = (_saved(about, name) for name in ("Start", "Increment", "Length"))
+    if step is None or count is None or not 0.0 < float(np.ravel(step)[0]) < np.inf:
+        return None
+    size = int(np.ravel(count)[0])
+    require_few_samples(size, "timeseries")
+    first = 0.0 if start is None else float(np.ravel(start)[0])
+    return first + float(np.ravel(step)[0]) * np.arange(size)
 
 
 def _of_table(frame: pd.DataFrame) -> dict[str, Series]:
@@ -84,6 +129,11 @@ def _of_table(frame: pd.DataFrame) -> dict[str, Series]:
             for name in numbers
         },
     }
+
+
+def _is_calendar(times: np.ndarray) -> bool:
+    """Whether durations are counted in months or years, which have no length in seconds."""
+    return times.dtype.kind == "m" and np.datetime_data(times.dtype)[0] in {"Y", "M"}
 
 
 def seconds(times: np.ndarray) -> np.ndarray:

@@ -200,6 +200,9 @@ def is_comment(line: str) -> bool:
 def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
     """Cells of a line above a table, if they are as many as its columns and no numbers."""
     plain = line.strip("\r\n")
+    as_written = cells_of(plain, delimiter)
+    if len(as_written) == width and as_written[0] == "%" and _is_units(as_written):
+        return as_written  # per cent, the unit of the first column, begins no comment
     if plain.strip().startswith(COMMENTS):
         plain = plain.strip().lstrip("".join(COMMENTS)).strip()
     for sign in (delimiter, *_BETWEEN_NAMES):

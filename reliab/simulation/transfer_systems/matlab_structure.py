@@ -199,7 +199,7 @@ class _Elements:
             width = self._number(self._content(4))
             count *= len(self._content(_CHUNK * _CHUNK)) // max(width, 1)
         if held in {_CELL, _STRUCTURE, _OBJECT, _FUNCTION}:
-            for _ in range(1 if held == _FUNCTION else count):
+            for _ in range(count):
                 self.matrix(depth + 1)
         elif held in _NUMERIC or held in {_CHARACTERS, _SPARSE}:
             of_kind = {_CHARACTERS: 1, _SPARSE: 2 + parts}

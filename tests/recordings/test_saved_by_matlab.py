@@ -1,0 +1,79 @@
+"""Objects of MATLAB's classes as MATLAB saved them; the numbers are those of the scripts that made them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.errors import InputError
+from reliab.recordings import read_recording, read_tests
+from reliab.recordings.readers.hierarchical import read_hierarchical
+from reliab.recordings.readers.objects import tree_of_objects
+
+pytest.importorskip("matio")
+SAVED = Path(__file__).parent / "saved_by_matlab"
+DAY = 86400.0
+
+
+def read(name):
+    (test,) = read_tests(SAVED / f"{name}.mat")
+    return test
+
+
+@pytest.mark.parametrize(
+    ("variable", "times", "values"),
+    [
+        ("timetable_step_millis", [0.0, 0.01, 0.02], [1.0, 2.0, 3.0]),
+        ("timetable_step_start_offset", [0.0, 1.0, 2.0], [1.0, 2.0, 3.0]),
+        ("timetable_step_caldays", [0.0, DAY, 2.0 * DAY], [1.0, 2.0, 3.0]),
+        ("timetable_sample_rate", [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0], [1.0, 2.0, 3.0, 4.0]),
+    ],
+)
+def test_times_of_timetables_that_were_saved_as_a_step(variable, times, values):
+    test = read("timetable_steps_v7")
+    np.testing.assert_array_equal(test.values[f"{variable}.data1"], values)
+    np.testing.assert_allclose(test.clocks[f"{variable}.data1"], times, atol=1e-9)
+
+
+def test_tables_and_timetables():
+    test = read("tables_v7")
+    np.testing.assert_array_equal(test.values["table_numeric.Var2"], [4.4, 5.5, 6.6])
+    np.testing.assert_array_equal(test.values["table_row_names.Col1"], [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(test.clocks["timetable_duration.data1"], [10.0, 20.0, 30.0])
+    np.testing.assert_allclose(test.clocks["timetable_datetime.data1"], [0.0, DAY, 2.0 * DAY])
+    assert test.units["timetable_with_attrs.data1"] == "m/s"
+
+
+@pytest.mark.parametrize("release", ["timetablev8_v7", "timetablev8_v73"])
+def test_a_timetable_of_a_later_release_in_both_formats(release):
+    assert read(release).values["timetable_v8.data1"] == pytest.approx([1.0, 2.0, 3.0])
+
+
+def test_names_of_columns_as_they_were_written():
+    np.testing.assert_array_equal(
+        read("table_original_names_v7").values["table_original_names.p [bar]"], [1.0, 2.0]
+    )
+
+
+@pytest.mark.parametrize("version", ["v7", "v73"])
+def test_function_handles_and_what_they_hold_are_no_channels(version):
+    handles = tree_of_objects(SAVED / f"function_handles_{version}.mat")
+    assert handles.pop("empty_fh") == []
+    assert set(handles.values()) == {""}
+
+
+def test_calendar_durations_have_no_length_in_seconds_and_spoil_no_file():
+    assert "dur_" in " ".join(tree_of_objects(SAVED / "time_v7.mat"))
+
+
+def test_characters_beyond_sixteen_bits_are_text():
+    """As the manual's UTF-16: numbers that are halves of a character could not be written out again."""
+    with pytest.raises(InputError) as caught:
+        read_hierarchical(SAVED / "chars_v73.mat")
+    assert str(caught.value).encode()
+
+
+@pytest.mark.parametrize("path", sorted(SAVED.glob("*.mat")), ids=lambda path: path.stem)
+def test_none_of_them_is_taken_for_a_test(path):
+    with pytest.raises(InputError, match=r"vectors of numbers|column of the command"):
+        read_recording(path)
