@@ -1,5 +1,6 @@
 from .added_mass import AddedMass as AddedMass
 from .backlash import Backlash as Backlash
+from .coulomb_friction import CoulombFriction as CoulombFriction
 from .cubic_stiffness import CubicStiffness as CubicStiffness
 from .delay_drift import DelayDrift as DelayDrift
 from .effect import (
@@ -14,7 +15,7 @@ from .effect import (
 )
 from .excitation_scale import ExcitationScale as ExcitationScale
 from .first_order_lag import FirstOrderLag as FirstOrderLag
-from .friction import CoulombFriction as CoulombFriction
+from .force_bias import ForceBias as ForceBias
 from .hysteresis import Hysteresis as Hysteresis
 from .integration_error import IntegrationError as IntegrationError
 from .kernel import Kernel as Kernel, Numbers as Numbers, call_kernel as call_kernel, pointer_to as pointer_to
@@ -22,7 +23,7 @@ from .quadratic_damping import QuadraticDamping as QuadraticDamping
 from .rate_limit import RateLimit as RateLimit
 from .registry import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP, find_effect as find_effect, library as library
 from .second_order_dynamics import SecondOrderDynamics as SecondOrderDynamics
-from .sensor_bias import ForceBias as ForceBias, SensorBias as SensorBias
+from .sensor_bias import SensorBias as SensorBias
 from .sensor_drift import SensorDrift as SensorDrift
 from .stroke_saturation import StrokeSaturation as StrokeSaturation
 from .viscous_damping import ViscousDamping as ViscousDamping

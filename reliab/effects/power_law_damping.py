@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.effect import Parameter, Role, SteppedEffect
-from reliab.effects.friction import CoulombFriction
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.vocabulary import Block

@@ -4,14 +4,18 @@ from typing import Any
 
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
+from reliab.effects.command_saturation import CommandSaturation
+from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.degrading_hysteresis import DegradingHysteresis
 from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.directional_friction import DirectionalFriction
 from reliab.effects.effect import Effect
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.first_order_lag import FirstOrderLag
-from reliab.effects.friction import CoulombFriction, DirectionalFriction
+from reliab.effects.force_bias import ForceBias
 from reliab.effects.gap import Gap
-from reliab.effects.hysteresis import DegradingHysteresis, Hysteresis
+from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
@@ -19,10 +23,10 @@ from reliab.effects.quadratic_stiffness import QuadraticStiffness
 from reliab.effects.rate_limit import RateLimit
 from reliab.effects.rectified_sensor import RectifiedSensor
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
-from reliab.effects.sensor_bias import ForceBias, SensorBias
+from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
-from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
+from reliab.effects.stroke_saturation import StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.registry import Registry

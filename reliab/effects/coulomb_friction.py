@@ -1,4 +1,4 @@
-"""Coulomb friction, smooth about zero velocity, and friction that is stronger in one direction."""
+"""Coulomb friction, smooth about zero velocity."""
 
 import math
 from dataclasses import dataclass
@@ -51,39 +51,3 @@ class CoulombFriction(SteppedEffect):
     # of the peak velocity only: a force that changes more gradually is :class:`PowerLawDamping`, not dry
     # friction
     regularisation_velocity_m_per_s: float
-
-
-def _directional_force(
-    motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers
-) -> float:
-    direction = math.tanh(motion[1] / coefficients[1])
-    return coefficients[0] * direction * (1.0 + coefficients[2] * direction)
-
-
-@dataclass(frozen=True, kw_only=True)
-class DirectionalFriction(SteppedEffect):
-    """A force F·s·(1 + a·s) with s = tanh(v/v_s): F(1 + a) forwards and F(1 − a) backwards."""
-
-    name = "directional_friction"
-    block = Block.SPECIMEN
-    role = Role.FORCE
-    description = "dry friction in the specimen is stronger in one direction than in the other"
-    refines = CoulombFriction
-    parameters = (
-        *CoulombFriction.parameters,
-        Parameter(
-            name="asymmetry",
-            units="-",
-            meaning="half the difference of both directions over their mean",
-            signed=True,
-            typical=0.3,
-            lower=-1.0,
-            upper=1.0,
-            starts=(0.05, -0.05),
-        ),
-    )
-    kernel = Kernel(function=_directional_force)
-
-    force_n: float  # Mean friction force F of both directions [N]
-    regularisation_velocity_m_per_s: float  # Velocity v_s [m/s] over which the force changes sign
-    asymmetry: float = 0.0  # a [-], half the difference of both directions over their mean, between −1 and 1

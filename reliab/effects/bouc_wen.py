@@ -1,0 +1,63 @@
+"""The force of Bouc and Wen's hysteresis, with the losses and the slip of Baber, Wen and Noori."""
+
+import math
+
+from reliab.effects.kernel import Kernel, Numbers
+from reliab.errors import InputError
+
+_YIELDS = 1e-4  # of the elastic stiffness
+_LARGEST_PART = 0.1  # of the yield displacement: largest part into which the path is divided
+_MOST_PARTS = 50
+_LARGEST_FORCE = 100.0  # of the yield force
+_SLIP_WIDTH = 0.2  # of the yield force
+
+
+def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
+    # Coefficients: f, d, γ, n, share that the spring lost, δ_η, δ_ν, ζ.
+    # State: started, displacement, z, dissipated energy over f·d. The path of the displacement decides, not
+    # its speed.
+    gamma, exponent = coefficients[2], coefficients[3]
+    beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
+    travel = (motion[0] - state[1]) / coefficients[1] if state[0] != 0.0 else 0.0
+    sign = 1.0 if travel >= 0.0 else -1.0
+    substeps = min(int(abs(travel) / _LARGEST_PART) + 1, _MOST_PARTS)
+    increment = travel / substeps
+    z, energy = state[2], state[3]
+    for place in range(substeps):
+        weaker = 1.0 + coefficients[6] * energy
+        softer = increment / (1.0 + coefficients[5] * energy)
+        if coefficients[7] > 0.0:
+            softer *= 1.0 - coefficients[7] * math.exp(-((z / _SLIP_WIDTH) ** 2))
+        direction = beta if sign * z >= 0.0 else -beta
+        rise = softer * (1.0 - weaker * abs(z) ** exponent * (direction + gamma))
+        middle = min(max(z + 0.5 * rise, -_LARGEST_FORCE), _LARGEST_FORCE)
+        direction = beta if sign * middle >= 0.0 else -beta
+        rise = softer * (1.0 - weaker * abs(middle) ** exponent * (direction + gamma))
+        energy = max(energy + middle * (increment - rise), 0.0)
+        z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
+        if abs(rise) < _YIELDS * abs(increment):  # it yields, and goes on yielding to the end of the step
+            energy = max(energy + (substeps - 1 - place) * increment * z, 0.0)
+            break
+    state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
+    return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])
+
+
+SHARPEST = 50.0
+"""Largest exponent n [-] that the steps follow; above it the force leaves its bounds."""
+
+
+def require_followed(exponent: float) -> None:
+    """Refuse an exponent that the steps cannot follow.
+
+    `exponent` [-].
+    """
+    if exponent > SHARPEST:
+        raise InputError(
+            f"The exponent of a hysteresis must be at most {SHARPEST:g}",
+            value=f"{exponent:g}",
+            remedy="Give 20 for a sharp corner",
+        )
+
+
+BOUC_WEN = Kernel(function=_force, states=4)
+"""Kernel of eight coefficients: those of a hysteresis, then growth of flexibility, fall of strength, slip."""
