@@ -143,19 +143,27 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
         raise
 
 
+@contextlib.contextmanager
+def refuse_unwritable(rule: str, *, where: object, remedy: str = "Name another") -> Iterator[None]:
+    """Refuse a place to which what is written inside cannot be written.
+
+    >>> with refuse_unwritable("The page must be writable", where="/dev/null/page"):
+    ...     _ = Path("/dev/null/page").write_text("")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: /dev/null/page: The page must be writable; found Not a directory. Name another.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(rule, value=error.strerror, remedy=remedy, where=str(where)) from error
+
+
 def write_json_file(content: object, path: str | Path) -> None:
     """Write plain values as JSON, whole or not at all."""
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    try:
-        with written_whole(path) as file:
-            file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
-    except OSError as error:
-        raise InputError(
-            "The JSON file must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(path),
-        ) from error
+    with refuse_unwritable("The JSON file must be writable", where=path), written_whole(path) as file:
+        file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
 
 
 @contextlib.contextmanager
@@ -188,21 +196,15 @@ def written_by_one_process(path: Path, rule: str) -> Iterator[None]:
 
     lock = filelock.FileLock(path.with_name(path.name + ".lock"), timeout=0)
     refuse_links(path, Path(lock.lock_file))
-    try:
-        lock.acquire()
-    except filelock.Timeout:
-        raise InputError(
-            rule,
-            value=f"{path} in use by another process",
-            remedy="Wait until it is done, or name another",
-        ) from None
-    except OSError as error:
-        raise InputError(
-            "The place of a folder must be writable",
-            value=error.strerror,
-            remedy="Name another",
-            where=str(path.parent),
-        ) from None
+    with refuse_unwritable("The place of a folder must be writable", where=path.parent):
+        try:
+            lock.acquire()
+        except filelock.Timeout:
+            raise InputError(
+                rule,
+                value=f"{path} in use by another process",
+                remedy="Wait until it is done, or name another",
+            ) from None
     try:
         yield
     finally:

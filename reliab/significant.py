@@ -24,3 +24,12 @@ def percent(share: float, digits: int = 3, *, decimals: int | None = None) -> st
     """
     value = PERCENT * share
     return f"{significant(value, digits) if decimals is None else f'{value:.{decimals}f}'} %"
+
+
+def percent_with_interval(value: float, low: float, high: float) -> str:
+    """Write an error [-] in per cent, with the ends of its interval.
+
+    >>> percent_with_interval(0.0228, 0.0042, 0.0483)
+    '2.28 % (0.42 to 4.83 %)'
+    """
+    return f"{percent(value, decimals=2)} ({PERCENT * low:.2f} to {percent(high, decimals=2)})"

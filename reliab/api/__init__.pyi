@@ -7,7 +7,8 @@ from .assessment_files import (
 )
 from .boundaries import ellipses as ellipses
 from .calibration import calibrate as calibrate
-from .criteria import Criteria as Criteria, derive_criteria as derive_criteria
+from .criteria import derive_criteria as derive_criteria
+from .derived_criteria import Criteria as Criteria
 from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
 from .explorer import ExplorerPage as ExplorerPage, write_explorer as write_explorer

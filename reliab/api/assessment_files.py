@@ -10,7 +10,7 @@ from reliab.api.design import Design
 from reliab.assessment import Assessment, FrameAssessment, verdict_table
 from reliab.encodings import as_cell
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
@@ -82,17 +82,9 @@ def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> No
     InputError
         If the file cannot be written.
     """
-    try:
-        with written_whole(out) as file:
-            rows = verdict_table(verdicts)
-            rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
-    except OSError as error:
-        raise InputError(
-            "The table's file must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(out),
-        ) from error
+    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
+        rows = verdict_table(verdicts)
+        rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
 
 def draw_design(design: Design, figure: str | Path) -> None:

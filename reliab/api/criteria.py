@@ -2,8 +2,8 @@
 
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import xarray as xr
 from reliab.api.cases import POPULATION, Case
 from reliab.api.criterion_comparison import compare_candidates
 from reliab.api.criterion_figures import draw_criteria
+from reliab.api.derived_criteria import Criteria, write_criterion
 from reliab.api.sources import (
     FIVE_PERCENT,
     ONE_HERTZ,
@@ -28,19 +29,14 @@ from reliab.criterion import (
     Criterion,
     Derivation,
     compare_shares,
-    describe_sample,
-    printed_share,
     published_criterion,
-    summarise,
 )
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import RECOMMENDED, method_of
-from reliab.errors import IncompleteError, InputError
-from reliab.files import written_whole
+from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
-from reliab.shipped import shipped
 from reliab.significant import percent
 from reliab.simulation.frames import read_frame
 from reliab.sweep import (
@@ -48,82 +44,11 @@ from reliab.sweep import (
     Numbers,
     at_share,
     errors_of_rig,
-    open_ellipses,
     shares_of,
     summary_of_rig,
 )
 
 _NINETY_FIVE = 0.95
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Criteria:
-    """Criteria with what they were derived from.
-
-    Attributes
-    ----------
-    criteria : tuple of Criterion
-        One for each share of the stiffness, error and share of the population's ground motions.
-    structures : tuple of (float, float)
-        Natural frequency [Hz] and damping ratio [-] of each structure that is asked for.
-    ellipses : xarray.Dataset, optional
-        Ellipses of the motions; none for a printed law without a source of them.
-    derivations : tuple of Derivation
-        What was learned, one for each share of the stiffness and error; none for a printed law.
-    beside : dict
-        What was asked for beside the criteria: `figures`, `comparison`; of frames `rig`, of several shares
-        of the stiffness `share_law`.
-    """
-
-    criteria: tuple[Criterion, ...]
-    structures: tuple[tuple[float, float], ...]
-    ellipses: xr.Dataset | None = None
-    derivations: tuple[Derivation, ...] = ()
-    beside: Mapping[str, Any] = field(default_factory=dict)
-
-    @cached_property
-    def rows(self) -> list[dict[str, Any]]:
-        """Limits of each criterion at each structure, with the motions behind them."""
-        sample = self.ellipses if self.derivations else None
-        return [_row(criterion, sample, f, xi) for f, xi in self.structures for criterion in self.criteria]
-
-    @property
-    def posteriors(self) -> list[Mapping[str, Any]]:
-        """Diagnostics of sampled posteriors, one for each error and side."""
-        return [diagnostics for derivation in self.derivations for diagnostics in derivation.diagnostics]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys: `criteria`, the rows, and where there is only one its keys too."""
-        posteriors = {"posteriors": self.posteriors} if self.posteriors else {}
-        return {
-            "criteria": self.rows,
-            **(self.rows[0] if len(self.rows) == 1 else {}),
-            **posteriors,
-            **self.beside,
-        }
-
-    def require_converged(self, chains: str | Path | None = None) -> None:
-        """Refuse criteria of posteriors that cannot be relied on.
-
-        Parameters
-        ----------
-        chains : str or pathlib.Path, optional
-            The file that kept the chains.
-
-        Raises
-        ------
-        IncompleteError
-            If a posterior has not converged; it says how to go on.
-        """
-        failed = [posterior for posterior in self.posteriors if not posterior["converged"]]
-        if failed:
-            complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
-            again = f"`steps={2 * failed[0]['steps']}`"
-            how = f"Resume with `chains={chains}` {again}" if chains else f"Give {again}"
-            message = (
-                f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {how}."
-            )
-            raise IncompleteError(message)
 
 
 def derive_criteria(
@@ -410,7 +335,7 @@ class _Question:
         )
         beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.narrows else {}
         if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
-            _write(derived.criteria[0], self.out)
+            write_criterion(derived.criteria[0], self.out)
         if self.figures is not None:
             drawn = draw_criteria(
                 self.figures,
@@ -453,43 +378,6 @@ def _structures(
     all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
     all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
     return tuple(itertools.product(listed(f) or all_f, listed(xi) or all_xi))
-
-
-def _row(criterion: Criterion, sample: xr.Dataset | None, f: float, xi: float) -> dict[str, Any]:
-    """Summarise a criterion at one structure, with its motions where the sample has it."""
-    summary = summarise(criterion, f, xi)
-    if criterion.population is None:
-        summary.update(_kept_by(criterion, summary))
-    elif sample is not None and f in sample["f"] and xi in sample["xi"]:
-        of_share = at_share(sample, criterion.provenance.experimental_fraction)
-        summary.update(describe_sample(of_share, criterion, f, xi))
-    return summary
-
-
-def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Measure on the real motions that ship with the package how many keep a printed law."""
-    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
-    kept = printed_share(criterion, real, summary["f"], summary["xi"])
-    sentence = (
-        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary that "
-        f"contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
-        f"{percent(criterion.confidence)}; measured on the ellipses of datasets/real_suite, for all "
-        "structures by `reliab run validation`."
-    )
-    return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
-
-
-def _write(criterion: Criterion, out: str | Path) -> None:
-    try:
-        with written_whole(out) as file:
-            file.write_text(criterion.to_json(), encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "The criterion's file must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(out),
-        ) from error
 
 
 def _share_law(derived: Criteria) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.progress import Show
 
 if TYPE_CHECKING:
@@ -120,15 +120,8 @@ def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
 def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
     from reliab.report import svg
 
-    try:
+    with refuse_unwritable("The folder of the figures must be writable", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
         with written_whole(folder / name) as file:
             file.write_bytes(svg(drawn))
-    except OSError as error:
-        raise InputError(
-            "The folder of the figures must be writable",
-            value=error.strerror,
-            remedy="Name another folder",
-            where=str(folder),
-        ) from error
     return name

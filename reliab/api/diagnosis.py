@@ -5,8 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from reliab.discrepancy import Addition, Diagnosis, add, campaign_folder, diagnose, read_campaign
-from reliab.errors import InputError
-from reliab.files import write_json_file
+from reliab.files import refuse_unwritable, write_json_file
 from reliab.progress import Show, quietly
 from reliab.report import Setting, write_pdf
 from reliab.report.kinds.discrepancy import discrepancy_report
@@ -62,15 +61,8 @@ def diagnose_campaign(
 
 
 def _make(folder: Path) -> None:
-    try:
+    with refuse_unwritable("The folder for the diagnosis must be writable", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            "The folder for the diagnosis must be writable",
-            value=error.strerror,
-            remedy="Name another",
-            where=str(folder),
-        ) from None
 
 
 def report_diagnosis(

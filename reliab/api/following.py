@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from reliab.api.arguments import Quantity, require_positive, stated_values
-from reliab.api.followed_rows import chunks_of_text
 from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor, Tolerances
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
+    chunks_of_text,
     rows_as_written,
     stated_by_options,
 )

@@ -7,7 +7,7 @@ from typing import Any
 from reliab.api.arguments import Quantity, require_positive, stated_values
 from reliab.assessment.rebuilt_error import WholeStructure
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
 from reliab.simulation.frames import read_frame
 from reliab.structures import Structure
@@ -189,14 +189,7 @@ def _of_frame(path: str | Path, f: Quantity | None, xi: Quantity | None, alpha: 
 
 def _write(content: dict[Path, bytes]) -> None:
     for path, data in content.items():
-        try:
+        with refuse_unwritable("A monitor must be written to a place that is writable", where=path):
             path.parent.mkdir(parents=True, exist_ok=True)
             with written_whole(path) as unfinished:
                 unfinished.write_bytes(data)
-        except OSError as error:
-            raise InputError(
-                "A monitor must be written to a place that is writable",
-                value=error.strerror,
-                remedy="Name another",
-                where=str(path),
-            ) from error

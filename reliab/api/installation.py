@@ -9,7 +9,7 @@ from typing import IO, Any
 from urllib.parse import urlsplit
 
 from reliab.errors import InputError
-from reliab.files import ordinary, written_whole
+from reliab.files import ordinary, refuse_unwritable, written_whole
 from reliab.shipped import KINDS, checksum_of, checksums, fetched, shipped
 from reliab.version import __version__
 
@@ -100,20 +100,13 @@ def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     """
     folder, home = Path(folder), shipped("datasets", "")
     copies = {folder / file.relative_to(home): file for sample in _SAMPLES for file in _files(home / sample)}
-    try:
+    with refuse_unwritable("The folder for the samples must be writable", where=folder):
         contents = {path: file.read_bytes() for path, file in copies.items()}
         _refuse_others(contents)
         for path, content in contents.items():
             path.parent.mkdir(parents=True, exist_ok=True)
             with written_whole(path) as unfinished:
                 unfinished.write_bytes(content)
-    except OSError as error:
-        raise InputError(
-            "The folder for the samples must be writable",
-            value=error.strerror,
-            remedy="Name another",
-            where=str(folder),
-        ) from error
     return tuple(folder / sample for sample in _SAMPLES)
 
 

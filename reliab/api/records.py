@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from reliab.api.arguments import Quantity, stated_values
-from reliab.errors import InputError
+from reliab.files import refuse_unwritable
 from reliab.recordings import (
     About,
     Histories,
@@ -123,20 +123,13 @@ def record(
         delimiter=delimiter,
     )
     written = []
-    try:
+    with refuse_unwritable("The record must be writable", where=out or csv):
         if out is not None:
             write_record(dataset, out)
             written.append(Path(out))
         if csv is not None:
             write_csv(dataset, histories, csv)
             written.append(Path(csv))
-    except OSError as error:
-        raise InputError(
-            "The record must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(out or csv),
-        ) from error
     return Record(source=path, files=tuple(written), histories=histories)
 
 

@@ -7,7 +7,7 @@ from reliab.assessment.cautions import cautions
 from reliab.assessment.findings import Findings
 from reliab.assessment.showing import draw_error, table_of_assessment
 from reliab.assessment.summary import summarise
-from reliab.significant import percent
+from reliab.significant import percent_with_interval
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,8 +33,7 @@ class Assessment(Findings):
         error = self.error.rebuilt.rms
         return (
             f"<Assessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, RMS error "
-            f"{percent(error.value, decimals=2)} ({percent(error.low, decimals=2)} to "
-            f"{percent(error.high, decimals=2)})>"
+            f"{percent_with_interval(error.value, error.low, error.high)}>"
         )
 
     def _repr_html_(self) -> str:

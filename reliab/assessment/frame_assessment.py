@@ -19,7 +19,7 @@ from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
 from reliab.indices import TrackingOverFrequency
 from reliab.recordings import Recording
-from reliab.significant import percent
+from reliab.significant import percent_with_interval
 from reliab.simulation.frames import FrameUnderTest
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, Metric
@@ -176,8 +176,7 @@ class FrameAssessment:
         size = self.error.of(self.error.metric)
         return (
             f"<FrameAssessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, "
-            f"{self.error.metric.upper()} error {percent(size.value, decimals=2)} "
-            f"({percent(size.low, decimals=2)} to {percent(size.high, decimals=2)})>"
+            f"{self.error.metric.upper()} error {percent_with_interval(size.value, size.low, size.high)}>"
         )
 
 

@@ -5,36 +5,31 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.html_table import html_table
-from reliab.significant import percent, significant
+from reliab.significant import percent_with_interval, significant
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from reliab.assessment.findings import Findings
-    from reliab.assessment.rebuilt_error import Estimate
 
 
 def table_of_assessment(assessment: "Findings") -> str:
     """Write verdict, error, A, d and index of a test as a table in HTML."""
     error, placed = assessment.error, assessment.population
+    rms, mte = error.rebuilt.rms, error.rebuilt.mte
     rows = {
         "verdict": str(assessment.verdict.word).replace("_", " "),
         f"probability of an error below {significant(error.threshold)} {error.metric.upper()}": _probability(
             error.probability
         ),
-        "RMS error": _interval(error.rebuilt.rms),
-        "largest error": _interval(error.rebuilt.mte),
+        "RMS error": percent_with_interval(rms.value, rms.low, rms.high),
+        "largest error": percent_with_interval(mte.value, mte.low, mte.high),
         "amplitude A": f"{assessment.tracking.amplitude:.4f}",
         "equivalent delay d": f"{MILLI * assessment.tracking.delay:.3f} ms",
         "index by the criterion": "none" if placed.index is None else significant(placed.index),
     }
     return html_table(assessment.recording.name, rows, assessment.verdict.reasons)
-
-
-def _interval(estimate: "Estimate") -> str:
-    value, low, high = (percent(size, decimals=2) for size in (estimate.value, estimate.low, estimate.high))
-    return f"{value} ({low} to {high})"
 
 
 def _probability(probability: float) -> str:

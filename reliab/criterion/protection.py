@@ -12,7 +12,6 @@ import xarray as xr
 
 from reliab.arrays import Array
 from reliab.criterion.carrying import DIMENSIONS, carry_to_length
-from reliab.criterion.meaning import REST
 from reliab.sweep import shares_of
 from reliab.vocabulary import CurveName, Metric
 
@@ -41,9 +40,10 @@ def protect_over_lengths(
     Returns
     -------
     xarray.Dataset
-        For each structure the ellipses at one of three lengths, the middles of the thirds of all.
-        The ellipses as they are where nothing can be learned of lengths: for an error other than RMS^R,
-        windows, a partly numerical structure, or fewer than thirty motions of ten earthquakes.
+        For each structure the inscribed ellipses of RMS^R at one of three lengths, the middles of the thirds
+        of all; those of other errors and curves stay beside them. The ellipses as they are where nothing can
+        be learned of lengths: for a criterion of an error other than RMS^R, windows, a partly numerical
+        structure, or fewer than thirty motions of ten earthquakes.
 
     Examples
     --------
@@ -54,19 +54,18 @@ def protect_over_lengths(
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses
-    ellipses = ellipses.sel(metric=[metric])
+    own = {"metric": [metric], "curve": [curve]}
     lengths = np.quantile(ellipses["duration"].values, _MIDDLES_OF_THIRDS)
-    carried = [carry_to_length(ellipses, float(length)) for length in lengths]
-    least = carried[0].copy()
+    carried = [carry_to_length(ellipses.sel(own), float(length)) for length in lengths]
+    protected = ellipses.copy()
     for name in ("a", "b"):
-        dimensions = carried[0][name].dims
+        dimensions = ellipses[name].dims
         values = np.stack([at_length[name].transpose(*dimensions).values for at_length in carried])
-        least[name] = dimensions, _least_favourable(values, 1 + dimensions.index("motion"))
-    if REST in ellipses:
-        least[REST] = ellipses[REST]
+        protected[name] = ellipses[name].copy()
+        protected[name].loc[own] = _least_favourable(values, 1 + dimensions.index("motion"))
     first, second, third = (f"{length:.0f}" for length in lengths)
     words = f"each structure at the least favourable of {first}, {second} and {third} s"
-    return least.assign_attrs(carried_to=words, position="inside", caution="")
+    return protected.assign_attrs(carried_to=words, position="inside", caution="")
 
 
 def _least_favourable(values: Array, motions: int) -> Array:
@@ -84,6 +83,8 @@ def _shows_lengths(ellipses: xr.Dataset) -> bool:
     lengths = ellipses["duration"].values
     return (
         set(ellipses["a"].dims) == set(DIMENSIONS)
+        and Metric.RMS in ellipses["metric"].values
+        and CurveName.INSCRIBED in ellipses["curve"].values
         and str(ellipses.attrs.get("window", "record")) == "record"
         and shares_of(ellipses) == (1.0,)
         and lengths.size >= _LEAST_MOTIONS

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from reliab.criterion import MOST_AT_REST, REST, is_ellipse, names_along, protect_over_lengths
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.recordings import LENGTHS, TIMES, UNITS, page_words
 from reliab.sweep import at_share, share_of
 from reliab.version import __version__
-from reliab.vocabulary import CurveName, Metric
+from reliab.vocabulary import CurveName
 
 _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"
@@ -91,13 +91,8 @@ def write_page(
         If a setting lies outside the range of the ellipses, or the file cannot be written.
     """
     content = render(pack(ellipses), settings or Settings(), source=source)
-    try:
-        with written_whole(path) as file:
-            file.write_text(content, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise InputError(
-            "The page must be writable", value=error.strerror, remedy="Name another file", where=str(path)
-        ) from error
+    with refuse_unwritable("The page must be writable", where=path), written_whole(path) as file:
+        file.write_text(content, encoding="utf-8", newline="\n")
 
 
 def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str:
@@ -200,7 +195,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     powers of two: sixteen bits above an offset hold it exactly. Zero stands for a motion without an ellipse.
     Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
-    tables = [_inscribed(_protecting(dataset)) for dataset in ellipses.values()]
+    tables = [_inscribed(protect_over_lengths(dataset)) for dataset in ellipses.values()]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -232,18 +227,6 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
     }
-
-
-def _protecting(ellipses: xr.Dataset) -> xr.Dataset:
-    """Ellipses of whole records whose errors RMS^R protect every length, as those of a criterion do."""
-    try:
-        own = ellipses.sel(metric=[str(Metric.RMS)], curve=[str(CurveName.INSCRIBED)])
-    except KeyError:
-        return ellipses
-    protected = protect_over_lengths(own)
-    if protected is own:
-        return ellipses
-    return ellipses.assign({name: protected[name].combine_first(ellipses[name]) for name in ("a", "b")})
 
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:

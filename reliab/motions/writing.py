@@ -9,7 +9,7 @@ from pathlib import Path
 
 from reliab.encodings import as_cell
 from reliab.errors import InputError
-from reliab.files import folder_written_whole
+from reliab.files import folder_written_whole, refuse_unwritable
 from reliab.motions.catalogue import CATALOGUE, COLUMNS
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
@@ -54,16 +54,9 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
             value=str(folder),
             remedy="Name another folder, or empty this one",
         )
-    try:
-        with folder_written_whole(target) as unfinished:
-            _write_all(suite, unfinished, event)
-    except OSError as error:
-        raise InputError(
-            "The folder to write to must be writable, new or empty",
-            value=error.strerror,
-            remedy="Name another folder",
-            where=str(target),
-        ) from error
+    rule = "The folder to write to must be writable, new or empty"
+    with refuse_unwritable(rule, where=target), folder_written_whole(target) as unfinished:
+        _write_all(suite, unfinished, event)
     return target / CATALOGUE
 
 

@@ -11,6 +11,7 @@ from .channels_file import (
     stated_by_tables as stated_by_tables,
 )
 from .following import Rows as Rows, rows_as_written as rows_as_written
+from .growing_file import chunks_of_text as chunks_of_text
 from .naming import page_words as page_words
 from .readers import read_tests as read_tests
 from .reading import (

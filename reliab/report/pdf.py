@@ -12,8 +12,7 @@ from typing import Any, Final, cast
 
 import typst
 
-from reliab.errors import InputError
-from reliab.files import decoding, written_whole
+from reliab.files import decoding, refuse_unwritable, written_whole
 from reliab.report.content import files_of
 from reliab.report.document import Document
 from reliab.report.saved import CONTENT_REMEDY, CONTENT_RULE
@@ -46,16 +45,8 @@ def write_pdf(
         If the file cannot be written, or the logo is damaged.
     """
     content = compiled_report(document, date=date, setting=setting)
-    try:
-        with written_whole(path) as file:
-            file.write_bytes(content)
-    except OSError as error:
-        raise InputError(
-            "The file of a report must be writable",
-            value=error.strerror,
-            remedy="Name another",
-            where=str(path),
-        ) from None
+    with refuse_unwritable("The file of a report must be writable", where=path), written_whole(path) as file:
+        file.write_bytes(content)
 
 
 def compiled_report(

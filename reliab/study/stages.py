@@ -25,7 +25,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from reliab.criterion import installed_versions
 from reliab.described_files import read_json
 from reliab.errors import IncompleteError, InputError
-from reliab.files import written_by_one_process, written_whole
+from reliab.files import refuse_unwritable, written_by_one_process, written_whole
 from reliab.unfinished import UNFINISHED, remove_abandoned
 
 MANIFEST = "manifest.json"
@@ -81,11 +81,8 @@ class RunFolder:
     @contextlib.contextmanager
     def opened(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
         """Open a run folder, and keep every other process from running a study in it."""
-        try:
+        with refuse_unwritable("The run folder must be writable", where=path):
             path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            rule = "The run folder must be writable"
-            raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from None
         with written_by_one_process(path, "Only one process may run a study in a folder"):
             try:
                 yield cls(path, study=study)

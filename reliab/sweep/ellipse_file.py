@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.errors import InputError
+from reliab.files import refuse_unwritable
 from reliab.indices import Window
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
@@ -34,15 +35,8 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
         If the file cannot be written.
     """
     encoding = {str(name): {"zlib": True, "complevel": 9, "shuffle": True} for name in ellipses.data_vars}
-    try:
+    with refuse_unwritable("The file of ellipses must be writable", where=path):
         write_netcdf(ellipses, path, encoding=encoding)
-    except OSError as error:
-        raise InputError(
-            "The file of ellipses must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(path),
-        ) from None
 
 
 def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:

@@ -25,7 +25,7 @@ import zarr
 from numpy.typing import NDArray
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import decoding, written_by_one_process
+from reliab.files import decoding, refuse_unwritable, written_by_one_process
 from reliab.motions import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
@@ -167,17 +167,10 @@ class ResultsStore:
 
 
 def _make_writable(folder: Path) -> None:
-    try:
+    with refuse_unwritable("The folder of a results store must be writable", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        raise InputError(
-            "The folder of a results store must be writable",
-            value=error.strerror,
-            remedy="Name another folder",
-            where=str(folder),
-        ) from None
 
 
 def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
@@ -190,15 +183,12 @@ def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
 
 
 def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
-    try:
+    with refuse_unwritable(
+        "The folder of a results store must be writable, with room for it",
+        where=path,
+        remedy="Make room, or name another folder",
+    ):
         create_store(path, request, names, events)
-    except OSError as error:
-        raise InputError(
-            "The folder of a results store must be writable, with room for it",
-            value=error.strerror,
-            remedy="Make room, or name another folder",
-            where=str(path),
-        ) from error
 
 
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:

@@ -13,10 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.api.followed_rows import chunks_of_text
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
-from reliab.recordings import read_recording, rows_as_written
+from reliab.recordings import chunks_of_text, read_recording, rows_as_written
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures.structure import Structure

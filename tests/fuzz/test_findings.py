@@ -283,8 +283,7 @@ def test_a_campaign_of_held_out_tests_only_is_refused(tmp_path):
 
 
 def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
-    from reliab.api.followed_rows import chunks_of_text
-    from reliab.recordings import rows_as_written
+    from reliab.recordings import chunks_of_text, rows_as_written
 
     (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01, start_within=0.01)

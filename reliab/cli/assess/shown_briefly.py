@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from reliab.cli.output import console
-from reliab.significant import percent, significant
-from reliab.vocabulary import PERCENT, Metric
+from reliab.significant import percent, percent_with_interval, significant
+from reliab.vocabulary import Metric
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
 _LINES = 12
@@ -59,8 +59,8 @@ def _sentences(content: dict[str, Any]) -> Iterator[str]:
 def _error(content: dict[str, Any], metric: str) -> str:
     from reliab.assessment import ERROR_NAMES
 
-    value, low, high = (PERCENT * content["error"][metric][key] for key in ("value", "low", "high"))
-    return f"{ERROR_NAMES[Metric(metric)]} {value:.2f} % ({low:.2f} to {high:.2f} %)"
+    size = percent_with_interval(*(content["error"][metric][key] for key in ("value", "low", "high")))
+    return f"{ERROR_NAMES[Metric(metric)]} {size}"
 
 
 def _improve(error: dict[str, Any]) -> str:

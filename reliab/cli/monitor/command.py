@@ -15,6 +15,7 @@ from reliab.cli.options import ChannelsFile, Column, MetricName
 from reliab.cli.output import console, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
+from reliab.files import refuse_unwritable
 
 _ABOVE_THRESHOLD = 1
 
@@ -177,9 +178,5 @@ def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
         return nullcontext()
     if target == "-":
         return nullcontext(typer.get_text_stream("stdout"))
-    try:
+    with refuse_unwritable("The JSON file must be writable", where=target):
         return Path(target).open("w", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "The JSON file must be writable", value=error.strerror, remedy="Name another", where=target
-        ) from error

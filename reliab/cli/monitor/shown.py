@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Self
 from rich.live import Live
 
 from reliab.cli.output import console, table
-from reliab.significant import percent
+from reliab.significant import percent, percent_with_interval
 from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
@@ -81,8 +81,7 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
         error = result.estimate(metric)
         shown.add_row(
             f"{metric.upper()} with its 90 % interval",
-            f"{percent(error.value, decimals=2)} ({percent(error.low, decimals=2)} to "
-            f"{percent(error.high, decimals=2)})",
+            percent_with_interval(error.value, error.low, error.high),
         )
         probability = result.probability(threshold, metric)
         shown.add_row(f"probability below {percent(threshold)}", f"{probability:.3f}")

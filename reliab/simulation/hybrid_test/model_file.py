@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from reliab.described_files import described, read_toml
 from reliab.effects import Effect, Parameter, find_effect
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Specimen, Structure
@@ -55,12 +55,8 @@ class UpdatedModel:
 def write_model(path: Path | str, model: UpdatedModel) -> None:
     """Write an updated model."""
     path = Path(path)
-    try:
-        with written_whole(path) as file:
-            file.write_text(_text(model, path.name), encoding="utf-8")
-    except OSError as error:
-        rule = "The model's file must be writable"
-        raise InputError(rule, value=error.strerror, remedy="Name another", where=str(path)) from error
+    with refuse_unwritable("The model's file must be writable", where=path), written_whole(path) as file:
+        file.write_text(_text(model, path.name), encoding="utf-8")
 
 
 def read_model(path: Path | str) -> UpdatedModel:

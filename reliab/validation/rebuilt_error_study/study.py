@@ -6,7 +6,7 @@ from typing import Final
 import pandas as pd
 
 from reliab.errors import InputError
-from reliab.files import written_whole
+from reliab.files import refuse_unwritable, written_whole
 from reliab.progress import Progress, silent
 from reliab.validation.rebuilt_error_study.bench import tests_of_round
 from reliab.validation.rebuilt_error_study.design import Design
@@ -63,10 +63,5 @@ def _kept(path: Path | None, digest: str) -> pd.DataFrame:
 
 
 def _write(table: pd.DataFrame, path: Path) -> None:
-    try:
-        with written_whole(path) as file:
-            table.to_csv(file, index=False)
-    except OSError as error:
-        raise InputError(
-            "The study's file must be writable", value=error.strerror, remedy="Name another", where=str(path)
-        ) from error
+    with refuse_unwritable("The study's file must be writable", where=path), written_whole(path) as file:
+        table.to_csv(file, index=False)
