@@ -61,7 +61,7 @@ def protect_over_lengths(
     for name in ("a", "b"):
         dimensions = ellipses[name].dims
         values = np.stack([at_length[name].transpose(*dimensions).values for at_length in carried])
-        protected[name] = ellipses[name].copy()
+        protected[name] = ellipses[name].astype(values.dtype)
         protected[name].loc[own] = _least_favourable(values, 1 + dimensions.index("motion"))
     first, second, third = (f"{length:.0f}" for length in lengths)
     words = f"each structure at the least favourable of {first}, {second} and {third} s"

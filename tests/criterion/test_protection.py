@@ -15,7 +15,7 @@ def population():
 
 
 def test_at_each_structure_one_of_three_lengths_counts_and_it_is_the_least_favourable(population):
-    protected = protect_over_lengths(population).sel(curve="inscribed").squeeze()
+    protected = protect_over_lengths(population).sel(curve="inscribed", metric="rms").squeeze()
     lengths = np.quantile(population["duration"], [1 / 6, 1 / 2, 5 / 6])
     carried = [
         carry_to_length(population.sel(metric=["rms"]), float(length)).sel(curve="inscribed").squeeze()
@@ -27,6 +27,13 @@ def test_at_each_structure_one_of_three_lengths_counts_and_it_is_the_least_favou
         assert counted == pytest.approx(np.min(low, axis=0), rel=0.05)
         equal = [np.isclose(protected[name], part[name], equal_nan=True) for part in carried]
         assert np.any(equal, axis=0).all()
+
+
+def test_other_errors_and_curves_stay_as_they_are(population):
+    protected = protect_over_lengths(population)
+    for other in ({"metric": "mte"}, {"metric": "rms", "curve": "ellipse"}):
+        for name in ("a", "b"):
+            np.testing.assert_array_equal(protected[name].sel(other), population[name].sel(other))
 
 
 def test_short_records_are_protected_at_little_cost_of_area(population):
