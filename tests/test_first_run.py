@@ -56,6 +56,7 @@ def modules_of_dependencies():
     return {name for name in imported if name.partition(".")[0] in packages - {"reliab"}}
 
 
+@pytest.mark.slow
 def test_no_dependency_and_no_module_warns_when_it_is_imported_with_an_empty_home(tmp_path):
     modules = modules_of_dependencies()
     assert {"arviz_stats.base", "emcee.autocorr", "hypothesis", "matplotlib.figure"} <= modules

@@ -12,6 +12,8 @@ from doctest import DocTestParser
 from functools import cache
 from pathlib import Path
 
+from parsed import nodes, parsed
+
 import reliab
 
 PACKAGE = Path(reliab.__file__).parent
@@ -91,7 +93,7 @@ WITHOUT_USER_INSIDE = {
 @cache
 def source(path: Path) -> tuple[list[str], ast.Module]:
     text = path.read_text(encoding="utf-8")
-    return text.splitlines(), ast.parse(text)
+    return text.splitlines(), parsed(path)
 
 
 def modules() -> list[Path]:
@@ -99,7 +101,7 @@ def modules() -> list[Path]:
 
 
 def functions(path: Path) -> Iterator[ast.FunctionDef]:
-    yield from (node for node in ast.walk(source(path)[1]) if isinstance(node, ast.FunctionDef))
+    yield from (node for node in nodes(path) if isinstance(node, ast.FunctionDef))
 
 
 def lines_of_body(path: Path, function: ast.FunctionDef) -> int:
@@ -114,7 +116,7 @@ def lines_of_body(path: Path, function: ast.FunctionDef) -> int:
 
 def named_values(path: Path) -> Iterator[tuple[str, int]]:
     """Yield every name that a module gives to a value, a parameter, a function or a class, with its line."""
-    for node in ast.walk(source(path)[1]):
+    for node in nodes(path):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             yield node.id, node.lineno
         elif isinstance(node, ast.arg):
@@ -134,7 +136,7 @@ def uses() -> Counter[str]:
     """Count how often each name is read anywhere in the package and its studies, not only imported."""
     names: Counter[str] = Counter()
     for path in (*modules(), *STUDIES.rglob("*.py")):
-        for node in ast.walk(source(path)[1]):
+        for node in nodes(path):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
                 names[node.id] += 1
             elif isinstance(node, ast.Attribute):
@@ -203,7 +205,7 @@ def offered() -> set[str]:
     return {
         alias.asname or alias.name
         for path in faces
-        for node in ast.walk(source(path)[1])
+        for node in nodes(path)
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
@@ -292,7 +294,7 @@ def test_what_users_describe_is_parsed_within_bounds():
     parsed = {
         str(path.relative_to(PACKAGE))
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(source(path)[1])
+        for node in nodes(path)
         if isinstance(node, ast.Call) and ast.unparse(node.func) in PARSING
     }
     assert parsed == {"described_files.py"} | PARSED_AS_WE_WROTE_IT
@@ -303,7 +305,7 @@ _PERCENT_ALONE = re.compile(r"(?<!±)(?<!\+- )\b\d+%(?![\w;])")
 
 def percent_signs(path: Path) -> Iterator[str]:
     """Per cent that is written without its space; `1±1%` is how a user may type a deviation."""
-    for node in ast.walk(source(path)[1]):
+    for node in nodes(path):
         if isinstance(node, ast.FormattedValue) and node.format_spec is not None:
             if ast.unparse(node.format_spec).rstrip("'\"").endswith("%"):
                 yield f"{path.name}:{node.lineno}"

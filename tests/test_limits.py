@@ -136,7 +136,7 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
 
 
-@pytest.mark.parametrize("rest", [0, 10_000])
+@pytest.mark.parametrize("rest", [pytest.param(0, marks=pytest.mark.slow), 10_000])
 def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
     stretch, seconds = 2048, 80
     time = np.arange(seconds * 256) * STEP

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from parsed import nodes
 
 import reliab
 from reliab.criterion import Criterion, derive_criterion
@@ -184,7 +185,7 @@ def test_whatever_takes_a_progress_has_a_case():
     takers = {
         node.name
         for file in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for node in nodes(file)
         if isinstance(node, ast.FunctionDef)
         and any(argument.arg == "progress" for argument in node.args.kwonlyargs)
     }

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from fuzz import corpus
 from fuzz.damage import write
+from parsed import nodes
 
 import reliab
 from reliab.discrepancy import read_campaign
@@ -313,7 +314,7 @@ def test_libraries_that_open_other_files_or_run_code_are_called_at_one_door_each
     stray = {
         f"{path.relative_to(PACKAGE)}: {ast.unparse(node.func)}"
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes(path)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
         if isinstance(node.func.value, ast.Name) and node.func.value.id in LIBRARIES
         if str(path.relative_to(PACKAGE)) not in DOORS.get(node.func.attr, {str(path.relative_to(PACKAGE))})

@@ -20,7 +20,12 @@ def answer(assessment):
 
 
 @pytest.mark.parametrize(
-    "former", [{"taper": "boxcar"}, {"seed": 5}, {"stated": {"f": StatedValue(1.0, 0.02)}}]
+    "former",
+    [
+        {"taper": "boxcar"},
+        pytest.param({"seed": 5}, marks=pytest.mark.slow),
+        pytest.param({"stated": {"f": StatedValue(1.0, 0.02)}}, marks=pytest.mark.slow),
+    ],
 )
 def test_former_arguments_of_assess_do_what_they_did(former):
     (name,) = former

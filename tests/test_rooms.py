@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from parsed import nodes
 
 import reliab
 
@@ -53,6 +54,7 @@ GROUND = {
     "renamed",
     "shipped",
     "significant",
+    "threads",
     "stated_value",
     "unfinished",
     "version",
@@ -73,12 +75,6 @@ def module_file(dotted: str) -> Path | None:
     if path != PACKAGE and module.is_file():
         return module
     return package if package.is_file() else None
-
-
-@cache
-def nodes(path: Path) -> tuple[ast.AST, ...]:
-    """Return every node of a module."""
-    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 @cache

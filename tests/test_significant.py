@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from parsed import nodes
 
 import reliab
 from reliab.significant import percent, significant
@@ -36,7 +37,7 @@ def test_no_sentence_is_written_past_it():
         f"{path}:{node.lineno}"
         for path in sorted(Path(reliab.__file__).parent.rglob("*.py"))
         if path.name != "significant.py"
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes(path)
         if isinstance(node, ast.FormattedValue) and node.format_spec is not None
         if re.search(r"\.([0-3]|\{digits\})g", ast.unparse(node.format_spec))
     ]

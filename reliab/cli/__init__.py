@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -98,6 +99,15 @@ def options(
     del version  # the callback has printed it
 
 
+@cache
+def _command(*, with_help: bool) -> Any:  # noqa: ANN401 - Typer hides its type
+    """All commands with their options; help that Rich shows is escaped once."""
+    command = typer.main.get_command(app)
+    if with_help:
+        take_help_literally(command)
+    return command
+
+
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     os.environ.update(_ONE_THREAD)
@@ -121,9 +131,7 @@ def run(arguments: Sequence[str]) -> int:
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
-    command = typer.main.get_command(app)
-    if "--version" not in arguments:  # which is printed without Rich
-        take_help_literally(command)
+    command = _command(with_help="--version" not in arguments)  # a version is printed without Rich
     try:
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from reliab.arrays import Array
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
@@ -31,6 +30,7 @@ from reliab.effects import Role, Scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.simulation.hybrid_test import Motion3
+from reliab.threads import one_thread
 
 _ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
 _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
@@ -71,7 +71,7 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
     scales = scales_of(campaign, motions)
     diagnoses: list[BlockDiagnosis] = []
     # Matrix products are small and fits run in parallel: further threads would only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         whole = _STEPS * len(kinds)
         steps = itertools.count(1)
         progress(0, whole)

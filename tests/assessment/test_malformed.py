@@ -94,7 +94,10 @@ def test_missing_value_is_rejected_with_its_place(tmp_path, columns, write):
         answer(write(tmp_path, columns))
 
 
-@pytest.mark.parametrize("write", FORMATS)
+@pytest.mark.parametrize(
+    "write",
+    [comma, *(pytest.param(write, marks=pytest.mark.slow) for write in FORMATS if write is not comma)],
+)
 def test_swapped_columns_are_suspected(tmp_path, columns, write):
     columns["command_m"], columns["measured_m"] = columns["measured_m"], columns["command_m"]
     warnings = answer(write(tmp_path, columns)).warnings

@@ -157,6 +157,7 @@ def test_two_points_are_no_contour():
         Ellipse.fit(Contour(amplitude=np.ones(2), delay=np.ones(2)))
 
 
+@pytest.mark.slow
 def test_table_2_from_the_records(real_motions_folder, shared_folder):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     with (shared_folder / "reference" / "table2_prototype.csv").open() as file:

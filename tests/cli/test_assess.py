@@ -1,4 +1,5 @@
 import json
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,9 @@ app = typer.Typer()
 app.command()(assess)
 
 
+@cache
 def run(*arguments: object) -> Result:
+    """Ask once; tests whose files or terminal change ask `run.__wrapped__`."""
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
@@ -78,11 +81,21 @@ def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table
     assert "scale of the displacement sensor" in left_open["would_decide"][0]
 
 
-@pytest.mark.parametrize("width", [80, 120])
-@pytest.mark.parametrize("name", ["good", "late", "weak"])
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [
+        ("good", 80),
+        ("late", 120),
+        ("weak", 80),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("good", 120), ("late", 80), ("weak", 120))
+        ),
+    ],
+)
 def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatch, name, width):
     monkeypatch.setattr("reliab.cli.output._WIDTH_OF_PIPES", width)
-    shown = run(folder / f"{name}.csv", *ONE_HERTZ).stdout
+    shown = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
     assert len(shown.splitlines()) <= 12
     assert shown.count("with probability") == 1
     content = answer(folder / f"{name}.csv")
@@ -92,7 +105,8 @@ def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatc
         assert f"{100 * size['value']:.2f} % ({100 * size['low']:.2f} to {100 * size['high']:.2f} %)" in text
     assert content["budget"][0]["quantity"] in text
     assert all(remedy in text for remedy in content["would_decide"])
-    details = " ".join(run(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout.split())
+    details = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout
+    details = " ".join(details.split())
     assert all(" ".join(note.split()) in details for note in [*content["notes"], *content["warnings"]])
 
 

@@ -12,14 +12,14 @@ import typer
 
 import reliab
 from reliab import api, cli
-from reliab.api import criteria, explorer, simulation, sources, studies, validation
+from reliab.api import derived_criteria, explorer, simulation, sources, studies, validation
 from reliab.cli.option_names import as_options
 from reliab.criterion import read_ellipses
 from reliab.report import Setting
 from reliab.shipped import shipped
 
 COMMAND = typer.main.get_group(cli.app)
-DRAWS = 160
+DRAWS = [60, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
     "simulate": [api.simulate_suite],
     "ellipses": [api.trace_boundaries],
@@ -147,7 +147,7 @@ def stubbed(monkeypatch, tmp_path):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sources.EllipseSource, "dataset", lambda *_: traced)
-    monkeypatch.setattr(criteria, "_kept_by", lambda *_: {})
+    monkeypatch.setattr(derived_criteria, "_kept_by", lambda *_: {})
     monkeypatch.setattr(validation, "true_errors", lambda *_: "truth")
     monkeypatch.setattr(validation, "cross_validate", asked)
     monkeypatch.setattr(validation.Validation, "to_dict", lambda self: {"asked": self.division.name})
@@ -185,10 +185,11 @@ def by_python(name, stated):
     return 0, json.loads(json.dumps(content)), ""
 
 
+@pytest.mark.parametrize("draws", DRAWS)
 @pytest.mark.usefixtures("stubbed")
-def test_drawn_inputs_are_answered_as_one(capsys):
+def test_drawn_inputs_are_answered_as_one(capsys, draws):
     codes, differences = [], []
-    for number in range(DRAWS):
+    for number in range(draws):
         name, stated = drawn(number)
         if name == "report":
             stated = {"folder": Path(stated["folder"])}
@@ -197,5 +198,5 @@ def test_drawn_inputs_are_answered_as_one(capsys):
             differences.append((name, stated, answered, by_python(name, stated)))
         codes.append(answered[0])
     assert differences == []
-    assert codes.count(0) > 0.2 * DRAWS
-    assert codes.count(2) > 0.2 * DRAWS
+    assert codes.count(0) > 0.2 * draws
+    assert codes.count(2) > 0.2 * draws

@@ -128,6 +128,7 @@ def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
 PROGRAM = [sys.executable, "-c", "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"]
 
 
+@pytest.mark.slow
 def test_a_follow_that_was_killed_and_started_again_says_the_same(good, capsys):
     killed = subprocess.Popen([*PROGRAM, *follow(good, "--threshold", "0.5")], stdout=subprocess.PIPE)  # noqa: S603 - our own program
     begun = killed.stdout.readline().decode()

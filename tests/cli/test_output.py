@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from parsed import nodes
 
 import reliab
 from reliab.cli import main
@@ -127,15 +128,14 @@ def characters_that_are_shown():
     """Characters of all texts of the package but docstrings outside of the commands, and texts of reports."""
     characters = set()
     for path in Path(reliab.__file__).parent.rglob("*.py"):
-        tree = ast.parse(path.read_bytes())
         documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
         docstrings = {
             id(node.body[0].value)  # type: ignore[attr-defined]
-            for node in ast.walk(tree)
+            for node in nodes(path)
             if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
         }
         if "report" not in path.parts:
-            texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
+            texts = (node for node in nodes(path) if isinstance(node, ast.Constant))
             texts = (node.value for node in texts if id(node) not in docstrings or "cli" in path.parts)
             characters |= set("".join(text for text in texts if isinstance(text, str)))
     return {character for character in characters if character == printable(character)}
@@ -156,6 +156,17 @@ def test_no_character_of_ours_becomes_a_question_mark():
     assert lost == set()
 
 
+def test_bars_and_tolerances_are_written_out(run_with):
+    code, design, _ = run_with("ascii", ["assess", "--design", *STRUCTURE])
+    assert code == 0
+    assert "########" in design.decode("ascii")
+    assert "?" not in design.decode("ascii")
+    code, _, refusal = run_with("ascii", ["assess", "--design", "--f", "1±0.01", "--xi", "0.02"])
+    assert code == 2
+    assert b"found --f 1 +- 0.01." in refusal
+
+
+@pytest.mark.slow
 def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
     locale = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "NO_COLOR": "1"}
     environment = {name: text for name, text in os.environ.items() if name != "PYTHONIOENCODING"}

@@ -8,20 +8,37 @@ import sys
 from pathlib import Path
 
 import pytest
+from parsed import nodes
 
 import reliab
 from reliab.cli import run
 from reliab.cli.output import console, table, write_what_can_be_written
 
 LAW = ("criterion", "--law", "guo_2017_18", "--f", "1", "--xi", "0.02")
-COMMANDS = (("--help",), ("criterion", "--help"), ("info",), ("run", "--list"), LAW, (*LAW, "--json", "-"))
+QUICK = (("--help",), ("criterion", "--help"), ("info",))
+COMMANDS = (("run", "--list"), LAW, (*LAW, "--json", "-"))
+
+
+@pytest.mark.parametrize("arguments", COMMANDS)
+def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, monkeypatch):
+    """As the program starts it; a process of its own takes seconds to import what it computes with."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    with io.TextIOWrapper(io.FileIO(writing, "wb"), encoding="utf-8") as pipe, io.StringIO() as errors:
+        monkeypatch.setattr(sys, "stdout", write_what_can_be_written(pipe))
+        monkeypatch.setattr(sys, "stderr", errors)
+        with pytest.raises(SystemExit) as end:
+            raise SystemExit(run(arguments))
+        assert (end.value.code, errors.getvalue()) == (141, "")
 
 
 @pytest.mark.parametrize(
     ("arguments", "errors"),
     [
-        *((command, subprocess.PIPE) for command in COMMANDS),
-        *((command, subprocess.STDOUT) for command in (COMMANDS[0], COMMANDS[-1])),
+        *((command, subprocess.PIPE) for command in QUICK),
+        (QUICK[0], subprocess.STDOUT),
+        *(pytest.param(command, subprocess.PIPE, marks=pytest.mark.slow) for command in COMMANDS),
+        pytest.param(COMMANDS[-1], subprocess.STDOUT, marks=pytest.mark.slow),
     ],
 )
 def test_a_command_that_nobody_reads_ends_with_141(arguments, errors):
@@ -93,7 +110,7 @@ def test_every_table_of_every_command_goes_through_the_console_that_shows_it_who
     made = {
         path.name
         for path in folder.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_bytes()))
+        for node in nodes(path)
         if isinstance(node, ast.Call)
         and getattr(node.func, "id", "") in {"Console", "LiteralConsole", "print"}
     }

@@ -87,7 +87,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     message.alarms["energy"] = "the loop has gained energy"  # type: ignore[index]
     text = shown()
     assert (
-        f"{100 * result.rms.value:.2f} % ({100 * result.rms.low:.2f} % to {100 * result.rms.high:.2f} %)"
+        f"{100 * result.rms.value:.2f} % ({100 * result.rms.low:.2f} to {100 * result.rms.high:.2f} %)"
         in text
     )
     assert f"{result.probability(0.05):.3f}" in text

@@ -23,6 +23,12 @@ def answer(*arguments: object) -> dict:
     return json.loads(run(*arguments, "--json", "-").stdout)
 
 
+def shown_and_found(folder, *arguments: object) -> tuple[str, dict]:
+    """What stands on the screen, and the numbers of the same run."""
+    shown = run(*arguments, "--json", folder / "found.json").stdout
+    return shown, json.loads((folder / "found.json").read_text(encoding="utf-8"))
+
+
 @pytest.fixture(scope="module")
 def table2():
     return answer("--ellipses", TABLE2)
@@ -48,15 +54,14 @@ def test_printed_laws_are_judged_where_they_promise_only(table2):
     ]
 
 
-def test_shipped_results_say_what_became_of_tests():
+def test_shipped_results_say_what_became_of_tests(tmp_path):
     arguments = ("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
-    found = answer(*arguments)
+    shown, found = shown_and_found(tmp_path, *arguments)
     ours, _, eq18 = found["rows"]
     assert found["truth"] == "simulated"
     assert (found["n_motions"], found["n_events"]) == (100, 19)
     assert 0.92 <= ours["containment"]["rate"] <= 0.98
     assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
-    shown = run(*arguments).stdout
     printed = "guo_2017_18 does not keep the share that it states: it protects 12.0 % of the motions where it states"  # noqa: E501 - a whole sentence
     assert f"{printed} 95 %" in shown
     for row in found["rows"]:
@@ -164,12 +169,11 @@ def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
         *("--motions", tmp_path / "suite", "--learn", "real_suite"),
         *("--confidence", 0.8, "--law", "table", "--trials", 64),
     )
-    found = answer(*own)
+    shown, found = shown_and_found(tmp_path, *own)
     assert found["scheme"] == "learned from real_suite"
     assert found["truth"] == "simulated"
     assert found["n_of_learned_earthquakes"] == 2  # both components of the earthquake that is called Kobe's
     assert sum(found["rows"][0]["confusion"].values()) == 4 * 64
-    shown = run(*own).stdout
     assert "2 of the motions are of earthquakes that the suite holds" in shown
     for idle in (("--judge", "synthetic"), ("--scheme", "k_fold")):
         assert isinstance(run(*own, *idle).exception, InputError)

@@ -32,7 +32,10 @@ def short(commands, sent):
     return np.clip(GAIN * sent, -reach, reach)
 
 
-@pytest.mark.parametrize(("actuator", "name"), [(slow, "rate_limit"), (short, "stroke_saturation")])
+@pytest.mark.parametrize(
+    ("actuator", "name"),
+    [pytest.param(slow, "rate_limit", marks=pytest.mark.slow), (short, "stroke_saturation")],
+)
 def test_an_actuator_at_its_limit_is_named(tmp_path, actuator, name):
     rng = np.random.default_rng(2)
     commands = [command(rng) for _ in range(TESTS)]

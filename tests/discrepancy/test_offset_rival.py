@@ -1,5 +1,6 @@
 """An offset is doubtful only where another effect predicts the tests as well."""
 
+import pytest
 from blind_campaigns.campaign import Options, generate
 
 from reliab.discrepancy import diagnose, read_campaign
@@ -8,6 +9,7 @@ from reliab.effects import library
 ROUNDED_LOAD_CELL_WITH_AN_OFFSET = 9_500_031
 
 
+@pytest.mark.slow
 def test_an_effect_that_predicts_worse_does_not_cast_doubt_on_an_offset(tmp_path):
     """Rounding lets a rival take the offset for slow noise: by its evidence alone it won."""
     generate(ROUNDED_LOAD_CELL_WITH_AN_OFFSET, tmp_path / "campaign", options=Options(with_rivals=False))

@@ -93,6 +93,7 @@ def test_a_linear_oscillator_is_calibrated(campaign):
     assert not any("stated wrongly" in remark for remark in found["remarks"])
 
 
+@pytest.mark.slow
 def test_a_hardening_oscillator_is_named(campaign):
     measured, stiffness = campaign(CUBIC)
     found = diagnose(measured).to_dict()
@@ -102,6 +103,7 @@ def test_a_hardening_oscillator_is_named(campaign):
     assert not any("stated wrongly" in remark for remark in found["remarks"])
 
 
+@pytest.mark.slow
 def test_a_damper_in_one_channel_may_be_a_damping_ratio_that_is_stated_wrongly(campaign):
     measured, _ = campaign(0.0)
     stated = replace(measured.structure, damping_ratio=0.8 * DAMPING_RATIO)

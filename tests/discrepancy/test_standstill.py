@@ -32,7 +32,7 @@ def campaign(*, holds=0, step=0.0, noise=2e-5):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("step", [0.0, 1e-4])
+@pytest.mark.parametrize("step", [pytest.param(0.0, marks=pytest.mark.slow), 1e-4])
 def test_a_reading_that_is_held_is_unknown(step):
     found = diagnose(campaign(holds=8, step=step))
     assert str(found.verdict) == "unknown_effect"

@@ -87,6 +87,7 @@ def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):
     assert read_model(tmp_path / "model.toml") == updated
 
 
+@pytest.mark.slow
 def test_a_structure_that_was_stated_wrongly_is_corrected(sample_campaigns):
     truth = read_campaign(sample_campaigns / "rig_c")
     stated = replace(truth.structure, frequency=1.02 * truth.structure.frequency)

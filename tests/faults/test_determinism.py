@@ -65,7 +65,7 @@ def test_bytes_depend_on_no_day_and_no_run(name, sources, tmp_path, usual):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=pytest.mark.slow if "png" in name else ()) for name in DRAWING],  # no dates
+    [pytest.param(name, marks=() if "svg" in name else pytest.mark.slow) for name in DRAWING],  # no dates
 )
 def test_a_figure_has_the_same_bytes_twice(name, tmp_path, monkeypatch):
     for place, moment in (("first", "0"), ("second", "1700000000")):

@@ -201,15 +201,24 @@ def test_an_offset_at_rest_is_learned(tmp_path):
     assert ours.mte[-1] == pytest.approx(theirs.now.mte, rel=1e-11)
 
 
+@pytest.fixture(scope="module")
+def libraries(tmp_path_factory):
+    """One monitor, compiled strictly and with fast arithmetic."""
+    folders = [tmp_path_factory.mktemp("monitor") for _ in range(2)]
+    for folder in folders:
+        export_monitor(("c", folder), f=1, xi=0.02, rate=256)
+    flags = (STRICT, ("-std=c99", "-O3", "-ffast-math"))
+    return [built(folder, flags=each) for folder, each in zip(folders, flags, strict=True)]
+
+
 @pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck"])
-def test_a_channel_that_fails_is_a_fault_and_never_a_number(tmp_path, broken):
-    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=256)
+def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
     time = np.arange(2048) / 256
     command = 0.02 * np.sin(2.0 * np.pi * time)
     measured = 0.99 * command + 1e-6 * np.random.default_rng(2).normal(size=time.size)
     measured[1000:] = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300, "stuck": measured[1000]}[broken]
-    for flags in (STRICT, ("-std=c99", "-O3", "-ffast-math")):
-        ours = followed(built(tmp_path, flags=flags), command, measured)
+    for library in libraries:
+        ours = followed(library, command, measured)
         faulty = ours.status.astype(int) & FAULT > 0
         first = int(np.argmax(faulty))
         assert faulty.any()
@@ -231,7 +240,7 @@ def test_every_compiler_accepts_it_and_fast_arithmetic_changes_nothing(tmp_path,
     assert (exact.status == fast.status).all()
 
 
-@pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
+@pytest.mark.parametrize("sanitizer", ["address,undefined", pytest.param("thread", marks=pytest.mark.slow)])
 def test_sanitizers_find_nothing_in_the_example(tmp_path, sanitizer):
     _, command, measured = random_test(7, 256)
     export_monitor(("c", tmp_path), f=1, xi=0.02, feedback_lag=9, rate=256)

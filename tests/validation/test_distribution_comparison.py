@@ -21,7 +21,10 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name == "lognormal" else pytest.mark.slow) for name in KINDS],
+)
 def test_the_true_distribution_is_among_the_best(name):
     values = KINDS[name](np.random.default_rng(21))
     table = compare_distributions(values, np.repeat(np.arange(4), 150).astype(str))

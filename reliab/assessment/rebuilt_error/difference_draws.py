@@ -20,13 +20,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.signals import converter_step, vary_rounding
+from reliab.threads import one_thread
 
 _PERIODS_OF_HOP = 4.0  # of the structure, from one frame to the next
 _FEWEST_FRAMES = 4
@@ -74,8 +74,7 @@ def draw_differences(
     reading = _reading(command, measured, noise, frequency, every)
     actuators = replace(reading, noise=reading.noise[:1])
     histories = np.empty((draws, -(-command.size // every)))
-    # for matrices as small as these several threads cost more time than they save
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         _draw_twice(actuators, histories[::2], generator)
         _draw_twice(reading, histories[1::2], generator)
     return histories

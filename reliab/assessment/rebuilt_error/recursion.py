@@ -17,11 +17,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from threadpoolctl import threadpool_limits
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
+from reliab.threads import one_thread
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,8 +67,7 @@ class Recursion:
         joint = np.zeros((*a.shape[:-2], order + 2, order + 2))
         joint[..., :order, :order], joint[..., :order, order] = a * step, b * step
         joint[..., order, order + 1] = 1.0
-        # for matrices as small as these several threads cost more time than they save
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             exponential = scipy.linalg.expm(joint)
         late = exponential[..., :order, order + 1]
         return cls(

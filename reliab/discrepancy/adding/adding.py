@@ -4,8 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.fitting.fit import Fit
@@ -17,6 +15,7 @@ from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed_method
 from reliab.simulation.hybrid_test import MODEL_FILE, HybridTest, UpdatedModel, write_model
+from reliab.threads import one_thread
 
 _WITHOUT_FRAME = (
     "This file holds the actuator, the specimen and the effects; the frame of these tests stands in their"
@@ -70,7 +69,7 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     for count, block in enumerate(acting, start=1):
         name = str(block.block.block)
         chains = None if out is None else out / f"posterior_{name.replace(' ', '_')}.h5"
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             posteriors[name] = sample_posterior(block.problem, block.best, out=chains)
         progress(count, len(acting))
     blocks = tuple(_sampled(block, posteriors.get(str(block.block.block))) for block in diagnosis.blocks)

@@ -61,7 +61,9 @@ def drawn_of_paper(ellipses_of):
     )
 
 
-@pytest.fixture(scope="module", params=["drawn_of_criterion", "drawn_of_paper"])
+@pytest.fixture(
+    scope="module", params=["drawn_of_criterion", pytest.param("drawn_of_paper", marks=pytest.mark.slow)]
+)
 def drawn(request):
     """All figures of a kind of report."""
     return request.getfixturevalue(request.param)
