@@ -28,7 +28,8 @@ _OPERATORS = {
     ast.USub: ast.UAdd,
 }
 
-_SYMMETRIC = {"min", "max", "minimum", "maximum", "hypot"}  # whose arguments may stand in any order
+# functions whose arguments may stand in any order
+_SYMMETRIC = {"min", "max", "minimum", "maximum", "hypot", "isclose"}
 
 Line = tuple[str, int]
 Change = tuple[ast.expr | ast.stmt, str, Callable[[], None]]

@@ -9,11 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
 from parsed import nodes
 
 import reliab
 from reliab.cli import main
+from reliab.cli.literal_help import take_help_literally
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable
 from reliab.version import __version__
@@ -184,3 +186,11 @@ def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
     refused = asked("1±0.01")
     assert refused.returncode == 2
     assert b"found --f 1 +- 0.01." in refused.stderr
+
+
+def test_help_of_commands_within_commands_keeps_its_brackets():
+    inner = click.Command("inner", help="Mass [kg].", params=[click.Option(["--late"], help="Late [ms].")])
+    group = click.Group("outer", commands={"inner": inner}, help="All [of them].")
+    take_help_literally(group)
+    assert (group.help, inner.help) == (r"All \[of them].", r"Mass \[kg].")
+    assert inner.params[0].help == r"Late \[ms]."

@@ -191,3 +191,19 @@ def test_a_name_that_ends_in_in_is_asked_about_where_nothing_else_states_a_unit(
     np.testing.assert_array_equal(test.command, COMMAND)
     inches = {"Time": TIME, "command_in": COMMAND, "measured_in": MEASURED}
     np.testing.assert_allclose(read_recording(pd.DataFrame(inches)).command, 0.0254 * COMMAND)
+
+
+def test_a_changed_command_is_asked_about_where_an_unchanged_column_moves_as_it_does():
+    table = {
+        "Time": TIME,
+        "Command filtered (m)": COMMAND,
+        "Displacement A (m)": COMMAND,
+        "Measured (m)": MEASURED,
+    }
+    with pytest.raises(InputError, match=r"'Command filtered \(m\)' and 'Displacement A \(m\)'"):
+        columns_of(table)
+    table["Displacement A (m)"] = 0.3 * np.roll(COMMAND, 900)
+    assert columns_of(table)["command"] == "Command filtered (m)"
+    millimetres = {**table, "Displacement A (mm)": 1e3 * COMMAND}
+    with pytest.raises(InputError, match="Displacement A"):
+        columns_of(millimetres)

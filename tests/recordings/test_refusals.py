@@ -6,7 +6,7 @@ import pytest
 
 import reliab
 from reliab.errors import InputError
-from reliab.recordings.readers import layouts
+from reliab.recordings.readers import layouts, registry
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
@@ -116,3 +116,10 @@ def test_a_test_of_more_channels_than_any_laboratory_has_is_refused(monkeypatch)
     assert list(histories.series) == ["first", "first (2)"]
     with pytest.raises(InputError, match="may hold 2 channels at most"):
         histories.add("third", layouts.Series(values=np.zeros(3)))
+
+
+def test_a_file_that_is_larger_than_any_test_is_refused_before_it_is_read(monkeypatch, tmp_path):
+    TABLE.to_csv(tmp_path / "t.csv", index=False)
+    monkeypatch.setattr(registry, "_MOST_BYTES", 1000)
+    with pytest.raises(InputError, match=r"t\.csv.*MB at most"):
+        registry.read_tests(tmp_path / "t.csv")
