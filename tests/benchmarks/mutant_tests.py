@@ -35,7 +35,6 @@ OPTIONS = [
     *("-n", "0", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"),
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
-_BUDGET = 60.0  # s of processor time for all tests of a change
 FIXTURE = "fixture:"
 
 Run = Callable[..., int]
@@ -94,9 +93,10 @@ class Chosen:
 
 
 class Reach:
-    """Tests of a room by the lines that they reach."""
+    """Tests by the lines that they reach; those of a change take `budget` [s] of processor time at most."""
 
-    def __init__(self, record: dict) -> None:
+    def __init__(self, record: dict, budget: float) -> None:
+        self.budget = budget
         self.seconds: dict[str, float] = record["seconds"]
         self.lines: dict[str, dict[str, list[str]]] = record["lines"]
         self.fixtures: dict[str, list[str]] = record["fixtures"]
@@ -137,7 +137,7 @@ class Reach:
         total = 0.0
         for number, name in enumerate(names):
             total += self.seconds[name]
-            if total > _BUDGET and number:
+            if total > self.budget and number:
                 return names[:number]
         return names
 
@@ -146,6 +146,19 @@ class Reach:
         for name in names:
             cost[file_of(name)] += self.seconds[name]
         return sorted(names, key=lambda name: (cost[file_of(name)], file_of(name), self.seconds[name]))
+
+
+def together(records: list[dict]) -> dict:
+    """Put together which test reaches what, of several rooms whose tests were run one after the other."""
+    whole: dict = {"seconds": {}, "fixtures": {}, "lines": {}}
+    for record in records:
+        for name in ("seconds", "fixtures"):
+            whole[name] |= record[name]
+        for file, lines_of_file in record["lines"].items():
+            reached = whole["lines"].setdefault(file, {})
+            for line, names in lines_of_file.items():
+                reached.setdefault(line, []).extend(names)
+    return whole
 
 
 def file_of(test: str) -> str:

@@ -1,6 +1,7 @@
 """Change one small thing of a room at a time, and see whether the room's own tests notice.
 
     python tests/benchmarks/mutants.py indices --count 40 --kind statements --out mutants.jsonl
+    python tests/benchmarks/mutants.py all --count 200 --kind statements --budget 15 --reach reach/*.json
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
 tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
@@ -8,7 +9,8 @@ has collected them; where code is compiled or stands outside functions, in a pro
 Code that is compiled is reached by whatever names it, tests too. Nothing on disk is changed.
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
-are listed with their reasons in equivalent_mutants.toml and count neither way.
+are listed with their reasons in equivalent_mutants.toml and count neither way. `all` draws over all rooms by
+their size; what tests reach may have been measured room by room (`ROOM --count 0 --reach reach/ROOM.json`).
 
 A change counts as noticed only if the same tests, up to the one that failed, pass without it in the same
 way; else it is "unsound". Limits are processor time, so that a busy machine does not decide. "endless" is a
@@ -28,18 +30,19 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).res
 
 from benchmarks.mutant_places import KINDS, ROOT, Mutant, mutants  # noqa: E402
 from benchmarks.mutant_session import judge_together  # noqa: E402
-from benchmarks.mutant_tests import Reach, judge, measured_reach  # noqa: E402
+from benchmarks.mutant_tests import Reach, judge, measured_reach, together  # noqa: E402
 
 _KILLED = ("killed", "endless")
 
 
 def main() -> None:
     options = _options()
-    everything = mutants(options.room, options.kind)
+    room = "" if options.room == "all" else options.room
+    everything = mutants(room, options.kind)
     shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
     chosen = shuffled[: options.count]
-    tests = options.tests or [f"tests/{options.room.partition('/')[0]}", f"reliab/{options.room}"]
-    reach = Reach(_record(options.room, tests, options.reach))
+    tests = options.tests or [f"tests/{room.partition('/')[0]}", f"reliab/{room}"]
+    reach = Reach(_record(options.room, tests, options.reach), options.budget)
     _try(chosen, tests, reach, options.out)
     judged = _judged(options.out)
     for mutant in chosen:
@@ -60,7 +63,8 @@ def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> Non
         with out.open("a", encoding="utf-8") as file:
             file.write(json.dumps({**vars(mutant), "text": mutant.text, "outcome": outcome}) + "\n")
 
-    judge_together(tests, work, note)
+    if work:
+        judge_together(tests, work, note)
     judged = _judged(out)
     for mutant, names, seconds in work:
         if _key(mutant) not in judged:
@@ -71,21 +75,28 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("room", help="a room or a folder of it, as discrepancy/fitting")
+    parser.add_argument("room", help="a room, a folder of it as discrepancy/fitting, or all")
     parser.add_argument("--tests", nargs="*", help="files and folders of tests, if not the room's")
     parser.add_argument("--kind", choices=KINDS, default=KINDS[0], help="what is changed")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=17)
     parser.add_argument("--out", type=Path, default=Path("mutants.jsonl"))
-    parser.add_argument("--reach", type=Path, help="keep there which test reaches what, for the next run")
+    parser.add_argument("--budget", type=float, default=60.0, help="processor time of a change's tests [s]")
+    parser.add_argument(
+        "--reach",
+        type=Path,
+        nargs="*",
+        default=[],
+        help="keep there which test reaches what, for the next run; those of several rooms are put together",
+    )
     return parser.parse_args()
 
 
-def _record(room: str, tests: list[str], file: Path | None) -> dict:
-    if file is not None and file.exists():
-        return json.loads(file.read_text())
+def _record(room: str, tests: list[str], files: list[Path]) -> dict:
+    if files and all(file.exists() for file in files):
+        return together([json.loads(file.read_text()) for file in files])
     record = measured_reach(room, tests)
-    if file is not None:
+    for file in files:
         file.write_text(json.dumps(record))
     return record
 
@@ -112,10 +123,8 @@ def _score(chosen: list[Mutant], judged: dict[tuple[str, str, int], str]) -> str
         for mutant in chosen
     )
     killed, survived = outcomes["killed"], outcomes["survived"]
-    share = 100.0 * killed / max(killed + survived, 1)
-    return (
-        f"{dict(outcomes)}: {share:.0f} % killed, {100.0 * killed / len(chosen):.0f} % with equivalent ones"
-    )
+    share, of_all = 100.0 * killed / max(killed + survived, 1), 100.0 * killed / max(len(chosen), 1)
+    return f"{dict(outcomes)}: {share:.0f} % killed, {of_all:.0f} % with equivalent ones"
 
 
 if __name__ == "__main__":
