@@ -1,9 +1,12 @@
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import typer
 from typer.testing import CliRunner, Result
 
+from reliab.api.criterion_figures import _plane
 from reliab.cli.criterion import criterion
 from reliab.criterion import Criterion
 from reliab.errors import IncompleteError, InputError
@@ -316,3 +319,26 @@ def test_laws_are_compared_over_structures(ellipses_of_twelve):
     shown = run(*arguments).stdout
     assert "accepted region at equal coverage" in shown
     assert "p of lognormality" in shown
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_a_criterion_of_a_posterior_that_has_not_converged_says_so_in_its_figure(grouped_ellipses, converged):
+    of_here = SimpleNamespace(
+        threshold=0.05,
+        metric="rms",
+        confidence=0.9,
+        population="of here",
+        law=SimpleNamespace(name="table"),
+        limits=lambda f, xi: (1e-4 * f, 40.0 * xi),
+        provenance=SimpleNamespace(curve="ellipse", settings={"converged": converged}),
+    )
+    printed = SimpleNamespace(**{**vars(of_here), "population": None})
+    nothing = SimpleNamespace(**{**vars(of_here), "limits": lambda _f, _xi: (0.0, 1.0), "confidence": 0.5})
+    figure = _plane(grouped_ellipses, [of_here, printed, nothing], 1.0, 0.05)
+    (place,) = figure.axes
+    assert place.get_title() == ("" if converged else "POSTERIOR NOT CONVERGED: not to be relied on")
+    names = {line.get_label(): line.get_xydata() for line in place.lines}
+    assert {"90 % of motions", "table, stated for 90 % of motions"} <= set(names)
+    assert not any(str(name).startswith("50 %") for name in names)
+    x, y = names["90 % of motions"].T
+    np.testing.assert_allclose((x - 1.0) ** 2 / 1e-4 + y**2 / 2.0, 1.0)

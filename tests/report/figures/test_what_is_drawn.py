@@ -787,7 +787,11 @@ def test_pairs_and_courses_of_a_posterior():
 def test_an_ellipse_is_drawn_by_its_upper_half():
     x, y = ellipse_line(4e-4, 9.0)
     np.testing.assert_allclose((x - 1.0) ** 2 / 4e-4 + y**2 / 9.0, 1.0)
-    assert (y.min() > -1e-12, x[0] > 1.0, x.size) == (True, True, 121)
+    assert (y.min() > -1e-12, x[0] > 1.0, x.shape) == (True, True, (121,))
+    sizes = np.array([[1.0, 4.0, 9.0], [2.0, 3.0, 5.0]])
+    x, y = ellipse_line(1e-4 * sizes, sizes, points=7)
+    assert x.shape == y.shape == (7, 2, 3)
+    np.testing.assert_allclose(((x - 1.0) ** 2 / 1e-4 + y**2) / sizes, 1.0)
 
 
 def test_every_figure_of_this_page_can_be_drawn(windows):

@@ -130,3 +130,25 @@ def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
 def test_effects_of_a_test_without_specimen_meet_no_stiffness_and_no_damping():
     setting = HybridTest().setting(0.001)
     assert (setting.step, setting.stiffness, setting.damping) == (0.001, 0.0, 0.0)
+
+
+def test_a_loop_stepped_finely_is_the_loop_of_the_finer_motion():
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=1.01, delay=0.006))
+    fine = np.interp(np.arange(4 * (TIME.size - 1) + 1) / 4, np.arange(TIME.size), GROUND)
+    expected = run_closed_loop(test, fine, STEP / 4)
+    found = run_closed_loop(test, GROUND, STEP, parts=4)
+    for name in ("measured", "force"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name)[::4], atol=1e-12)
+    assert found.command.step == pytest.approx(STEP)
+    np.testing.assert_allclose(found.command.values, expected.command.values[:, ::4], atol=1e-12)
+
+
+def test_a_coarse_loop_that_diverges_is_not_a_number_at_any_sample():
+    error = find_effect("integration_error")
+    values = {parameter.name: parameter.upper for parameter in error.parameters}
+    test = HybridTest(structure=STRUCTURE, actuator=Actuator(delay=0.3), effects=(error(**values),))
+    found = run_closed_loop(test, np.tile(1e3 * GROUND, 30), STEP)
+    assert found.measured.shape == found.force.shape == (30 * TIME.size,)
+    assert found.command.values.shape == (3, 30 * TIME.size)
+    assert np.isnan(found.measured).all()
+    assert np.isnan(found.piston.values).all()

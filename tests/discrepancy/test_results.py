@@ -1,0 +1,103 @@
+"""What a diagnosis says and draws of itself is what it holds."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reliab.discrepancy.adding.adding import _sampled
+from reliab.discrepancy.result.diagnosis import draw_gap, table_of_diagnosis
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, remark
+from reliab.effects import find_effect
+from reliab.recordings import behaviour
+
+
+@dataclass(frozen=True)
+class Block:
+    """What adding changes of a diagnosed block."""
+
+    effects: tuple
+    doubtful: tuple
+    converged: bool | None
+
+
+FRICTION = find_effect("coulomb_friction")
+
+
+def missing(probability=0.9, rivals=(), value=5.0):
+    return MissingEffect(
+        effect=FRICTION,
+        probability=probability,
+        estimates=(Estimate(name="force_n", value=value, sd=1.0, units="N"),),
+        rivals=rivals,
+        error_with=0.1,
+        error_without=0.2,
+    )
+
+
+def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
+    gaps = [
+        SimpleNamespace(channel=name, before=b, after=a) for name, b, a in (("u", 0.3, 0.1), ("f", 0.5, 0.4))
+    ]
+    blocks = [
+        SimpleNamespace(block=SimpleNamespace(block=name), gap=gap)
+        for name, gap in zip("ab", gaps, strict=True)
+    ]
+    plot = draw_gap("rig", blocks)
+    before, after = plot.containers
+    assert [(bar.get_center()[0], bar.get_height()) for bar in (*before, *after)] == [
+        (pytest.approx(x), pytest.approx(100.0 * size))
+        for x, size in ((-0.2, 0.3), (0.8, 0.5), (0.2, 0.1), (1.2, 0.4))
+    ]
+    assert (before.get_label(), after.get_label()) == ("before", "after")
+    assert [label.get_text() for label in plot.get_xticklabels()] == ["a: u", "b: f"]
+    assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "log", "rig")
+    assert [text.get_text() for text in plot.get_legend().get_texts()] == ["before", "after"]
+    assert draw_gap("rig", blocks, plot) is plot
+
+
+def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
+    gap = SimpleNamespace(channel="force_n", before=0.31, after=0.12)
+    text = table_of_diagnosis("rig", "effects_found", [missing()], gap, ["Look."])
+    for words in (
+        "effects found", missing().name, "probability 0.9; force_n 5 ± 1 N", "Look.",
+        "error on held-out tests, force_n", "0.31 before, 0.12 after",
+    ):  # fmt: skip
+        assert words in text
+
+
+@pytest.mark.parametrize("rivals", [(), (Rival(name="hysteresis", probability=0.4, held_out_nrmse=0.2),)])
+def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
+    expected = remark(missing().name, 0.6, ("hysteresis", 0.4) if rivals else None)
+    assert missing(0.6, rivals).remark == expected
+    assert ("hysteresis" in expected) is bool(rivals)
+
+
+@pytest.mark.parametrize(("value", "interval"), [(5.0, (4.0, 7.0)), (3.0, (3.0, 7.0)), (8.0, (4.0, 8.0))])
+def test_a_sampled_parameter_keeps_its_value_within_its_interval(value, interval):
+    posterior = SimpleNamespace(
+        converged=True, of=lambda _name: {"force_n": {"sd": 0.7, "interval_90": (4.0, 7.0)}}
+    )
+    block = Block(effects=(missing(value=value),), doubtful=(missing(0.3, value=value),), converged=None)
+    found = _sampled(block, posterior)
+    assert found.converged is True
+    for effect in (*found.effects, *found.doubtful):
+        (estimate,) = effect.estimates
+        assert (estimate.value, estimate.sd, estimate.interval) == (value, 0.7, interval)
+    stuck = _sampled(block, SimpleNamespace(converged=False))
+    assert stuck.converged is False
+    assert stuck.effects is block.effects
+    assert _sampled(block, None) is block
+
+
+@pytest.mark.parametrize("begin", [300, 2500])
+def test_histories_are_compared_where_the_first_moves_most(monkeypatch, begin):
+    monkeypatch.setattr(behaviour, "_MOST_SAMPLES", 1000)
+    first = 1e-3 * np.random.default_rng(1).normal(size=4000)
+    first[begin : begin + 900] += np.sin(0.3 * np.arange(900))
+    here, there = behaviour._strongest(first, np.arange(5000.0))  # noqa: SLF001 - the part that is looked at
+    assert here.size == there.size == 1000
+    np.testing.assert_array_equal(here, first[int(there[0]) : int(there[0]) + 1000])
+    assert there[0] <= begin + 20
+    assert there[-1] >= begin + 880
