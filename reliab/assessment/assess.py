@@ -31,6 +31,7 @@ from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.assessment.tracking_measures import measure_tracking
+from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion
 from reliab.motions import Motion
@@ -143,6 +144,7 @@ def assess(
         equation=judged.equation,
         otherwise_stated=judged.otherwise,
         verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
+        turning=examine_turning(judged.error, recording, question),
         assumed=assumed,
         column_doubts=tuple(of_columns(recording, tracking)),
     )

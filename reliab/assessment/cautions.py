@@ -28,6 +28,7 @@ def cautions(findings: Findings) -> tuple[str, ...]:
         for group in (
             _of_faults,
             _of_error,
+            _of_what_was_not_stated,
             _of_columns,
             _of_force,
             _of_signal,
@@ -80,6 +81,8 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
 def _of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.contradictions
     yield from findings.equation.notes
+    if findings.equation.identified is None:
+        yield from findings.error.frequency_shown
     if findings.otherwise_stated:
         yield sizes_otherwise(findings.error, findings.otherwise_stated)
     by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
@@ -102,6 +105,10 @@ def _of_error(findings: Findings) -> Iterator[str]:
         f"({significant(findings.index)} against 1) "
         f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
     )
+
+
+def _of_what_was_not_stated(findings: Findings) -> Iterator[str]:
+    yield from findings.turning.sentences
 
 
 def _of_columns(findings: Findings) -> Iterator[str]:

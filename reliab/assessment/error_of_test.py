@@ -142,13 +142,27 @@ class ErrorOfTest:
         return budget_of_error(self.widenings, self.sizes)
 
     @property
+    def frequency_shown(self) -> tuple[str, ...]:
+        """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
+        shown = self.rebuilt.unknown.own_frequency
+        if shown is None or not shown.contradicts:
+            return ()
+        stated = float(self.rebuilt.structure.natural_frequencies[0])
+        sentence = (
+            f"The recording moves as a structure of {significant(stated * (1.0 + shown.value))} ± "
+            f"{significant(stated * shown.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
+            "interval is that of what the recording shows, the value that of what was stated."
+        )
+        return (sentence,)
+
+    @property
     def would_decide(self) -> tuple[str, ...]:
         """What would narrow the interval most, in a sentence; none where nothing widens it."""
         if not self.widenings:
             return ()
         widest = self.widenings[0]
         item = next(item for item in self.budget if item.name == widest.name)
-        if widest.deviation_for_half is None or item.unit != "%":
+        if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
             return (item.remedy,)
         half = significant(PERCENT * widest.deviation_for_half, 2)
         return (f"Determine the {item.quantity} to {half} %: the interval is then half as wide.",)
@@ -199,5 +213,13 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=sizes,
+        sizes=with_learned(sizes, rebuilt),
     )
+
+
+def with_learned(sizes: Mapping[str, Size], rebuilt: RebuiltError) -> dict[str, Size]:
+    """Sizes of what is not known, those that the test itself showed among them."""
+    shown = rebuilt.unknown.own_frequency
+    if shown is None:
+        return dict(sizes)
+    return {**sizes, "frequency": Size(deviation=shown.deviation, source=Source.LEARNED)}

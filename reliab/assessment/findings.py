@@ -15,6 +15,7 @@ from reliab.assessment.placement import Placement
 from reliab.assessment.scope_of_test import ScopeOfTest
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.tracking_measures import TrackingMeasures
+from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
 from reliab.recordings import Recording
@@ -71,6 +72,7 @@ class Findings:
     # Error with the structure as stated, or with another damping ratio, where the test contradicts it
     otherwise_stated: tuple[ErrorOfTest, ...]
     verdict: Verdict  # The verdict on the test, by its error
+    turning: Turning  # What was not stated and would turn it
     assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences
     column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
     # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about

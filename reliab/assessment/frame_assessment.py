@@ -129,6 +129,7 @@ class FrameAssessment:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
         sentences = [effect.fault.finding for effect in self.faults]
+        sentences += self.error.frequency_shown
         contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
         sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
         if self.over_frequency is None:

@@ -9,7 +9,7 @@ import numpy as np
 from reliab.assessment.budget import Size, Source, sizes_of_unknown, tolerances_of
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
-from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_of_test import ErrorOfTest, with_learned
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
 from reliab.assessment.frame_assessment import FrameAssessment
@@ -185,7 +185,7 @@ def _rebuilding(
             metric=metric,
             threshold=threshold,
             damping_ratio=mode.damping_ratio,
-            sizes=sizes,
+            sizes=with_learned(sizes, error),
         )
 
     return rebuilt

@@ -73,6 +73,7 @@ def _recording(recording: Recording) -> dict[str, Any]:
 
 def _details(findings: Findings) -> dict[str, Any]:
     return {
+        "would_turn": findings.turning.to_dict(),
         "budget": [item.to_dict() for item in findings.error.budget],
         "improve": _improve(findings),
         "windows": _windows(findings),

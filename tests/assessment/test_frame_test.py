@@ -215,10 +215,11 @@ def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
     tolerances = TolerancesTable(mass=0.03, stiffness=0.04, damping_ratio=0.1, specimen_stiffness=0.02)
     budget = assess_frame(test_and_truth[0], replace(frame, tolerances=tolerances)).to_dict()["budget"]
     sizes = {item["name"]: item["size"] for item in budget}
-    assert sizes["frequency"] == pytest.approx(2.5)
+    assert 0.0 < sizes["frequency"] < 2.5
     assert sizes["damping_ratio"] == pytest.approx(10.0)
     assert sizes["experimental_fraction"] == pytest.approx(2.0)
-    assert {item["source"] for item in budget if item["name"] in {"frequency", "damping_ratio"}} == {"stated"}
+    sources = {item["name"]: item["source"] for item in budget}
+    assert (sources["frequency"], sources["damping_ratio"]) == ("learned from this test", "stated")
     contributions = [item["contribution"] for item in budget]
     assert contributions == sorted(contributions, reverse=True)
 

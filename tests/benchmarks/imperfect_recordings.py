@@ -1,13 +1,14 @@
 """Measure what verdicts are worth where recording and structure are not as stated, restartable.
 
-`python tests/benchmarks/imperfect_recordings.py FOLDER --seed S --count N [--rows NAME …] [--exact]`
-simulates the tests of the seeds from S on by `tests/assessment/rebuilt_error/laboratory.py`, which shares no
-code with `reliab`, under the real records of `../shared/motions` (`--records`), spoils each recording or
-statement in one way after the other, and judges it with nothing stated but f, ξ and α. Answers are kept in
-FOLDER, a file for each seed; what is there already is not done again. Printed for each row: ratios of stated
-to true RMS^R, how often the 90 % interval holds the truth (with its Wilson interval), bad tests accepted,
-good ones refused, undecided ones; then, for the rows `sound` and `ordinary`, the share of good tests called
-reliable by size of the true error.
+`python tests/benchmarks/imperfect_recordings.py FOLDER --seed S --count N [--rows NAME …] [--exact]
+[--error]` simulates the tests of the seeds from S on by `tests/assessment/rebuilt_error/laboratory.py`, which
+shares no code with `reliab`, under the real records of `../shared/motions` (`--records`), spoils each
+recording or statement in one way after the other, and judges it with nothing stated but f, ξ and α. Answers
+are kept in FOLDER, a file for each seed; what is there already is not done again. Printed for each row:
+ratios of stated to true RMS^R, how often the 90 % interval holds the truth (with its Wilson interval), bad
+tests accepted, good ones refused, undecided ones; then, for the rows `sound` and `ordinary`, the share of
+good tests called reliable by size of the true error. With `--error` the function behind the error is asked
+and not all of `assess`: many more tests in the same time, without what faults of a recording do to a verdict.
 
 True errors lie between 1 and 12 %, the threshold is 5 %, white noise lies 45 dB below the motion. Rows of
 `HELD_OUT` were looked at once, when everything was finished.
@@ -31,11 +32,15 @@ from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget import ordinary_equipment  # noqa: E402
+from reliab.assessment.budget import Equipment, ordinary_equipment  # noqa: E402
+from reliab.assessment.error_of_test import Question, error_of_test  # noqa: E402
+from reliab.assessment.rebuilt_error import Estimate  # noqa: E402
+from reliab.assessment.verdict import word_of_probability  # noqa: E402
 from reliab.criterion import published_criterion  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 from reliab.recordings import Recording  # noqa: E402
 from reliab.structures import Structure  # noqa: E402
+from reliab.vocabulary import Metric  # noqa: E402
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
 SMALLEST, LARGEST = 0.01, 0.12
@@ -280,31 +285,50 @@ def numbers(
     }[kind]
 
 
-def judge(told: Told, *, exact: bool) -> dict[str, float | str]:
+def judge(told: Told, *, exact: bool, error_alone: bool) -> dict[str, float | str]:
     """What the product says of a test."""
     recording = Recording(command=told.command, measured=told.measured, time_step=STEP)
     structure = Structure(frequency=told.f, damping_ratio=told.xi, experimental_fraction=told.alpha)
     row: dict[str, float | str] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
+    equipment = None if exact else ordinary_equipment()
+    if error_alone:
+        error = error_of_test(recording, question(structure, equipment))
+        word = str(word_of_probability(error.probability))
+        return row | size(error.rebuilt.rms) | {"probability": error.probability, "word": word}
     try:
         found = assess(
             recording,
             structure,
-            equipment=None if exact else ordinary_equipment(),
+            equipment=equipment,
             criterion=published_criterion("guo_2017_15"),  # of the index, which is not looked at
         )
     except InputError as error:
         return row | {"word": "refused", "why": str(error)}
-    rms = found.error.rebuilt.rms
-    return row | {
-        "value": rms.value,
-        "low": rms.low,
-        "high": rms.high,
-        "probability": found.probability,
-        "word": str(found.verdict.word),
-    }
+    word = str(found.verdict.word)
+    return row | size(found.error.rebuilt.rms) | {"probability": found.probability, "word": word}
 
 
-def run_seed(seed: int, records: list[Path], rows: list[str], file: Path, *, exact: bool) -> None:
+def question(structure: Structure, equipment: Equipment | None) -> Question:
+    """What is asked of a test of which nothing else is stated."""
+    return Question(
+        structure=structure,
+        stated={},
+        equipment=equipment,
+        metric=Metric.RMS,
+        threshold=THRESHOLD,
+        model=None,
+        seed=0,
+    )
+
+
+def size(rms: Estimate) -> dict[str, float | str]:
+    """RMS^R with its interval."""
+    return {"value": rms.value, "low": rms.low, "high": rms.high}
+
+
+def run_seed(
+    seed: int, records: list[Path], rows: list[str], file: Path, *, exact: bool, error_alone: bool
+) -> None:
     """Judge one test in every row that its file does not hold yet."""
     answers = json.loads(file.read_text()) if file.is_file() else {}
     wanted = [row for row in rows if row not in answers]
@@ -315,7 +339,7 @@ def run_seed(seed: int, records: list[Path], rows: list[str], file: Path, *, exa
             told = draw(seed, records, SPECIMENS[row])[0]
         else:
             told = faults[row](sound[0], np.random.default_rng([seed, list(faults).index(row)]))
-        answers[row] = judge(told, exact=exact)
+        answers[row] = judge(told, exact=exact, error_alone=error_alone)
         file.write_text(json.dumps(answers), encoding="utf-8")
 
 
@@ -351,12 +375,13 @@ def main() -> None:
     parser.add_argument("--rows", nargs="*", default=[*PLAIN, *SPECIMENS])
     parser.add_argument("--records", type=Path, default=ROOT.parent / "shared/motions")
     parser.add_argument("--exact", action="store_true")
+    parser.add_argument("--error", action="store_true")
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     records = read_records(asked.records)
     files = {seed: asked.folder / f"test_{seed}.json" for seed in range(asked.seed, asked.seed + asked.count)}
     for seed, file in files.items():
-        run_seed(seed, records, asked.rows, file, exact=asked.exact)
+        run_seed(seed, records, asked.rows, file, exact=asked.exact, error_alone=asked.error)
         print(seed, flush=True, file=sys.stderr)
     answers = [
         {"row": row, "seed": seed, **json.loads(file.read_text())[row]}

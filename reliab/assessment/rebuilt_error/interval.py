@@ -14,6 +14,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.swept import Swept
@@ -23,6 +24,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, firs
 _OPEN = ("open_offset", "open_drift")
 LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
+_ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
 FEWEST_SWEPT = 4096
@@ -36,10 +38,13 @@ class Unknown:
     tolerances: Tolerances  # Of what is stated
     offset: float  # Of the sensor offset that remains [m]
     error_at_start: float  # Of the error at the first sample [m]; zero where the test begins at rest
+    own_frequency: OwnFrequency | None = None  # What the test shows of its frequency, where that was learned
 
     def deviations(self) -> dict[str, float]:
         """Return standard deviations by name, in the order of the draws."""
         stated = dict(self.tolerances.items())
+        if self.own_frequency is not None:
+            stated["frequency"] = self.own_frequency.deviation
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         # last and only where they are not zero, so that the draws of all others stay the same without them
         added = {name: stated.pop(name) for name in LAST}
@@ -105,6 +110,9 @@ def sweep(
     # what lies between the swept samples
     scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
     square, peak, ideal = (swept * scale).T
+    if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
+        computed = 1.0 + _ACCURACY * np.random.default_rng(seed).standard_normal(draws)
+        square, peak = computed**2 * square, computed * peak
     places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
     stretch = Swept(
         steps=histories.command.size - 1,
@@ -130,6 +138,8 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     deviations = unknown.deviations()
     points = _normal(len(deviations) + 1, draws, seed)
     drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
+    if unknown.own_frequency is not None:
+        drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
     if "lagging_hysteresis" in drawn:
         drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
     for name in _OPEN:

@@ -95,7 +95,7 @@ def rebuild_with_specimen(
     histories = Histories(
         command=command, measured=command - difference, fed_back=difference, time_step=time_step
     )
-    reference = _reference(perfect, histories)
+    reference = reference_of_model(perfect, histories)
     unknown = Unknown(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
@@ -145,8 +145,8 @@ def tangent_structure(test: HybridTest) -> WholeStructure:
     )
 
 
-def _reference(perfect: HybridTest, histories: Histories) -> Array:
-    """x_I: the model with a perfect actuator under the demand that is computed from the test."""
+def reference_of_model(perfect: HybridTest, histories: Histories) -> Array:
+    """x_I [m]: the model with a perfect actuator under the demand that is computed from the test."""
     step, numerical = histories.time_step, perfect.substructure
     moved = Motion3.through(histories.command, step).values
     force = load(perfect, Motion3.through(histories.measured, step))
@@ -174,7 +174,7 @@ def _sweep(
     thin = histories.thinned(every)
     velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
-    nominal, fine = _statistics(thin.measured, _reference(perfect, thin)), _fine(perfect, histories)
+    nominal, fine = _statistics(thin.measured, reference_of_model(perfect, thin)), _fine(perfect, histories)
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
@@ -196,7 +196,7 @@ def _sweep(
             fed_back=thin.command - measured,
             time_step=thin.time_step,
         )
-        reference = _reference(changed, moved)
+        reference = reference_of_model(changed, moved)
         rows.append(_statistics(measured, reference) * scale)
         errors.append(measured - reference)
     square, peak, ideal = np.array(rows).T
@@ -210,7 +210,7 @@ def _sweep(
 
 
 def _fine(perfect: HybridTest, histories: Histories) -> Array:
-    return _statistics(histories.measured, _reference(perfect, histories))
+    return _statistics(histories.measured, reference_of_model(perfect, histories))
 
 
 def _statistics(measured: Array, reference: Array) -> Array:

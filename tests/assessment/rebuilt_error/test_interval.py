@@ -64,15 +64,15 @@ def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome
 
 
 def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome):
-    tolerances = Tolerances(frequency=0.01, damping_ratio=0.01)
+    tolerances = Tolerances(damping_ratio=0.15, frequency=0.001)
     rebuilt = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, tolerances=tolerances)
     widest = rebuilt.widenings()[0]
-    assert widest.name == "frequency"
+    assert widest.name == "damping_ratio"
     assert widest.width_without < 0.5 * widest.width
-    assert 0.0 < widest.deviation_for_half < 0.01
+    assert 0.0 < widest.deviation_for_half < 0.15
     halved = rebuild(
         *(outcome.command, outcome.measured, STEP, STRUCTURE),
-        tolerances=Tolerances(frequency=widest.deviation_for_half, damping_ratio=0.01),
+        tolerances=Tolerances(damping_ratio=widest.deviation_for_half, frequency=0.001),
     )
     whole, half = (one.rms.high - one.rms.low for one in (rebuilt, halved))
     assert half / whole == pytest.approx(0.5, abs=0.1)

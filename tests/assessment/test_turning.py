@@ -1,0 +1,117 @@
+"""What was not stated and would turn a verdict, against simulations by another code."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
+
+from reliab.assessment import assess
+from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.error_of_test import ErrorOfTest, Question
+from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.turning import (
+    CORNERS,
+    DUCTILITIES,
+    Turning,
+    _filtered,
+    _yielding,
+    examine_turning,
+)
+from reliab.recordings import Recording
+from reliab.stated_value import StatedValue
+from reliab.structures import Structure
+from reliab.vocabulary import Metric
+
+STEP = 1.0 / RATE
+LAB = Lab(1.2, 0.04, 0.8, DELAY, (0.995, 0.002, 0.0, 0.0))
+STRUCTURE = Structure(frequency=1.2, damping_ratio=0.04, experimental_fraction=0.8)
+
+
+def asked(threshold, **changes):
+    given = {"structure": STRUCTURE, "stated": {}, "equipment": ordinary_equipment(), "metric": Metric.RMS}
+    return Question(**{**given, "threshold": threshold, "model": None, "seed": 0, **changes})
+
+
+def error_under(rebuilt, threshold):
+    return ErrorOfTest(rebuilt=rebuilt, metric=Metric.RMS, threshold=threshold, damping_ratio=0.04)
+
+
+@pytest.fixture(scope="module")
+def linear():
+    return run(LAB, synthetic_ground(2, 15.0))
+
+
+@pytest.fixture(scope="module")
+def rebuilt(linear):
+    return rebuild(linear.command, linear.measured, STEP, STRUCTURE)
+
+
+@pytest.mark.parametrize("reduction", [2.0, 3.5])
+def test_the_error_of_a_specimen_that_yields_is_that_of_its_simulation(linear, reduction):
+    displacement = float(np.abs(linear.command).max()) / reduction
+    yielding = replace(LAB, specimen=HYSTERESIS, shape=(displacement, 0.03, 8.0))
+    outcome = run(yielding, synthetic_ground(2, 15.0))
+    found = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
+    ductility = float(np.abs(outcome.measured).max()) / displacement
+    assert _yielding(found, asked(0.05))(ductility) == pytest.approx(outcome.rms, rel=0.01)
+    assert found.rms.value != pytest.approx(outcome.rms, rel=0.2)
+
+
+def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    sizes = {ductility: float(_yielding(rebuilt, asked(0.0))(ductility)[0]) for ductility in DUCTILITIES}
+    assert sizes[6.0] < sizes[2.0] < 0.9 * rebuilt.rms.value
+    threshold = 0.5 * (sizes[2.0] + sizes[2.5])
+    question = asked(threshold)
+    turning = examine_turning(error_under(rebuilt, threshold), recording, question)
+    assert turning.smallest_ductility == next(d for d in DUCTILITIES if sizes[d] < threshold)
+    assert f"a ductility of {turning.smallest_ductility:g} or more" in turning.sentences[0]
+    above = examine_turning(error_under(rebuilt, 1.0), recording, asked(1.0))
+    assert above.smallest_ductility is None
+    assert "no ductility up to 6 would turn" in above.sentences[0]
+
+
+def through(values, corner):
+    """Filter of second order by its transfer function, at rest before and after."""
+    padded = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
+    ratio = np.fft.rfftfreq(padded.size, STEP) / corner
+    passed = np.fft.rfft(padded) / (1.0 + 1j * math.sqrt(2.0) * ratio - ratio**2)
+    return np.fft.irfft(passed, padded.size)[4096 : 4096 + values.size]
+
+
+def test_a_filter_on_one_channel_changes_the_error_as_its_removal_does(linear):
+    """A test that is read through a filter has the error of the same test read without."""
+    read = through(linear.measured, 100.0)
+    found = rebuild(linear.command, read, STEP, STRUCTURE)
+    without = _filtered(error_under(found, 0.05))(100.0)
+    assert found.rms.value > 1.3 * linear.rms
+    assert without.min() == pytest.approx(linear.rms, rel=0.05)
+
+
+def test_the_highest_filter_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    largest = {corner: _filtered(error_under(rebuilt, 1.0))(corner).max() for corner in CORNERS}
+    threshold = 0.5 * (largest[100.0] + largest[80.0])
+    turning = examine_turning(error_under(rebuilt, threshold), recording, asked(threshold))
+    assert turning.highest_filter == 80.0
+    assert "at 80 Hz or lower on one channel alone" in turning.sentences[-1]
+    stated = asked(threshold, stated={"filter_delay": StatedValue(0.0, 0.01)})
+    assert examine_turning(error_under(rebuilt, threshold), recording, stated).highest_filter is None
+
+
+def test_nothing_is_asked_of_an_exact_laboratory_or_a_recorded_force(linear, rebuilt):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    error = error_under(rebuilt, 1.0)
+    assert examine_turning(error, recording, asked(1.0, equipment=None)) == Turning()
+    with_force = replace(recording, force=linear.force)
+    assert not examine_turning(error, with_force, asked(1.0)).nonlinear_asked
+
+
+def test_assess_states_what_would_turn_its_verdict(linear):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    content = assess(recording, STRUCTURE, equipment=ordinary_equipment(), threshold=0.2).to_dict()
+    assert content["verdict"] == "reliable"
+    assert set(content["would_turn"]) == {"smallest_ductility", "highest_filter_hz"}
+    assert any("No force was recorded" in warning for warning in content["warnings"])
