@@ -9,13 +9,21 @@ from typing import Any
 import numpy as np
 
 from reliab.api.arguments import Quantity, require_positive, stated_values
-from reliab.assessment.rebuilt_error import DRAWS, ErrorSoFar, Monitor, Tolerances
+from reliab.assessment.rebuilt_error import (
+    DRAWS,
+    FALSE_ALARMS,
+    FALSE_ERROR_ALARMS,
+    ErrorSoFar,
+    Monitor,
+    Tolerances,
+)
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
     chunks_of_text,
     rows_as_written,
+    rows_without_skew,
     stated_by_options,
 )
 from reliab.shipped import or_shipped
@@ -64,7 +72,7 @@ def follow_test(
     f: Quantity | None = None,
     xi: Quantity | None = None,
     alpha: Quantity = 1.0,
-    scale: Quantity = 1.0,
+    scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     threshold: float = 0.05,
     metric: str = "rms",
@@ -89,7 +97,8 @@ def follow_test(
         Natural frequency [Hz], damping ratio [-], both needed, and share of the stiffness in the laboratory
         [-], each with a standard deviation where it is not certain: "1±0.01".
     scale, feedback_lag : float, str or StatedValue, optional
-        Scale of the displacement sensor [-]; time by which the force is fed back late [ms].
+        Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
+        fed back late [ms].
     threshold : float, optional
         Largest error of a good test [-].
     metric : {"rms", "mte"}, optional
@@ -101,7 +110,8 @@ def follow_test(
     units : str, optional
         Unit of both displacements.
     channels : str or pathlib.Path, optional
-        File `channels.toml` in which a laboratory states its channels.
+        File `channels.toml` in which a laboratory states its channels. Skew, scale and hysteresis of its
+        table `calibration` are taken off as `assess` does, but that hysteresis only widens the interval.
     every : float, optional
         Time of the test between two updates [s].
     wait, start_within : float, optional
@@ -127,7 +137,6 @@ def follow_test(
     >>> end.kind, end.to_dict()["above_threshold"]
     ('end', False)
     """
-    stated = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
     positive = {"threshold": threshold, "every": every, "wait": wait, "start_within": start_within}
     for name, number in (positive if rate is None else {**positive, "rate": rate}).items():
         if not 0.0 < number < float("inf"):
@@ -135,6 +144,9 @@ def follow_test(
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
+    exact = {"scale": StatedValue(1.0), "skew": StatedValue(0.0), "hysteresis": StatedValue(0.0)}
+    of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
+    stated = {**exact, **laboratory.calibration, **of_test}
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
@@ -173,6 +185,8 @@ class _Watch:
         `rate` [Hz].
         """
         step, rows = _time_step(rows, rate)
+        if skew := self.stated["skew"].value * _MILLISECONDS:
+            rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
         scale = self.stated["scale"].value
@@ -190,8 +204,8 @@ class _Watch:
         yield self._end(monitor)
 
     def _monitor(self, step: float) -> Monitor:
-        f, xi, alpha, scale, lag = (
-            self.stated[name] for name in ("f", "xi", "alpha", "scale", "feedback_lag")
+        f, xi, alpha, scale, lag, skew, hysteresis = (
+            self.stated[name] for name in ("f", "xi", "alpha", "scale", "feedback_lag", "skew", "hysteresis")
         )
         tolerances = Tolerances(
             frequency=f.deviation / f.value,
@@ -199,6 +213,8 @@ class _Watch:
             experimental_fraction=alpha.deviation / alpha.value,
             sensor_scale=scale.deviation / scale.value,
             feedback_lag=lag.deviation * _MILLISECONDS,
+            time_shift=skew.deviation * _MILLISECONDS,
+            lagging_hysteresis=hysteresis.value,
         )
         structure = Structure(frequency=f.value, damping_ratio=xi.value, experimental_fraction=alpha.value)
         return Monitor(structure, step, feedback_lag=lag.value * _MILLISECONDS, tolerances=tolerances)
@@ -206,13 +222,18 @@ class _Watch:
     def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once."""
         if monitor.gains_energy_since is not None:
-            yield from self._alarm("unstable", monitor, "the loop gains energy and may diverge")
+            yield from self._alarm(
+                "unstable",
+                monitor,
+                f"the loop gains energy and may diverge; of stable tests {percent(FALSE_ALARMS)} at most "
+                "have this alarm",
+            )
         if monitor.exceeds(self.threshold, self.metric):
             yield from self._alarm(
                 "error",
                 monitor,
-                f"the error is above twice {percent(self.threshold, decimals=2)}; few tests end below "
-                "that threshold then",
+                f"the error is above twice {percent(self.threshold, decimals=2)}; of tests that end below "
+                f"that threshold about {percent(FALSE_ERROR_ALARMS)} have this alarm",
             )
 
     def _alarm(self, name: str, monitor: Monitor, sentence: str) -> Iterator[Message]:
@@ -243,6 +264,7 @@ class _Watch:
             "net_damping_ratio": damping,
             "near_instability": damping is not None and damping < _CRITICAL * self.stated["xi"].value,
             "alarms": list(self.alarms),
+            "false_alarm_rates": {"unstable": FALSE_ALARMS, "error": FALSE_ERROR_ALARMS},
             **more,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)

@@ -51,7 +51,7 @@ def export_monitor(
     xi: Quantity | None = None,
     alpha: Quantity = 1.0,
     structure: str | Path | None = None,
-    scale: Quantity = 1.0,
+    scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     threshold: float = 0.05,
     metric: str = "rms",
@@ -69,7 +69,7 @@ def export_monitor(
     structure : str or pathlib.Path, optional
         TOML file of a frame with one linear specimen, in place of `f`, `xi` and `alpha`.
     scale, feedback_lag : float, str or StatedValue, optional
-        Scale of the displacement sensor [-]; time by which the force is fed back late [ms].
+        Scale of the displacement sensor [-], 1 by default; time by which the force is fed back late [ms].
     threshold : float, optional
         Largest error of a good test [-]; the alarm of the error is raised above twice of it.
     metric : {"rms", "mte"}, optional
@@ -97,7 +97,8 @@ def export_monitor(
     kind, place = export[0], Path(export[1])
     if kind not in ("c", "fmu"):
         raise InputError("`export` writes c or fmu", value=kind, remedy="Name one of them, and where it goes")
-    monitor = _monitor(f, xi, alpha, structure, scale, feedback_lag, threshold, metric, rate)
+    exactly = 1.0 if scale is None else scale
+    monitor = _monitor(f, xi, alpha, structure, exactly, feedback_lag, threshold, metric, rate)
     if kind == "fmu":
         content = {place: pack_fmu(monitor)}
     else:

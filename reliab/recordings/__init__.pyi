@@ -10,6 +10,7 @@ from .channels_file import (
     read_channels_file as read_channels_file,
     stated_by_tables as stated_by_tables,
 )
+from .followed_skew import rows_without_skew as rows_without_skew
 from .following import Rows as Rows, rows_as_written as rows_as_written
 from .growing_file import chunks_of_text as chunks_of_text
 from .naming import page_words as page_words

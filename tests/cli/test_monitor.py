@@ -302,3 +302,31 @@ def test_every_option_changes_the_answer(short, capsys, option, value):
     path, plain = short
     run([*follow(path, "--threshold", "0.15"), option, value])
     assert capsys.readouterr().out != plain
+
+
+def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
+    """A reading that is late and too large, told so by channels.toml, has the error of the sound reading."""
+    run(follow(good, "--threshold", "1"))
+    sound = messages(capsys.readouterr().out)[-1]["error"]["rms"]
+    table = np.loadtxt(good, delimiter=",", skiprows=1)
+    time, command, measured = table.T
+    late = 1.02 * np.interp(time - 0.010, time, measured)
+    spoiled, channels = tmp_path / "late.csv", tmp_path / "channels.toml"
+    rows = "\n".join(f"{t:.6f},{c:.9e},{m:.9e}" for t, c, m in zip(time, command, late, strict=True))
+    spoiled.write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
+    channels.write_text("[calibration]\nskew_ms = 10.0\nskew_sd_ms = 0.1\nscale = 1.02\n", encoding="utf-8")
+    run(follow(spoiled, "--threshold", "1"))
+    raw = messages(capsys.readouterr().out)[-1]["error"]["rms"]
+    run(follow(spoiled, "--threshold", "1", "--channels", str(channels)))
+    mended = messages(capsys.readouterr().out)[-1]["error"]["rms"]
+    assert raw["value"] > 2.0 * sound["value"]
+    assert mended["value"] == pytest.approx(sound["value"], rel=0.03)
+    assert mended["high"] - mended["low"] > 2.0 * (sound["high"] - sound["low"])
+    run(follow(spoiled, "--threshold", "1", "--channels", str(channels), "--scale", "1"))
+    assert messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"] > 1.15 * sound["value"]
+
+
+def test_messages_state_how_often_alarms_are_false(good, capsys):
+    run(follow(good, "--threshold", "1"))
+    rates = {tuple(said["false_alarm_rates"].items()) for said in messages(capsys.readouterr().out)}
+    assert rates == {(("unstable", 0.01), ("error", 0.01))}

@@ -1,7 +1,12 @@
 from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
-from .monitor import CALM as CALM, SHRINKS as SHRINKS, Monitor as Monitor
+from .monitor import (
+    CALM as CALM,
+    FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
+    SHRINKS as SHRINKS,
+    Monitor as Monitor,
+)
 from .nonlinear_reference import rebuild_with_specimen as rebuild_with_specimen
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild

@@ -42,6 +42,7 @@ _GROWTH = 0.5  # by which a test must grow before its intervals are computed aga
 _PERIODS_BETWEEN = 4.0  # of the structure, at least
 CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
 SHRINKS = 0.5  # share of itself to which an error may still fall then
+FALSE_ERROR_ALARMS = 0.01  # share of tests that end below the threshold and have an alarm of the error
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -46,13 +46,14 @@ class MonitorDemand(Demand):
         str, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
     ] = "1"
     scale: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--scale",
             metavar="RATIO",
-            help="Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %.",
+            help="Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %; by default as "
+            "calibrated in --channels, else 1.",
         ),
-    ] = "1"
+    ] = None
     feedback_lag: Annotated[
         str,
         typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),

@@ -1,0 +1,67 @@
+"""Rows of a test that is still written, with the measured displacement at the times to which it belongs."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.recordings.following import Rows
+
+
+def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
+    """Take a skew off, positive where the measured displacement was recorded later [samples].
+
+    Commands wait for the reading that belongs to them, which is a cubic through the four next samples; the
+    last commands, whose reading never comes, are left out. Before its first sample a reading stands still.
+
+    >>> time = np.arange(9.0)
+    >>> late = Rows(time=time, command=time**2, measured=(time - 1.5) ** 2)
+    >>> (moved,) = rows_without_skew(iter([late]), 1.5)
+    >>> moved.measured.tolist() == moved.command.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
+    True
+    """
+    ahead = int(np.floor(samples))
+    weights = _cubic(samples - ahead)
+    first = 1 - ahead  # sample of the command whose cubic begins with the first reading
+    waiting, read = None, np.empty(0)
+    for part in rows:
+        if first > 0 and read.size == 0:
+            read = np.full(first, part.measured[0])
+        read = np.concatenate([read, part.measured])
+        waiting = part if waiting is None else _joined(waiting, part)
+        if first < 0:
+            dropped = min(-first, read.size)
+            read, first = read[dropped:], first + dropped
+        ready = min(read.size - weights.size + 1, waiting.command.size) if first >= 0 else 0
+        if ready > 0:
+            moved = np.convolve(read, weights[::-1], mode="valid")[:ready]
+            yield Rows(
+                time=None if waiting.time is None else waiting.time[:ready],
+                command=waiting.command[:ready],
+                measured=moved,
+            )
+            waiting, read = _after(waiting, ready), read[ready:]
+
+
+def _cubic(place: float) -> Array:
+    """Weights of samples at −1, 0, 1 and 2 for a cubic at a place between 0 and 1 (Lagrange)."""
+    nodes = np.array([-1.0, 0.0, 1.0, 2.0])
+    others = [np.delete(nodes, k) for k in range(nodes.size)]
+    return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, others, strict=True)])
+
+
+def _joined(before: Rows, after: Rows) -> Rows:
+    time = None if before.time is None or after.time is None else np.concatenate([before.time, after.time])
+    return Rows(
+        time=time,
+        command=np.concatenate([before.command, after.command]),
+        measured=after.measured,
+    )
+
+
+def _after(rows: Rows, count: int) -> Rows:
+    return Rows(
+        time=None if rows.time is None else rows.time[count:],
+        command=rows.command[count:],
+        measured=rows.measured,
+    )
