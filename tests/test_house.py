@@ -183,6 +183,14 @@ def names_by_room() -> dict[str, list[tuple[str, bool]]]:
     return rooms
 
 
+def test_a_function_says_what_it_does():
+    """A function called `of` leaves it to its reader to find out what is made of what."""
+    files = (path for top in (PACKAGE, STUDIES, TESTS) for path in top.rglob("*.py"))
+    assert [
+        str(path) for path in files for function in functions(path) if function.name.strip("_") == "of"
+    ] == []
+
+
 def test_names_are_nouns_of_the_field():
     """The share of vague names in a room stays below its limit; the message counts and lists them."""
     beyond = []

@@ -109,7 +109,7 @@ def of_posteriors(progress, monkeypatch):
 
 def of_rounds(progress, monkeypatch):
     monkeypatch.setattr(study, "tests_of_round", lambda *_: iter(()))
-    design = study.Design.of(MOTIONS, [STRUCTURE], trials=3)  # type: ignore[attr-defined]
+    design = study.Design.for_motions(MOTIONS, [STRUCTURE], trials=3)  # type: ignore[attr-defined]
     study.try_tests(design, progress=progress)
 
 

@@ -70,7 +70,7 @@ class Case:
 
         `curve`: the ellipses on which the criterion will rest.
         """
-        weights = None if self.weights is None else Weights.of(ellipses, self.weights)
+        weights = None if self.weights is None else Weights.from_table(ellipses, self.weights)
         chosen = self._carried(ellipses, source, f, xi, show)
         if weights is None or "length" not in weights.quantities:
             chosen = protect_over_lengths(chosen, metric=source.metric, curve=curve)

@@ -287,7 +287,7 @@ class _Question:
         learned: dict[tuple[float, float], Derivation] = {}
         for share, error in itertools.product(shares, dict.fromkeys(errors)):
             with self.show(f"Learning at {error:g}") as progress:
-                learned[share, error] = Derivation.of(
+                learned[share, error] = Derivation.from_ellipses(
                     at_share(dataset, share),
                     method=method,
                     law=law,

@@ -148,7 +148,7 @@ def _of_values(f: Quantity | None, xi: Quantity | None, stated: dict[str, Any]) 
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame",
                 remedy="State one of them",
             )
-    return WholeStructure.of(
+    return WholeStructure.of_structure(
         Structure(
             frequency=stated["f"].value,
             damping_ratio=stated["xi"].value,

@@ -113,7 +113,7 @@ def validate_rebuilt_error(
             remedy="Give one",
         )
     suite = list(load_motions(*paths(motions), sets=listed(sets)))
-    design = Design.of(
+    design = Design.for_motions(
         suite[:: max(1, len(suite) // trials)][:trials],
         [
             Structure(frequency=frequency, damping_ratio=ratio, experimental_fraction=share)

@@ -59,7 +59,7 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     if effect.otherwise is None:
         return
     metric = Metric(findings.criterion.metric)
-    counted, otherwise = findings.error.of(metric).value, effect.otherwise.of(metric).value
+    counted, otherwise = findings.error.estimate(metric).value, effect.otherwise.estimate(metric).value
     name, fault = ERROR_NAMES[metric], effect.fault
     sizes = [percent(size, decimals=2) for size in (counted, otherwise)]
     if fault.in_loop is True:
@@ -88,7 +88,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
     by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
     if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
         return
-    size = findings.error.of(Metric(findings.criterion.metric)).value
+    size = findings.error.estimate(Metric(findings.criterion.metric)).value
     basis = (
         f"{percent(findings.criterion.confidence, decimals=0)} of the population's ground motions"
         if findings.placement is None

@@ -28,7 +28,7 @@ def verdict_of_error(
     the verdict, where the test contradicts its stated structure, and where another damping ratio than the
     assumed one would change the verdict.
     """
-    size = error.of(error.metric)
+    size = error.estimate(error.metric)
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     reason = (
@@ -50,9 +50,10 @@ def verdict_of_error(
         reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
         remedies.append(_SKEW if error.contested else _STRUCTURE)
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
-        by_size = sorted(assumed, key=lambda restated: restated.of(error.metric).value)
+        by_size = sorted(assumed, key=lambda restated: restated.estimate(error.metric).value)
         sizes = " to ".join(
-            f"{100 * restated.of(error.metric).value:.2f} % (ξ = {significant(restated.damping_ratio, 2)})"
+            f"{percent(restated.estimate(error.metric).value, decimals=2)} "
+            f"(ξ = {significant(restated.damping_ratio, 2)})"
             for restated in (by_size[0], by_size[-1])
         )
         reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
@@ -63,10 +64,11 @@ def verdict_of_error(
 def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
     """Say how large the error is, and how large with other values that are stated or possible."""
     sizes = ", ".join(
-        f"{percent(restated.of(error.metric).value, decimals=2)} with {restated.under}"
+        f"{percent(restated.estimate(error.metric).value, decimals=2)} with {restated.under}"
         for restated in otherwise
     )
-    return f"{ERROR_NAMES[error.metric]} is {percent(error.of(error.metric).value, decimals=2)}, but {sizes}."
+    size = percent(error.estimate(error.metric).value, decimals=2)
+    return f"{ERROR_NAMES[error.metric]} is {size}, but {sizes}."
 
 
 def probability_text(probability: float, *, bound: float = 0.99) -> str:

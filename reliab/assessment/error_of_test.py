@@ -34,7 +34,7 @@ _LARGEST_ASSUMED = 0.99
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
     "delay": "delay",
-    "neither": "what is neither gain nor delay",
+    "neither": "other tracking errors",
     "fed_back_force": "lag of the fed-back force",
 }
 """Parts of the error in words."""
@@ -96,7 +96,7 @@ class ErrorOfTest:
     alternatives: tuple["ErrorOfTest", ...] = ()
     sizes: Mapping[str, Size] = field(default_factory=dict)
 
-    def of(self, metric: Metric) -> Estimate:
+    def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
         return self.rebuilt.estimate(metric)
 

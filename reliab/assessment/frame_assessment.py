@@ -174,7 +174,7 @@ class FrameAssessment:
         }
 
     def __repr__(self) -> str:
-        size = self.error.of(self.error.metric)
+        size = self.error.estimate(self.error.metric)
         return (
             f"<FrameAssessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, "
             f"{self.error.metric.upper()} error {percent_with_interval(size.value, size.low, size.high)}>"
@@ -193,7 +193,7 @@ def _mode(mode: ModeOfTest) -> dict[str, float | None]:
 
 def _error(error: ErrorOfTest) -> dict[str, Any]:
     return {
-        **{str(name): plain_estimate(error.of(name)) for name in Metric},
+        **{str(name): plain_estimate(error.estimate(name)) for name in Metric},
         "interval_level": ERROR_LEVEL,
         "probability": error.probability,
         "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
@@ -224,8 +224,8 @@ def _fault(effect: FaultEffect, error: ErrorOfTest) -> dict[str, Any]:
         "kind": effect.fault.kind,
         "finding": effect.fault.finding,
         "in_loop": effect.fault.in_loop,
-        "error": finite(error.of(error.metric).value),
-        "error_otherwise": None if otherwise is None else finite(otherwise.of(error.metric).value),
+        "error": finite(error.estimate(error.metric).value),
+        "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
     }
 
 

@@ -143,7 +143,7 @@ def _identified(
 def _term_of_force(recording: Recording, structure: Structure, lag: StatedValue) -> VelocityTerm | None:
     if recording.force is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
         return None
-    kernel = Kernel.of(structure.frequency, recording.time_step)
+    kernel = Kernel.of_frequency(structure.frequency, recording.time_step)
     spring = fit_spring(recording.measured, recording.force, kernel)
     least = _LEAST * structure.damping_ratio / ratio_per_second(structure)
     tolerated = _AGREES * lag.deviation / MILLI

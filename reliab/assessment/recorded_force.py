@@ -171,7 +171,7 @@ def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
     common = np.abs(np.fft.rfft(force - force.mean()) * np.fft.rfft(measured - measured.mean()))
     number = np.arange(common.size)
     frequency = float(number[np.argmax(number * common)]) / (measured.size * time_step)
-    kernel = Kernel.of(frequency, time_step)
+    kernel = Kernel.of_frequency(frequency, time_step)
     samples = (measured.size - kernel.values[0].size) // kernel.every
     return kernel if samples >= _FEWEST_SAMPLES else None
 

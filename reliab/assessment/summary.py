@@ -92,8 +92,8 @@ def _details(findings: Findings) -> dict[str, Any]:
 def _error(findings: Findings) -> dict[str, Any]:
     error = findings.error
     return {
-        "rms": plain_estimate(error.of(Metric.RMS)),
-        "mte": plain_estimate(error.of(Metric.MTE)),
+        "rms": plain_estimate(error.estimate(Metric.RMS)),
+        "mte": plain_estimate(error.estimate(Metric.MTE)),
         "interval_level": ERROR_LEVEL,
         "probability": error.probability,
         "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
@@ -103,7 +103,7 @@ def _error(findings: Findings) -> dict[str, Any]:
         "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
         "identified": _identified(findings.equation),
         "otherwise_stated": [
-            plain_estimate(rebuilt.of(findings.metric)) for rebuilt in findings.otherwise_stated
+            plain_estimate(rebuilt.estimate(findings.metric)) for rebuilt in findings.otherwise_stated
         ],
     }
 
@@ -166,8 +166,8 @@ def _fault(effect: FaultEffect, findings: Findings) -> dict[str, Any]:
         "kind": effect.fault.kind,
         "finding": effect.fault.finding,
         "in_loop": effect.fault.in_loop,
-        "error": finite(findings.error.of(metric).value),
-        "error_otherwise": None if otherwise is None else finite(otherwise.of(metric).value),
+        "error": finite(findings.error.estimate(metric).value),
+        "error_otherwise": None if otherwise is None else finite(otherwise.estimate(metric).value),
     }
 
 

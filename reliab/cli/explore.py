@@ -37,7 +37,10 @@ class ExploreDemand(Demand):
         float | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio with which the page opens.")
     ] = None
     alpha: Annotated[
-        float, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+        float,
+        typer.Option(
+            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
+        ),
     ] = 1.0
     threshold: Annotated[
         float | None,

@@ -31,10 +31,11 @@ class MotionsDemand(Demand):
     ]
     sets: Sets = None
     time_step: Annotated[
-        float | None, typer.Option("--time-step", metavar="SECONDS", help="Step, where files state none.")
+        float | None,
+        typer.Option("--time-step", metavar="SECONDS", help="Time step of records that state none."),
     ] = None
     units: Annotated[
-        str | None, typer.Option("--units", metavar="g|cm/s2|m/s2", help="Units, where files state none.")
+        str | None, typer.Option("--units", metavar="g|cm/s2|m/s2", help="Unit of records that state none.")
     ] = None
     json_target: JsonTarget = None
 

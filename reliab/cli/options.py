@@ -85,7 +85,7 @@ Fractions = Annotated[
     typer.Option(
         "--alpha",
         metavar="SHARE...",
-        help="Shares of the stiffness in the laboratory; by default those of the source, or 1.",
+        help="Shares of the structure's stiffness in the laboratory; by default those of the source, or 1.",
     ),
 ]
 StructureFile = Annotated[
@@ -119,7 +119,8 @@ Rate = Annotated[
     float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
 ]
 Delimiter = Annotated[
-    str | None, typer.Option("--delimiter", metavar="SIGN", help="What separates columns of a text.")
+    str | None,
+    typer.Option("--delimiter", metavar="SIGN", help="Character between the columns of a text file."),
 ]
 TestName = Annotated[
     str | None, typer.Option("--test", metavar="NAME", help="Which test, if the file holds several.")

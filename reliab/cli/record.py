@@ -40,7 +40,10 @@ class RecordDemand(ReadsTests):
     f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
     xi: Annotated[str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02.")] = None
     alpha: Annotated[
-        str | None, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+        str | None,
+        typer.Option(
+            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
+        ),
     ] = None
     mass: Annotated[str | None, typer.Option("--mass", metavar="KG", help="Mass of the structure.")] = None
     specimen: Annotated[str, typer.Option("--specimen", metavar="TEXT", help="What was tested.")] = ""

@@ -52,7 +52,9 @@ class SimulateDemand(Demand):
             "--engine", metavar="automatic|pole|delay|spectral", help="How the equation of motion is solved."
         ),
     ] = "automatic"
-    resume: Annotated[bool, typer.Option("--resume", help="Continue a store that was begun.")] = False
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue a store that an interrupted run has begun.")
+    ] = False
     workers: Annotated[
         int | None, typer.Option("--workers", min=1, help="Threads; all processors by default.")
     ] = None

@@ -76,7 +76,7 @@ def carry_to_response(ellipses: xr.Dataset, measures: xr.Dataset, response: xr.D
             threshold * np.sqrt(part[f"{name}_first"].values / _scale(name, *grid))
             for part, grid in zip((known, own), at, strict=True)
         )
-        fit = _Fit.of(
+        fit = _Fit.by_least_squares(
             np.log(values / (threshold**2 * known[f"{name}_first"].values)),
             _of_response(sizes, known["duration"].values[:, None, None], *at[0]),
             ellipses["event"].values,
@@ -139,7 +139,9 @@ def carry_to_length(ellipses: xr.Dataset, duration: float) -> xr.Dataset:
 
     def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
         unit = threshold**2 * _scale(name, *grid)
-        fit = _Fit.of(np.log(values / unit), _of_length(lengths, *grid), ellipses["event"].values)
+        fit = _Fit.by_least_squares(
+            np.log(values / unit), _of_length(lengths, *grid), ellipses["event"].values
+        )
         return np.asarray(unit * np.exp(fit.carried(fit.residuals, _of_length(duration, *grid))))
 
     words = f"for records of {duration:g} s"
@@ -227,7 +229,9 @@ class _Fit:
     variance: Array  # Residual variance as a line in `growth`, shape (2,)
 
     @classmethod
-    def of(cls, values: Array, covariates: Array, events: Array, growth: Array | None = None) -> "_Fit":
+    def by_least_squares(
+        cls, values: Array, covariates: Array, events: Array, growth: Array | None = None
+    ) -> "_Fit":
         """Fit `values` (motions, f, ξ) by `covariates` (motions, f, ξ, covariates)."""
         known = np.isfinite(values)
         x, y = covariates[known], values[known]

@@ -127,7 +127,7 @@ def derive_criterion(
         threshold=threshold,
         metric=str(metric),
     )
-    derivation = Derivation.of(
+    derivation = Derivation.from_ellipses(
         protect_over_lengths(population, metric=str(metric), curve=known_method.curve),
         method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,
@@ -168,7 +168,7 @@ class Derivation:
     lead: LearnedSide | None
 
     @classmethod
-    def of(
+    def from_ellipses(
         cls,
         ellipses: xr.Dataset,
         *,
@@ -193,7 +193,7 @@ class Derivation:
         sides = {}
         for side in names_along(chosen, "side"):
             try:
-                grid = SampleGrid.of(chosen, side=side, **error)  # type: ignore[arg-type]
+                grid = SampleGrid.from_ellipses(chosen, side=side, **error)  # type: ignore[arg-type]
             except InputError:
                 if side == Side.LAG:
                     raise

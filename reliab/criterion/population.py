@@ -78,7 +78,7 @@ class Population:
             )
 
     @classmethod
-    def of(
+    def from_ellipses(
         cls,
         ellipses: xr.Dataset,
         *,

@@ -25,10 +25,12 @@ class SampleGrid:
     side: str
 
     @classmethod
-    def of(cls, ellipses: xr.Dataset, *, threshold: float, metric: str, curve: str, side: str) -> Self:
+    def from_ellipses(
+        cls, ellipses: xr.Dataset, *, threshold: float, metric: str, curve: str, side: str
+    ) -> Self:
         """Take the ellipses of one error, curve and side from a dataset, in increasing order of f and ξ."""
         chosen = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
-        population = Population.of(ellipses, **chosen)  # type: ignore[arg-type]
+        population = Population.from_ellipses(ellipses, **chosen)  # type: ignore[arg-type]
         samples = tuple(
             tuple(sample_of(ellipses, frequency=f, damping_ratio=xi, **chosen) for xi in damping_ratios)  # type: ignore[arg-type]
             for damping_ratios in [population.damping_ratios.tolist()]

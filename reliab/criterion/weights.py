@@ -49,7 +49,7 @@ class Weights:
     quantities: tuple[str, ...]  # That the target states
 
     @classmethod
-    def of(cls, ellipses: xr.Dataset, path: str | Path) -> Self:
+    def from_table(cls, ellipses: xr.Dataset, path: str | Path) -> Self:
         """Weigh the motions of a population by the target in a file."""
         target = _read(path)
         known = {name: _values_of(name, ellipses, str(path)) for name in target}

@@ -248,7 +248,7 @@ class Effect(ABC):
         return str(cls.reported_name or cls.name)
 
     @classmethod
-    def of(cls, values: Array) -> Self:
+    def from_values(cls, values: Array) -> Self:
         """Build the effect from its parameters in order."""
         names = [field.name for field in fields(cls)]
         return cls(**dict(zip(names, map(float, values), strict=True)))

@@ -97,7 +97,7 @@ def _configuration(monitor: LoopMonitor) -> str:
 def _numbers(monitor: LoopMonitor) -> dict[str, str]:
     """Return what the monitor is made for, and what its alarms need."""
     structure, step = monitor.structure, monitor.time_step
-    damping = Damping.of(structure, step)
+    damping = Damping.of_structure(structure, step)
     period = 1.0 / float(structure.natural_frequencies[0])
     real = {
         "STEP": step,

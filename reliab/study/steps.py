@@ -113,7 +113,7 @@ def _derive(traced: xr.Dataset, threshold: float, metric: str, table: CriterionT
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
     error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
     try:
-        learned = Derivation.of(
+        learned = Derivation.from_ellipses(
             traced,
             method=method_of(table.method),
             law=known(FITTED, table.law),

@@ -52,7 +52,7 @@ class _Motions:
         if isinstance(law, Law):
             grid = self.frequencies[:, None], self.damping_ratios[None, :]
             return np.asarray(np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale)
-        scatter = Scatter.of(self.values)
+        scatter = Scatter.from_logarithms(self.values)
         depth = np.quantile(scatter.worse(self.values), 1.0 - confidence, axis=0)
         return self._fitted(law, scatter.at(depth))
 
@@ -126,7 +126,7 @@ def compare_laws(
     >>> bool((scores["new"] > scores["old"]).all())
     True
     """
-    population = Population.of(ellipses, threshold=threshold, metric=metric, curve=curve)
+    population = Population.from_ellipses(ellipses, threshold=threshold, metric=metric, curve=curve)
     values = np.stack([population.log_alpha, population.log_beta], axis=-1)
     if not np.isfinite(values).all():
         raise InputError(

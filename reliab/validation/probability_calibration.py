@@ -46,7 +46,9 @@ def probability_calibration(
         tests = draw_trials(ellipses, cell, trials)
         errors = np.array([truth.errors(cell, k, tests.gain, tests.delay) for k in range(events.size)])
         for fold in folds:
-            population = Population.of(at.isel(motion=fold.learned), threshold=threshold, metric=metric)
+            population = Population.from_ellipses(
+                at.isel(motion=fold.learned), threshold=threshold, metric=metric
+            )
             probability = population.probability(tests.gain, tests.delay, f, xi)
             bins = np.clip(np.digitize(probability, edges) - 1, 0, shape[1] - 1)
             for motion in np.flatnonzero(fold.judged):

@@ -33,7 +33,7 @@ def table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Every row of Table 2: a, b and the fitting error of equation (10)."""
     for row in printed.table2.itertuples(index=False):
         pairs = {
-            name: (getattr(row, name), _of(records, variable, str(row.record)))
+            name: (getattr(row, name), _value_of(records, variable, str(row.record)))
             for name, variable in _VARIABLES.items()
         }
         ratios = {name: recomputed / value for name, (value, recomputed) in pairs.items()}
@@ -53,7 +53,7 @@ def rows_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
     table = printed.table2
     names = [str(name) for name in table["record"]]
     ratios = {
-        column: np.array([_of(records, variable, name) for name in names]) / table[column].to_numpy()
+        column: np.array([_value_of(records, variable, name) for name in names]) / table[column].to_numpy()
         for column, variable in _VARIABLES.items()
     }
     close = {name: np.abs(ratio - 1.0) <= CLOSE for name, ratio in ratios.items()}
@@ -79,7 +79,7 @@ def rows_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
         )
 
 
-def _of(records: Records, parameter: str, motion: str) -> float:
+def _value_of(records: Records, parameter: str, motion: str) -> float:
     return records.of_motion(parameter, ONE_HERTZ, TWO_PERCENT, motion)
 
 

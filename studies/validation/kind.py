@@ -164,7 +164,7 @@ def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Sta
     def work(folder: Path) -> None:
         from reliab.validation.rebuilt_error_study import Design, try_tests
 
-        design = Design.of(
+        design = Design.for_motions(
             motions,
             [structure],
             trials=trials,

@@ -45,7 +45,7 @@ def gain_of_terms(
     >>> gains["gain"].gt(2.0 * gains["standard_error"]).to_dict()
     {'length': True, 'noise': False}
     """
-    population = Population.of(ellipses, threshold=threshold, metric=metric)
+    population = Population.from_ellipses(ellipses, threshold=threshold, metric=metric)
     values = np.stack([population.log_alpha, population.log_beta], axis=-1)
     law = np.broadcast_to(
         Dimensionless.terms_of(population.frequencies, population.damping_ratios), (*values.shape[:3], 6)

@@ -65,7 +65,7 @@ def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
     recording, truth = test_and_truth
     assessment = assess_frame(recording, frame, feedback_lag=LAG)
     assert truth > 0.02
-    assert assessment.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert assessment.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert assessment.faults == ()
     assert 0.0 < assessment.stability_margin < 1.0
     summary = assessment.to_dict()
@@ -79,7 +79,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     spiky[3000] += 0.5 * np.abs(recording.command).max()
     spoilt = assess_frame(replace(recording, measured=spiky), frame, feedback_lag=LAG)
     assert [(effect.fault.kind, effect.fault.in_loop) for effect in spoilt.faults] == [("spike", False)]
-    assert spoilt.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert spoilt.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
 
 
@@ -90,7 +90,7 @@ def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
     (effect,) = spoilt.faults
     assert effect.fault.kind == "offset"
     without = spoilt.error if effect.fault.in_loop is False else effect.otherwise
-    assert without.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert without.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_copied_channel_is_not_called_reliable(frame, test_and_truth):
@@ -147,7 +147,7 @@ def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
 def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, test_and_truth):
     recording, _ = test_and_truth
     assessment = assess_frame(recording, frame)
-    assert assessment.resolved.rms == pytest.approx(assessment.error.of(Metric.RMS).value, rel=0.02)
+    assert assessment.resolved.rms == pytest.approx(assessment.error.estimate(Metric.RMS).value, rel=0.02)
     assert assessment.resolved.remaining_rms < 0.02 * assessment.resolved.rms
     stuck = replace(recording, measured=np.round(recording.measured / 2e-3) * 2e-3)
     assert assess_frame(stuck, frame).resolved.remaining_rms > 2.0 * assessment.resolved.remaining_rms
@@ -159,7 +159,7 @@ def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
     titles = [section.title for section in document.blocks]
     assert titles[0] == "The error of this test"
     assert "Amplitude and delay over frequency" in titles
-    error = f"{100 * assessment.error.of(Metric.RMS).value:.3g} %"
+    error = f"{100 * assessment.error.estimate(Metric.RMS).value:.3g} %"
     assert any(error in str(piece) for piece in document.verdict)
 
 
@@ -178,7 +178,7 @@ def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
     recording, truth = test_and_truth
     scaled = replace(recording, measured=1.02 * recording.measured)
     corrected = assess_frame(scaled, frame, feedback_lag=LAG, scale=StatedValue(1.02))
-    assert corrected.error.of(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    assert corrected.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
@@ -205,7 +205,7 @@ def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
         true = Partition(frame=built, interface=frame.partition.interface, specimen=specimen)
         recording, error = simulated(true, motion, seed)
         for name, known in (("exact", frame), ("uncertain", uncertain)):
-            interval = assess_frame(recording, known, feedback_lag=LAG).error.of(Metric.RMS)
+            interval = assess_frame(recording, known, feedback_lag=LAG).error.estimate(Metric.RMS)
             held[name] += interval.low <= error <= interval.high
     assert held["exact"] <= 0.5 * len(motions)
     assert held["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases

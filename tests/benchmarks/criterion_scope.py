@@ -51,7 +51,9 @@ def groups_of(ellipses):
 
 def limits_of(ellipses):
     """Limits a and b over (confidence, structure, 2)."""
-    derivation = Derivation.of(ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms")
+    derivation = Derivation.from_ellipses(
+        ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms"
+    )
     criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
     return np.array([[criterion.limits(f, xi) for f, xi in product(F, XI)] for criterion in criteria], float)
 

@@ -56,7 +56,7 @@ def folder_of_a_test(tmp_path_factory):
     pd.DataFrame({"time_s": times, **histories, "ag_mps2": shaking, "force_N": whole.force}).to_csv(
         made / "whole.csv", index=False
     )
-    cubic = find_effect("cubic_stiffness").of(np.array([1e5]))
+    cubic = find_effect("cubic_stiffness").from_values(np.array([1e5]))
     model = HybridTest(structure=structure, effects=(cubic,))
     write_model(made / "model.toml", UpdatedModel(name="cubic", test=model))
     (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")

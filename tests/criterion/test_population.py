@@ -35,7 +35,7 @@ def dataset(frequencies, damping_ratios, *, motions=400, correlation=0.95, seed=
 
 @pytest.fixture(scope="module")
 def one():
-    return Population.of(dataset([1.0], [0.02]), threshold=0.05, metric="rms")
+    return Population.from_ellipses(dataset([1.0], [0.02]), threshold=0.05, metric="rms")
 
 
 def test_a_perfect_test_is_certain(one):
@@ -71,7 +71,7 @@ def test_it_tends_to_the_truth_with_many_motions():
     truth = stats.multivariate_normal([-1.0, -1.5], [[0.36, 0.285], [0.285, 0.25]]).rvs(
         400_000, random_state=np.random.default_rng(5)
     )
-    many = Population.of(dataset([1.0], [0.02], motions=6000), threshold=0.05, metric="rms")
+    many = Population.from_ellipses(dataset([1.0], [0.02], motions=6000), threshold=0.05, metric="rms")
     scale_a, scale_b = scales(1.0, 0.02)
     for offset, delay in ((0.006, 0.001), (0.01, 0.0005), (0.002, 0.0015)):
         index = offset**2 / (scale_a * np.exp(truth[:, 0])) + (1e3 * delay) ** 2 / (
@@ -83,7 +83,7 @@ def test_it_tends_to_the_truth_with_many_motions():
 
 def test_between_structures_the_same_dimensionless_error_is_as_probable():
     """Where all structures are alike, so is every structure in between."""
-    grid = Population.of(dataset([0.5, 1.0, 2.0], [0.02, 0.05]), threshold=0.05, metric="rms")
+    grid = Population.from_ellipses(dataset([0.5, 1.0, 2.0], [0.02, 0.05]), threshold=0.05, metric="rms")
     expected = float(grid.probability(1.0 + 0.4 * 0.02, 0.0, 0.5, 0.02))
     for f, xi in ((0.5, 0.05), (0.7, 0.03), (1.9, 0.021)):
         assert float(grid.probability(1.0 + 0.4 * xi, 0.0, f, xi)) == pytest.approx(expected)
@@ -100,7 +100,7 @@ def test_motions_without_an_ellipse_are_left_out():
     ellipses = dataset([1.0], [0.02], motions=10)
     ellipses["a"][0] = np.nan
     ellipses["b"][1] = -1.0
-    found = Population.of(ellipses, threshold=0.05, metric="rms")
+    found = Population.from_ellipses(ellipses, threshold=0.05, metric="rms")
     assert np.isnan(found.log_alpha).sum() == 2
     assert 0.0 < float(found.probability(1.01, 0.001, 1.0, 0.02)) < 1.0
 
@@ -114,13 +114,13 @@ def test_it_comes_back_from_plain_lists(one):
 
 def test_too_few_motions_are_refused():
     with pytest.raises(InputError, match="At least 3 motions"):
-        Population.of(dataset([1.0], [0.02], motions=2), threshold=0.05, metric="rms")
+        Population.from_ellipses(dataset([1.0], [0.02], motions=2), threshold=0.05, metric="rms")
 
 
 def test_errors_may_stand_in_any_order():
     one = dataset([1.0], [0.02])
     both = xr.concat([one, one.assign_coords(threshold=[0.01])], "threshold")
-    found, alone = (Population.of(each, threshold=0.05, metric="rms") for each in (both, one))
+    found, alone = (Population.from_ellipses(each, threshold=0.05, metric="rms") for each in (both, one))
     assert np.array_equal(found.log_alpha, alone.log_alpha)
 
 
@@ -131,8 +131,8 @@ def test_three_motions_must_have_an_ellipse_at_every_structure(motions, enough):
     for name in ("a", "b"):
         ellipses[name] = ellipses[name].where(~xr.DataArray(lost, dims=("motion", "f")))
     if enough:
-        population = Population.of(ellipses, threshold=0.05, metric="rms")
+        population = Population.from_ellipses(ellipses, threshold=0.05, metric="rms")
         assert np.isfinite(population.log_alpha).sum(axis=0).ravel().tolist() == [5, 3]
     else:
         with pytest.raises(InputError, match=r"3 motions must have an ellipse.*found 2"):
-            Population.of(ellipses, threshold=0.05, metric="rms")
+            Population.from_ellipses(ellipses, threshold=0.05, metric="rms")

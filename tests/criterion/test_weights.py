@@ -29,7 +29,7 @@ def written(tmp_path):
 
 def test_two_quantities_are_met_at_once(population, written):
     path = written("magnitude,6,6.7,0.6", "magnitude,6.7,8,0.4", "length,0,30,0.5", "length,30,100,0.5")
-    weights = Weights.of(population, path)
+    weights = Weights.from_table(population, path)
     magnitudes = np.array(magnitudes_of(population["event"].values.tolist()))
     lengths = population["duration"].values
     assert weights.values[magnitudes <= 6.7].sum() == pytest.approx(0.6, abs=1e-4)
@@ -39,7 +39,7 @@ def test_two_quantities_are_met_at_once(population, written):
 
 
 def test_equal_weights_leave_motions_and_limits(population, written):
-    weights = Weights.of(population, written("length,0,200,1"))
+    weights = Weights.from_table(population, written("length,0,200,1"))
     assert weights.motions == pytest.approx(100.0)
     drawn = weights.drawn(population)
     names = sorted(name.split("#")[0] for name in drawn["motion"].values)
@@ -49,7 +49,7 @@ def test_equal_weights_leave_motions_and_limits(population, written):
 def test_the_criterion_is_that_of_the_motions_with_weight(population, written):
     long = population["duration"].values > 40.0
     alone = population.isel(motion=long).drop_vars("duration")
-    drawn = Weights.of(population, written("length,40,100,1")).drawn(population)
+    drawn = Weights.from_table(population, written("length,40,100,1")).drawn(population)
     found, expected = (
         np.array(derive_criterion(ellipses).limits(1.0, 0.05))
         for ellipses in (drawn.drop_vars("duration"), alone)
@@ -58,7 +58,9 @@ def test_the_criterion_is_that_of_the_motions_with_weight(population, written):
 
 
 def test_shares_of_the_drawn_motions_are_near_the_weights(population, written):
-    drawn = Weights.of(population, written("magnitude,6,6.7,0.8", "magnitude,6.7,8,0.2")).drawn(population)
+    drawn = Weights.from_table(population, written("magnitude,6,6.7,0.8", "magnitude,6.7,8,0.2")).drawn(
+        population
+    )
     magnitudes = np.array(magnitudes_of(drawn["event"].values.tolist()))
     assert np.mean(magnitudes <= 6.7) == pytest.approx(0.8, abs=0.03)
     assert "worth" in drawn.attrs["carried_to"]
@@ -79,12 +81,12 @@ def test_shares_of_the_drawn_motions_are_near_the_weights(population, written):
 )
 def test_a_target_that_cannot_be_met_is_refused(population, written, lines, rule):
     with pytest.raises(InputError, match=rule):
-        Weights.of(population, written(*lines))
+        Weights.from_table(population, written(*lines))
 
 
 def test_other_columns_and_unknown_magnitudes_are_refused(population, written):
     with pytest.raises(InputError, match="has the columns"):
-        Weights.of(population, written("1,2", header="a,b"))
+        Weights.from_table(population, written("1,2", header="a,b"))
     unknown = population.assign_coords(event=("motion", [f"E{k}" for k in range(100)]))
     with pytest.raises(InputError, match="must be known"):
-        Weights.of(unknown, written("magnitude,6,8,1"))
+        Weights.from_table(unknown, written("magnitude,6,8,1"))

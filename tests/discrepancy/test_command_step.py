@@ -49,7 +49,7 @@ def test_a_prediction_is_that_of_a_much_finer_step(monkeypatch, frequency, effec
     measured = campaign(frequency)
     scales = scales_of(measured, motions_of(measured))
     size = scales.velocity if effect == "rate_limit" else 1.0
-    model = HybridTest().adding(find_effect(effect).of(size * np.array(values)))
+    model = HybridTest().adding(find_effect(effect).from_values(size * np.array(values)))
     coarse = ActuatorBlock(measured, scales).predict(model, 0)
     monkeypatch.setattr(actuator, "_LARGEST_ERROR", 1e-8)
     monkeypatch.setattr(actuator, "_FINEST_RATE", 40_000.0)

@@ -29,7 +29,7 @@ def shaking():
 
 def with_effect(name, *values):
     kind = find_effect(name)
-    return HybridTest(structure=STRUCTURE, effects=(kind.of(np.array(values)),))
+    return HybridTest(structure=STRUCTURE, effects=(kind.from_values(np.array(values)),))
 
 
 def test_without_effects_nothing_shifts(shaking):

@@ -77,14 +77,14 @@ class Judged(Search):
     def error(self, candidate):
         return errors([self.left[candidate.space.effects]])
 
-    def of(self, *effects):
+    def with_effects(self, *effects):
         return self.fitted[frozenset(str(effect.name) for effect in effects)]
 
     def supports(self, *effects):
-        return self.supported(self.of(*effects))
+        return self.supported(self.with_effects(*effects))
 
     def matters(self, larger, smaller):
-        return self._matters(self.of(*larger), self.of(*smaller))
+        return self._matters(self.with_effects(*larger), self.with_effects(*smaller))
 
 
 @pytest.mark.parametrize(("growth", "supported"), [(1.015, True), (1.025, False)])
@@ -189,9 +189,9 @@ def test_a_model_that_is_not_supported_makes_room_for_those_behind_it():
 
 def test_rough_fits_are_refined_from_half_the_gain_and_within_a_hundred_nats():
     models = Searched({(): 3000.0, (CUBIC,): 1000.0}, {})
-    assert models.refined_from(models.of(CUBIC)) == pytest.approx(-1000.0)
+    assert models.refined_from(models.with_effects(CUBIC)) == pytest.approx(-1000.0)
     models = Searched({(): 300.0, (CUBIC,): 260.0}, {})
-    assert models.refined_from(models.of(CUBIC)) == pytest.approx(-230.0)
+    assert models.refined_from(models.with_effects(CUBIC)) == pytest.approx(-230.0)
     assert models.refined_from() == -np.inf
 
 
@@ -205,7 +205,7 @@ def test_each_of_two_effects_is_exchanged():
     models.exchange(best)
     assert kept == [CUBIC, VISCOUS]
     kept.clear()
-    single = models.of(CUBIC)
+    single = models.with_effects(CUBIC)
     single.space.block = best.space.block
     models.exchange(single)
     assert kept == []
@@ -260,18 +260,18 @@ def test_effects_of_more_than_two_parameters_are_fitted_from_several_starts_wher
 def test_an_effect_that_is_not_needed_is_removed_but_never_the_last_one(second, left):
     """The second effect brings the energy from 100 to 99 or to 20; the first one matters to no one."""
     models = Extended({(): 100.0, (CUBIC,): 100.0, (VISCOUS,): 100.0, (CUBIC, VISCOUS): second}, {})
-    models.without = lambda best, kind: models.of(
+    models.without = lambda best, kind: models.with_effects(
         *(other for other in best.space.effects if other is not kind)
     )
-    models.of(CUBIC).log_evidence += 0.1
-    assert models.backward(models.of(CUBIC, VISCOUS)).space.effects == left
+    models.with_effects(CUBIC).log_evidence += 0.1
+    assert models.backward(models.with_effects(CUBIC, VISCOUS)).space.effects == left
 
 
 @pytest.mark.parametrize(("energy", "reaches"), [(55.0, True), (57.0, False)])
 def test_a_model_goes_on_that_gains_more_than_half_of_what_the_best_gains(energy, reaches):
     """Scores are minus half the energy and four for each effect: −50, −14 and about the mean, −32."""
     models = Searched({(): 100.0, (CUBIC,): 20.0, (VISCOUS,): energy}, {})
-    assert models.reaches(models.of(VISCOUS), models.of(CUBIC)) is reaches
+    assert models.reaches(models.with_effects(VISCOUS), models.with_effects(CUBIC)) is reaches
 
 
 def test_what_is_left_matters_from_three_thousandths_of_what_is_explained():
@@ -280,7 +280,7 @@ def test_what_is_left_matters_from_three_thousandths_of_what_is_explained():
     for candidate in models.fitted.values():
         candidate.log_likelihood = candidate.log_evidence
     assert models.noticeable(models.null) == pytest.approx(11.0)
-    assert models.noticeable(models.of(CUBIC)) == pytest.approx(11.0 + 30.0)
+    assert models.noticeable(models.with_effects(CUBIC)) == pytest.approx(11.0 + 30.0)
 
 
 @pytest.mark.parametrize(
@@ -311,8 +311,8 @@ def test_where_errors_judge_a_score_is_the_likelihood_of_left_out_tests_less_pri
     """Nine observations of an energy of 1/2 over signals of four: −(9/2) ln(1/8), and four for an effect."""
     models = JudgedByErrors({(): 100.0, (CUBIC,): 50.0}, {(): 2.0, (CUBIC,): 0.5})
     models.problem.tempering, models.problem.segments = (1.0,), (SimpleNamespace(bins=5),)
-    energy = models.error(models.of(CUBIC)).energy
-    assert models.score(models.of(CUBIC)) == pytest.approx(-4.5 * np.log(energy) - 4.0)
+    energy = models.error(models.with_effects(CUBIC)).energy
+    assert models.score(models.with_effects(CUBIC)) == pytest.approx(-4.5 * np.log(energy) - 4.0)
 
 
 def test_observations_are_the_tempered_rows_of_all_segments():

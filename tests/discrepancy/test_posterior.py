@@ -87,7 +87,7 @@ def test_it_says_that_it_converged(damped):
 
 
 def test_the_truth_lies_within_four_standard_deviations(damped):
-    entry = damped[2].of("viscous_damping")["damping_n_s_per_m"]
+    entry = damped[2].parameters_of("viscous_damping")["damping_n_s_per_m"]
     assert entry["units"] == "N·s/m"
     assert abs(entry["value"] - 30.0) < 4.0 * entry["sd"]
     assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
@@ -139,7 +139,7 @@ def rubbing():
 
 def assert_values_come_back(posterior, name, values):
     for parameter, truth in values.items():
-        entry = posterior.of(name)[parameter]
+        entry = posterior.parameters_of(name)[parameter]
         assert abs(entry["value"] - truth) < 4.0 * entry["sd"]
 
 

@@ -49,8 +49,8 @@ def test_values_and_coordinates_make_a_round_trip(name):
             value = start * parameter.unit(scales)
             assert parameter.value(parameter.coordinate(value, scales), scales) == pytest.approx(value)
             assert parameter.lower <= start <= parameter.upper
-    made = effect.of(np.array([p.starts[0] * p.unit(scales) or 1.0 for p in effect.parameters]))
-    assert np.array_equal(effect.of(made.values).values, made.values)
+    made = effect.from_values(np.array([p.starts[0] * p.unit(scales) or 1.0 for p in effect.parameters]))
+    assert np.array_equal(effect.from_values(made.values).values, made.values)
 
 
 DIMENSIONS = {  # exponents of force, length and time
@@ -284,7 +284,7 @@ def test_readings():
     ("name", "values"), [("first_order_lag", [0.02]), ("second_order_dynamics", [8.0, 0.6])]
 )
 def test_stepping_of_a_linear_effect_agrees_with_its_transfer_function(name, values):
-    effect = find_effect(name).of(np.array(values))
+    effect = find_effect(name).from_values(np.array(values))
     assert isinstance(effect, LinearEffect)
     frequency = 20.0
     wave = np.sin(2.0 * np.pi * frequency * TIME)

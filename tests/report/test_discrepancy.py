@@ -80,7 +80,7 @@ def test_a_report_with_a_posterior_is_set(damped):
     )
     assert first.startswith(b"%PDF")
     assert first == second
-    low, high = posterior.of("viscous_damping")["damping_n_s_per_m"]["interval_90"]
+    low, high = posterior.parameters_of("viscous_damping")["damping_n_s_per_m"]["interval_90"]
     assert low < 30.0 < high or abs(low - 30.0) < 1.0
 
 

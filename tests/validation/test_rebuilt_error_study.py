@@ -45,7 +45,7 @@ def shaken(seed=3):
 
 @pytest.fixture(scope="module")
 def design():
-    return Design.of([shaken()], [STRUCTURE], trials=1)
+    return Design.for_motions([shaken()], [STRUCTURE], trials=1)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_true_errors_are_those_of_another_laboratory():
     motion = shaken()
     other = laboratory.run(lab, np.asarray(motion.acceleration), rate=simulated.RATE_HZ)
     bench = simulated._Bench(  # noqa: SLF001 - the truth of the study, before anything is drawn
-        design=Design.of([motion], [STRUCTURE], trials=1),
+        design=Design.for_motions([motion], [STRUCTURE], trials=1),
         record=motion,
         structure=STRUCTURE,
         rng=np.random.default_rng(0),
@@ -206,7 +206,7 @@ def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch
 @pytest.mark.slow
 def test_shares_of_many_tests():
     motions = [shaken(seed) for seed in range(20)]
-    tests = try_tests(Design.of(motions, [STRUCTURE], trials=20, metric=Metric.RMS))
+    tests = try_tests(Design.for_motions(motions, [STRUCTURE], trials=20, metric=Metric.RMS))
     judges = summarised(tests)["judges"].set_index("judge")
     assert judges.loc[REBUILT, "bad_accepted"] < 0.05
     assert judges.loc[REBUILT, "good_accepted"] > 0.95

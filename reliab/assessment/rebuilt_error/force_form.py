@@ -37,7 +37,7 @@ def felt_displacement(force: Array, structure: WholeStructure, time_step: float)
     `time_step` [s]; returns [m].
 
     >>> from reliab.structures.structure import Structure
-    >>> whole = WholeStructure.of(Structure(frequency=1.0, damping_ratio=0.02))
+    >>> whole = WholeStructure.of_structure(Structure(frequency=1.0, damping_ratio=0.02))
     >>> force = 39.4784176 * np.sin(np.arange(0.0, 3.0, 0.01))
     >>> round(float(felt_displacement(force, whole, 0.01)[100]), 6) == round(float(np.sin(1.0)), 6)
     True

@@ -101,7 +101,7 @@ def identify(
     (1.0, ('frequency',))
     """
     _check(command, measured, ground_acceleration, force, time_step, structure)
-    kernel = Kernel.of(structure.frequency, time_step)
+    kernel = Kernel.of_frequency(structure.frequency, time_step)
     moved = [kernel.seen(command, order) for order in range(3)]
     shaken = kernel.seen(ground_acceleration, 0)
     if force is None:

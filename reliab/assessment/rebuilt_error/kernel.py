@@ -20,7 +20,7 @@ class Kernel:
     every: int
 
     @classmethod
-    def of(cls, frequency: float, step: float) -> "Kernel":
+    def of_frequency(cls, frequency: float, step: float) -> "Kernel":
         """Make the kernel of half a period of a natural frequency [Hz] for a step [s]."""
         reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
         u = np.arange(-reach, reach + 1) / reach

@@ -103,7 +103,7 @@ class Monitor:
             raise InputError(
                 "The lag of the fed-back force must be shorter than a stretch", value=f"{feedback_lag:g} s"
             )
-        self._damping = Damping.of(self.structure, time_step)
+        self._damping = Damping.of_structure(self.structure, time_step)
         self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
         self._running = RunningError(
             self.structure, time_step, feedback_lag, self._damping.forgetting, sensor_offset or 0.0

@@ -247,4 +247,4 @@ def _drawn_effect(effect: Effect, deviations: Mapping[str, float], generator: np
         spread = deviations.get(f"{effect.name}.{parameter.name}", 0.0)
         value = values[place] + generator.standard_normal() * spread
         values[place] = value if parameter.signed else max(value, _LEAST * abs(values[place]))
-    return effect.of(values)
+    return effect.from_values(values)

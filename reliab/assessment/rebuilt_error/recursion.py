@@ -142,7 +142,7 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> recursion = Recursion.of_displacement(WholeStructure.of(half), 0.01)
+    >>> recursion = Recursion.of_displacement(WholeStructure.of_structure(half), 0.01)
     >>> round(float(respond(recursion, np.ones(2000))[0, -1]), 6)
     0.5
     """

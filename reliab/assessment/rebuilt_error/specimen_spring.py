@@ -37,7 +37,7 @@ def fit_spring(measured: Array, force: Array, kernel: Kernel) -> Spring:
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> force = 40.0 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> recorded = np.sin(6.0 * (time - 0.002)) * np.sin(0.1 * (time - 0.002))
-    >>> spring = fit_spring(recorded, force, Kernel.of(1.0, 0.005))
+    >>> spring = fit_spring(recorded, force, Kernel.of_frequency(1.0, 0.005))
     >>> round(spring.stiffness, 2), round(1e3 * spring.late, 3)
     (40.0, 2.0)
     """

@@ -30,7 +30,7 @@ def respond_spectrally(structure: WholeStructure, difference: Array, time_step: 
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> error = respond_spectrally(WholeStructure.of(half), np.ones(2000), 0.01)
+    >>> error = respond_spectrally(WholeStructure.of_structure(half), np.ones(2000), 0.01)
     >>> round(float(error[-1]), 4)
     0.5
     """

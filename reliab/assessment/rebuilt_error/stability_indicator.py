@@ -92,7 +92,7 @@ class Damping:
     circular_frequency: float  # ω₀ of that mode [rad/s]
 
     @classmethod
-    def of(cls, structure: WholeStructure, time_step: float) -> "Damping":
+    def of_structure(cls, structure: WholeStructure, time_step: float) -> "Damping":
         """Take the lowest mode of a structure.
 
         `time_step` [s].

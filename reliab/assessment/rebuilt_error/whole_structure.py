@@ -59,7 +59,7 @@ class WholeStructure:
             )
 
     @classmethod
-    def of(cls, structure: Structure) -> "WholeStructure":
+    def of_structure(cls, structure: Structure) -> "WholeStructure":
         """Single degree of freedom per unit mass: M = 1, C = 2ξω₀, K = ω₀², k_e = αω₀²."""
         w0 = structure.circular_frequency
         return cls(
@@ -128,7 +128,7 @@ def whole_structure(structure: Structure | Partition | WholeStructure) -> WholeS
         return structure
     if isinstance(structure, Partition):
         return WholeStructure.of_partition(structure)
-    return WholeStructure.of(structure)
+    return WholeStructure.of_structure(structure)
 
 
 def first_mode(structure: WholeStructure) -> Array:

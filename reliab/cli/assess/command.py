@@ -55,7 +55,7 @@ class AssessDemand(ReadsTests, Reported):
         typer.Option(
             "--alpha",
             metavar="SHARE",
-            help="Share of the stiffness in the laboratory, 1 by default.",
+            help="Share of the structure's stiffness in the laboratory, 1 (all of it) by default.",
         ),
     ] = None
     scale: Annotated[
@@ -121,13 +121,14 @@ class AssessDemand(ReadsTests, Reported):
         typer.Option(
             "--equipment",
             metavar="FILE.toml",
-            help="What the laboratory does not know where nothing is stated, in place of ordinary equipment.",
+            help="Accuracy of your equipment where no option states it; ordinary equipment by default.",
         ),
     ] = None
     exact: Annotated[
         bool,
         typer.Option(
-            "--exact", help="Take everything that is stated without a deviation, and all channels, as exact."
+            "--exact",
+            help="Take channels, and values that are stated without a standard deviation, as exact.",
         ),
     ] = False
     motion: Annotated[

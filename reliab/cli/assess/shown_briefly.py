@@ -89,7 +89,7 @@ def _tracking(content: dict[str, Any]) -> str:
     if by_index is None or by_index["index"] is None:
         return f"{tracked}."
     word, index = by_index["verdict"].replace("_", " "), significant(by_index["index"])
-    return f"{tracked}; by the criterion for them {word} (index {index}, at most 1)."
+    return f"{tracked}; by the criterion for A and d {word} (index {index}, at most 1)."
 
 
 def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:
@@ -107,4 +107,4 @@ def _hidden(warnings: int, notes: int) -> str:
         for count, word in ((warnings, "further warning"), (notes, "note"))
         if count
     ]
-    return f"All that was found{', with ' if counts else ''}{' and '.join(counts)}: add --details."
+    return f"For all results{', with ' if counts else ''}{' and '.join(counts)}, add --details."

@@ -70,8 +70,8 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 def _budget(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     shown = table(
-        "What is not known exactly, and the standard deviation of the error that it alone makes",
-        {"quantity": "left", "its deviation": "right", "source": "left", "of the error": "right"},
+        "Uncertain quantities, and the standard deviation of the error that each causes alone",
+        {"quantity": "left", "std. deviation": "right", "source": "left", "of the error": "right"},
     )
     for item in summary["budget"]:
         size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"

@@ -43,7 +43,10 @@ class MonitorDemand(Demand):
         str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
     ] = None
     alpha: Annotated[
-        str, typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory.")
+        str,
+        typer.Option(
+            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
+        ),
     ] = "1"
     scale: Annotated[
         str | None,
@@ -125,7 +128,7 @@ def monitor(demand: MonitorDemand) -> None:
     """Follow the error of a test while it runs; exit with code 1 when that of the whole test is too large.
 
     Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
-    may diverge is made for one false alarm in a hundred stable tests at most, and grants what play explains.
+    may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
     response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB.
     """
@@ -167,7 +170,7 @@ def _follow(demand: MonitorDemand) -> None:
     if demand.source != "-" and not quiet:
         console().print(
             f"No new row came for {demand.wait:g} s: the test counts as finished. A new call reads the file "
-            "from its beginning; rows of a file that was replaced are known only to the call that saw them.",
+            "from its beginning, without rows of a file that has been replaced since.",
             highlight=False,
         )
     if above:

@@ -114,7 +114,7 @@ class ValidateDemand(Demand):
         bool,
         typer.Option(
             "--calibration",
-            help="Compare the probabilities that are stated for tests with how many of the tests are good.",
+            help="Compare the stated probabilities with the shares of tests that are good.",
         ),
     ] = False
     case: Annotated[

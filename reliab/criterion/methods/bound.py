@@ -106,7 +106,7 @@ def limits(
     if not joint:
         bounds = [method.lower_bound(values, sample.events, confidence) for values in logarithms.T]
         return float(np.exp(bounds[0])), float(np.exp(bounds[1]))
-    scatter = Scatter.of(logarithms)
+    scatter = Scatter.from_logarithms(logarithms)
     depth = method.lower_bound(scatter.worse(logarithms), sample.events, confidence)
     a, b = np.exp(scatter.at(np.asarray(depth)))
     return float(a), float(b)

@@ -15,7 +15,7 @@ class Scatter:
     a and b, holds for both together, and both lie equally deep in their own distributions.
 
     >>> pairs = np.array([[0.0, 0.0], [1.0, 4.0], [2.0, 2.0]])
-    >>> scatter = Scatter.of(pairs)
+    >>> scatter = Scatter.from_logarithms(pairs)
     >>> scatter.worse(pairs).round(3).tolist()
     [-1.225, 0.0, 0.0]
     >>> scatter.at(np.array(-1.0)).round(3).tolist()
@@ -27,7 +27,7 @@ class Scatter:
     spread: NDArray[np.float64]
 
     @classmethod
-    def of(cls, logarithms: NDArray[np.float64]) -> Self:
+    def from_logarithms(cls, logarithms: NDArray[np.float64]) -> Self:
         """Take mean and spread of ln a and ln b over motions, shape (motions, ..., 2)."""
         return cls(centre=logarithms.mean(axis=0), spread=logarithms.std(axis=0))
 

@@ -99,7 +99,7 @@ def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnos
 
 
 def _with_spread(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
-    parameters = posterior.of(str(effect.effect.name))
+    parameters = posterior.parameters_of(str(effect.effect.name))
     estimates = []
     for estimate in effect.estimates:
         low, high = parameters[estimate.name]["interval_90"]

@@ -70,7 +70,7 @@ class Posterior:
             f"confirm the surface that was sampled to {percent(self.agreement, decimals=0)}."
         )
 
-    def of(self, effect: str) -> dict[str, dict[str, Any]]:
+    def parameters_of(self, effect: str) -> dict[str, dict[str, Any]]:
         """Return means, standard deviations, 90 % intervals and units of an effect's parameters by name."""
         low, high = self.interval.tolist()
         rows = zip(self.names, self.units, self.mean.tolist(), self.sd.tolist(), low, high, strict=True)

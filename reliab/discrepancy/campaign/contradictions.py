@@ -80,7 +80,7 @@ class _Moved:
     crossed: Mapping[Pair, Spectrum | None]
 
     @classmethod
-    def of(cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float) -> "_Moved":
+    def from_test(cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float) -> "_Moved":
         """Transform the channels of a test, all of which move, into bands of a width [Hz]."""
         centred = {channel: test.channels[channel] - test.channels[channel].mean() for channel in channels}
         scales = {channel: float(np.abs(values).max()) for channel, values in centred.items()}
@@ -110,7 +110,7 @@ def _require_agreement(campaign: Campaign) -> None:
     channels = sorted(campaign.channels)
     width = _BINS_IN_BAND * campaign.rate / min(test.size for test in campaign.tests)
     tests = [
-        _Moved.of(test, channels, campaign.rate, width)
+        _Moved.from_test(test, channels, campaign.rate, width)
         for test in campaign.tests
         if all(np.ptp(test.channels[channel]) > 0.0 for channel in channels)
     ]

@@ -106,7 +106,7 @@ class ModelSpace:
         effects = []
         for effect in (*self.block.offsets, *self.effects):
             count = len(effect.parameters)
-            effects.append(effect.of(values[place : place + count]))
+            effects.append(effect.from_values(values[place : place + count]))
             place += count
         return model.adding(*effects)
 
@@ -129,7 +129,7 @@ class ModelSpace:
             return coordinates
         values = self.values(coordinates)
         for effect in linear:
-            slow = effect.of(values[self.places(effect)]).transfer(np.array([1j * _SLOW]))[0]
+            slow = effect.from_values(values[self.places(effect)]).transfer(np.array([1j * _SLOW]))[0]
             values[place] += float(np.angle(slow)) / _SLOW
         values[place] = max(values[place], 0.0)
         return self.coordinates(values)

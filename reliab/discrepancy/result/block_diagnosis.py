@@ -41,7 +41,7 @@ class Verdict(StrEnum):
     NOT_IDENTIFIABLE = "not_identifiable"
 
     @classmethod
-    def of(
+    def from_effects(
         cls, effects: Sequence[MissingEffect], doubtful: Sequence[MissingEffect], unknown: Unknown | None
     ) -> "Verdict":
         """Answer for a block or a whole campaign: an unknown effect weighs most, then a doubtful one."""
@@ -128,7 +128,7 @@ class BlockDiagnosis:
     @property
     def verdict(self) -> Verdict:
         """The answer for this block in one word."""
-        return Verdict.of(self.effects, self.doubtful, self.unknown)
+        return Verdict.from_effects(self.effects, self.doubtful, self.unknown)
 
     @property
     def misstated(self) -> tuple[Estimate, ...]:

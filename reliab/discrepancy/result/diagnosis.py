@@ -24,7 +24,7 @@ SHORT_RECORD = 256
 
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
 _VERDICTS = {
-    Verdict.NAMED: "The model lacks what is listed below.",
+    Verdict.NAMED: "The effects that the model lacks are listed below.",
     Verdict.UNKNOWN_EFFECT: "Something is missing that is none of the known effects.",
     Verdict.NOT_IDENTIFIABLE: "Something is missing, but these tests do not show which effect it is.",
 }
@@ -70,7 +70,7 @@ class Diagnosis:
     @property
     def verdict(self) -> Verdict:
         """The answer in one word."""
-        return Verdict.of(self.effects, self.doubtful, self.unknown)
+        return Verdict.from_effects(self.effects, self.doubtful, self.unknown)
 
     @property
     def statement(self) -> str:
@@ -244,19 +244,20 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
     """Say what remains of a block whose residual does not pass for noise."""
     after = significant(gap.after)
     floor = "unknown" if gap.floor is None else f"{significant(gap.floor)} by the {gap.source}"
-    subject = f"What the model of the {name} leaves of held-out tests, {after} of the signal's RMS,"
+    subject = f"On held-out tests the model of the {name} is off by {after} of the signal's RMS"
     match gap.remainder:
         case Remainder.AT_NOISE:
-            size = f"is at the noise floor of {floor}"
+            size = f", which is the noise floor ({floor})"
         case Remainder.ABOVE_NOISE:
             size = (
-                f"is not noise alone: {significant(gap.model_error)} of it is an error of the model above the"
-                f" noise floor of {floor}"
+                f", which is more than noise: an error of the model of {significant(gap.model_error)} stands above"
+                f" the noise floor of {floor}"
             )
         case Remainder.NOT_KNOWN:
-            size = "is an error of the model, noise, or both: the noise floor is unknown"
+            size = (
+                "; whether the model or noise is the cause cannot be told, since the noise floor is unknown"
+            )
     return (
-        f"{subject} {size}. {percent(structured_share, decimals=0)} of the energy of its residual "
-        "follows the motion, so that"
-        " no probability above 0.99 is stated."
+        f"{subject}{size}. {percent(structured_share, decimals=0)} of the residual's energy follows the motion, "
+        "and therefore no probability above 0.99 is stated."
     )

@@ -225,20 +225,22 @@ def _timeseries(tree: Mapping[str, Tree]) -> _Histories | None:
         return None
     histories = _Histories()
     for name, item in members.items():
-        columns, times = _columns_of(_of(item, "data")), _vector(_of(item, "time"))
+        columns, times = _columns_of(_value_of(item, "data")), _vector(_value_of(item, "time"))
         unit = _unit_of_series(item)
         label = _text(item.get("Name"))
         for k, values in enumerate(columns):
             fits = times is not None and times.size == values.size
             series = Series(values=values, unit=unit, times=times if fits else None)
-            outer = _text(_of(tree, "name")) if name.lower() == "values" else ""  # a signal's, in a data set
+            outer = (
+                _text(_value_of(tree, "name")) if name.lower() == "values" else ""
+            )  # a signal's, in a data set
             plain = outer or (label if label and label != "unnamed" else name)
             histories.add(f"{plain}[{k + 1}]" if len(columns) > 1 else plain, series)
     return histories
 
 
 def _is_timeseries(item: Mapping[str, Tree]) -> bool:
-    times, data = _vector(_of(item, "time")), _of(item, "data")
+    times, data = _vector(_value_of(item, "time")), _value_of(item, "data")
     return (
         times is not None
         and times.size >= _FEWEST_SAMPLES
@@ -249,7 +251,7 @@ def _is_timeseries(item: Mapping[str, Tree]) -> bool:
     )
 
 
-def _of(item: Mapping[str, Tree], wanted: str) -> Tree:
+def _value_of(item: Mapping[str, Tree], wanted: str) -> Tree:
     return next((value for key, value in item.items() if key.lower() == wanted), None)
 
 

@@ -78,7 +78,7 @@ class Derived(Candidate):
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
         population = protect_over_lengths(ellipses, metric=metric, curve=self.method.curve)
-        derivation = Derivation.of(
+        derivation = Derivation.from_ellipses(
             population, method=self.method, law=self.law, threshold=threshold, metric=metric
         )
         for confidence in confidences:

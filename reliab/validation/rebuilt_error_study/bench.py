@@ -91,7 +91,9 @@ def tests_of_round(design: Design, number: int) -> Iterator[dict[str, object]]:
             structure=structure,
             rng=np.random.default_rng([design.seed, number, order]),
             judges={
-                each.stated: ByIndices.of(excitation, each.structure(structure), design.question, without)
+                each.stated: ByIndices.from_excitation(
+                    excitation, each.structure(structure), design.question, without
+                )
                 for each in {each.stated: each for each in CONDITIONS}.values()
             },
         )
@@ -209,7 +211,7 @@ def _with_model(bench: _Bench, command: Array, measured: Array, nonlinear: Nonli
         HybridTest(
             structure=bench.structure,
             specimen=replace(specimen, stiffness=stiffness),
-            effects=(effect.of(values),),
+            effects=(effect.from_values(values),),
         ),
         deviations={**deviations, "stiffness_n_per_m": _MODEL_OFF * specimen.stiffness},
         draws=_DRAWS,

@@ -37,7 +37,7 @@ class Design:
             raise InputError("The study needs ground motions", value="none", remedy="Give `motions`")
 
     @classmethod
-    def of(
+    def for_motions(
         cls,
         motions: Sequence[Motion],
         structures: Sequence[Structure],

@@ -79,7 +79,7 @@ class ByIndices:
     question: Question  # What is asked
 
     @classmethod
-    def of(
+    def from_excitation(
         cls, excitation: Excitation, structure: Structure, question: Question, learned_without: str | None
     ) -> "ByIndices":
         """Take the printed laws where they hold, and the shipped criterion for tests of this length."""

@@ -17,7 +17,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-DAMPING = Damping.of(WholeStructure.of(STRUCTURE), STEP)
+DAMPING = Damping.of_structure(WholeStructure.of_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 

@@ -102,7 +102,7 @@ def test_the_tangent_structure_is_per_unit_mass():
 
 def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
     for frequency, every in ((1.0, 5), (4.0, 3), (40.0, 1)):
-        whole = WholeStructure.of(Structure(frequency=frequency, damping_ratio=0.05))
+        whole = WholeStructure.of_structure(Structure(frequency=frequency, damping_ratio=0.05))
         assert _every(whole, STEP) == every
 
 
@@ -203,7 +203,7 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
 )
 def test_what_is_no_structure_is_refused(changes, rule):
     with pytest.raises(InputError, match=rule):
-        replace(WholeStructure.of(STRUCTURE), **changes)
+        replace(WholeStructure.of_structure(STRUCTURE), **changes)
 
 
 def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
@@ -220,7 +220,7 @@ def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
 
 def test_a_partition_is_the_structure_of_its_frame():
     partition = Partition.from_structure(STRUCTURE, mass=5.0)
-    whole, single = whole_structure(partition), WholeStructure.of(STRUCTURE)
+    whole, single = whole_structure(partition), WholeStructure.of_structure(STRUCTURE)
     assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
     s = np.array([1.0 + 3.0j, 20.0j])
     assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))

@@ -117,7 +117,7 @@ def heavy(mass, frequency, ratio, share):
 @pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
 def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
     """Half of αω₀, and a window that forgets all but 1/e in two periods."""
-    damping = Damping.of(heavy(mass, 1.5, 0.04, 0.6), STEP)
+    damping = Damping.of_structure(heavy(mass, 1.5, 0.04, 0.6), STEP)
     assert damping.ratio == pytest.approx(0.04)
     assert damping.factor == pytest.approx(0.5 * 0.6 * 2.0 * np.pi * 1.5)
     assert damping.samples == pytest.approx(256.0 / 1.5)

@@ -94,7 +94,7 @@ def test_a_lag_is_finite_and_not_negative(lag):
 @pytest.mark.parametrize(("frequency", "step"), [(1.0, 0.005), (2.5, 0.001)])
 def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
     """By parts, ∫φ''(t − s) s² ds = 2∫φ; ∫(1 − u²)⁶ du over (−1, 1) is 2¹³(6!)²/13!."""
-    kernel = Kernel.of(frequency, step)
+    kernel = Kernel.of_frequency(frequency, step)
     mass = 2.0**13 * factorial(6) ** 2 / factorial(13)
     reach = kernel.values[0].size // 2
     assert reach * step == pytest.approx(0.5 / frequency)
@@ -109,8 +109,8 @@ def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
 
 
 def test_a_kernel_reaches_eight_samples_at_least():
-    assert Kernel.of(10.0, 0.01).values[0].size == 17
-    assert Kernel.of(10.0, 0.01).every == 1
+    assert Kernel.of_frequency(10.0, 0.01).values[0].size == 17
+    assert Kernel.of_frequency(10.0, 0.01).every == 1
 
 
 def test_the_highest_mode_is_swept_at_64_samples_a_period():
@@ -124,7 +124,10 @@ def test_the_highest_mode_is_swept_at_64_samples_a_period():
     assert samples_in_step_of_structure(whole, 1.0 / 1280.0) == 5
     assert samples_in_step_of_structure(whole, 1.0 / 1279.0) == 4
     assert (
-        samples_in_step_of_structure(WholeStructure.of(Structure(frequency=4.0, damping_ratio=0.1)), 0.1) == 1
+        samples_in_step_of_structure(
+            WholeStructure.of_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1
+        )
+        == 1
     )
 
 
@@ -138,7 +141,7 @@ def test_a_test_fits_up_to_the_last_sample():
 
 def test_a_kernel_takes_a_sine_to_its_derivatives():
     """A sine comes out smaller by the kernel's own transform, and its derivatives by ω each."""
-    kernel = Kernel.of(1.0, 0.002)
+    kernel = Kernel.of_frequency(1.0, 0.002)
     omega = 2.0 * np.pi * 0.8
     time = 0.002 * np.arange(4000)
     reach = kernel.values[0].size // 2

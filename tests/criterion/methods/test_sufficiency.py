@@ -28,7 +28,7 @@ def exceedance(shape, earthquakes, motions, confidence, suites):
     )
     further = (np.sqrt(BETWEEN) * drawn(20_000) + np.sqrt(1.0 - BETWEEN) * drawn(20_000)) @ MIX
     logarithms = (suite @ MIX).reshape(earthquakes * motions, suites, 2)
-    scatter = Scatter.of(logarithms)
+    scatter = Scatter.from_logarithms(logarithms)
     events = np.repeat(np.arange(earthquakes), motions).astype(np.str_)
     learned = MotionPredictive.fit(scatter.worse(logarithms), events)
     limits = scatter.at(learned.quantile(1.0 - confidence))

@@ -96,7 +96,7 @@ def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, rea
 
 def test_the_hierarchical_fit_converges(real_ellipses):
     posterior = sample(
-        hierarchical_model(Population.of(real_ellipses, threshold=0.05, metric="rms")),
+        hierarchical_model(Population.from_ellipses(real_ellipses, threshold=0.05, metric="rms")),
         Ensembles(steps=800, thin=2),
     )
     table = posterior.table()

@@ -10,7 +10,7 @@ from reliab.errors import InputError
 
 @pytest.fixture
 def logarithms(grouped_ellipses):
-    population = Population.of(grouped_ellipses, threshold=0.05, metric="rms")
+    population = Population.from_ellipses(grouped_ellipses, threshold=0.05, metric="rms")
     return np.stack([population.log_alpha, population.log_beta], axis=-1)
 
 

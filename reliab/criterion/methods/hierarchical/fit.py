@@ -44,13 +44,13 @@ def posterior_limits(
     rng = np.random.default_rng(seed)
     drawn = model.draw_motions(posterior.spread_out(_DRAWS_OF_LIMITS), np.arange(_MOTIONS), rng)
     motions = drawn.reshape(-1, *drawn.shape[2:])
-    scatter = Scatter.of(motions)
+    scatter = Scatter.from_logarithms(motions)
 
     if assurance is None:
         standing = scatter.worse(motions)[..., None] if joint else scatter.standard(motions)
         depth = np.quantile(standing, 1.0 - confidence, axis=0)
     else:
-        every = FurtherMotions.of(model, posterior.spread_out(_POPULATIONS))
+        every = FurtherMotions.from_draws(model, posterior.spread_out(_POPULATIONS))
         depth = np.quantile(every.depth(confidence, scatter, joint=joint), 1.0 - assurance, axis=0)
     logarithms = scatter.centre + scatter.spread * depth
     scale = scales(model.frequencies[:, None], model.damping_ratios[None, :])

@@ -27,7 +27,7 @@ class FurtherMotions:
     weights: NDArray[np.float64]  # Shares of the mixture, shape (parts,)
 
     @classmethod
-    def of(cls, model: Hierarchical, theta: NDArray[np.float64]) -> Self:
+    def from_draws(cls, model: Hierarchical, theta: NDArray[np.float64]) -> Self:
         """Integrate out every effect of a motion and of its earthquake.
 
         `theta` (vectors, parameters).

@@ -29,7 +29,7 @@ _STRETCHES = 40
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts."""
     sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
-    rows = [(name, *_with_interval(error.of(metric)), "") for name, metric in sizes.items()]
+    rows = [(name, *_with_interval(error.estimate(metric)), "") for name, metric in sizes.items()]
     for name, share in error.parts.by_name.items():
         remaining = f"{PERCENT * share.remaining_rms:.2f}"
         rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * share.rms:.2f}", "", remaining))
@@ -103,7 +103,7 @@ def improve_first(error: ErrorOfTest) -> str:
 
 def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
     """State the verdict on a test, its error, and the probability that it is small enough."""
-    size = error.of(error.metric)
+    size = error.estimate(error.metric)
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],

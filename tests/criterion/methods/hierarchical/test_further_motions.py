@@ -35,7 +35,7 @@ def test_the_stated_share_of_drawn_motions_exceeds_the_depth(robust, joint):
     of = model(robust=robust)
     theta = parameters(of)
     scatter = Scatter(centre=np.full((3, 3, 2), [-0.8, -1.1]), spread=np.full((3, 3, 2), [0.7, 0.5]))
-    depth = FurtherMotions.of(of, theta).depth(0.95, scatter, joint=joint)
+    depth = FurtherMotions.from_draws(of, theta).depth(0.95, scatter, joint=joint)
     drawn = of.draw_motions(theta, np.arange(MOTIONS), np.random.default_rng(3))
     above = scatter.standard(drawn) >= depth[:, None]
     share = above.all(axis=-1) if joint else above
@@ -46,5 +46,5 @@ def test_one_structure_without_slopes():
     of = model(robust=False, frequencies=(1.0,), damping_ratios=(0.02,))
     theta = parameters(of)[:1]
     scatter = Scatter(centre=np.zeros((1, 1, 2)), spread=np.ones((1, 1, 2)))
-    depth = FurtherMotions.of(of, theta).depth(0.5, scatter, joint=False)
+    depth = FurtherMotions.from_draws(of, theta).depth(0.5, scatter, joint=False)
     np.testing.assert_allclose(depth, of.coefficients(theta)[:, None], atol=1e-9)

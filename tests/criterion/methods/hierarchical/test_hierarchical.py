@@ -20,7 +20,7 @@ GRID = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])
 
 
 def derivation(ellipses, method, **options):
-    return Derivation.of(ellipses, method=method, **{**ERROR, **options})
+    return Derivation.from_ellipses(ellipses, method=method, **{**ERROR, **options})
 
 
 def posterior_of(fit):
@@ -116,17 +116,17 @@ def test_diagnostics_name_every_parameter(fit):
 
 def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
     """The greatest tenth at the most damped structures is lost, as it is for real motions."""
-    whole = hierarchical_model(Population.of(ellipses, **ERROR))
+    whole = hierarchical_model(Population.from_ellipses(ellipses, **ERROR))
     lacking = ellipses.copy(deep=True)
     for k in range(3):
         a = lacking["a"].values[:, k, 1]
         a[a >= np.quantile(a, 0.9)] = np.nan
     assert 6 <= np.isnan(lacking["a"].values).any(axis=(1, 2)).sum() <= 18
-    model = hierarchical_model(Population.of(lacking, **ERROR))
+    model = hierarchical_model(Population.from_ellipses(lacking, **ERROR))
     assert model.values.shape == whole.values.shape
 
     complete = lacking.isel(motion=~np.isnan(lacking["a"].values).any(axis=(1, 2)).ravel())
-    narrow = hierarchical_model(Population.of(complete, **ERROR))
+    narrow = hierarchical_model(Population.from_ellipses(complete, **ERROR))
 
     def quantile(model):
         theta = Laplace.about_mode(model).mode[None]
