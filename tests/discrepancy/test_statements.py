@@ -63,11 +63,11 @@ def test_what_remains_is_called_an_error_only_where_it_stands_above_the_noise(bl
     said = remainder_statement("specimen", block.gap, block.structured_share)
     after, *others = numbers(said)
     assert after > 0.0
-    if "error of the model above" in said:
+    if "the model's own error" in said:
         error, floor = others[:2]
         assert 0.0 < error <= PRINTED * after
         assert floor < after
-    elif "at the noise" in said:
+    elif "which is the noise floor" in said:
         assert after <= PRINTED * UNCERTAINTY * others[0]
     else:
         assert "unknown" in said

@@ -250,8 +250,8 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
             size = f", which is the noise floor ({floor})"
         case Remainder.ABOVE_NOISE:
             size = (
-                f", which is more than noise: an error of the model of {significant(gap.model_error)} stands above"
-                f" the noise floor of {floor}"
+                f", which is more than noise: the model's own error is {significant(gap.model_error)}, above "
+                f"the noise floor of {floor}"
             )
         case Remainder.NOT_KNOWN:
             size = (
