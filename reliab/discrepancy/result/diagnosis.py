@@ -258,6 +258,6 @@ def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
                 "; whether the model or noise is the cause cannot be told, since the noise floor is unknown"
             )
     return (
-        f"{subject}{size}. {percent(structured_share, decimals=0)} of the residual's energy follows the motion; "
-        "therefore no probability above 0.99 is stated."
+        f"{subject}{size}. {percent(structured_share, decimals=0)} of the residual's energy follows the "
+        "motion; therefore no probability above 0.99 is stated."
     )
