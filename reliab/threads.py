@@ -16,7 +16,8 @@ def one_thread() -> AbstractContextManager[Any]:
     ...     print(np.eye(2) @ np.ones(2))
     [1. 1.]
     """
-    return _libraries().limit(limits=1, user_api="blas")
+    limits: AbstractContextManager[Any] = _libraries().limit(limits=1, user_api="blas")
+    return limits
 
 
 @cache
