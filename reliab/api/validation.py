@@ -17,6 +17,7 @@ from reliab.api.judged_motions import (
     true_errors,
 )
 from reliab.api.kept_shares import kept_shares
+from reliab.api.scope_of_folds import sentences_of_outside
 from reliab.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
 from reliab.criterion import population_of
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known
@@ -78,6 +79,7 @@ class Validation:
             "unresolved": int(counts["unresolved"].sum()),
             "not_carried": _not_carried(self.counts),
             "judged_on": _judged(self.ellipses, self.counts.scheme),
+            "outside": list(sentences_of_outside(self.ellipses, self.division)),
             "rows": rows,
             "sentences": [*kept_shares(rows), *kept_shares(leads, " for leads")],
             "by_frequency": _rows(self.counts, ("xi",)),

@@ -43,6 +43,7 @@ from .scope import (
     population_of as population_of,
     range_of as range_of,
     regions_of as regions_of,
+    scope_of as scope_of,
 )
 from .share_comparison import compare_shares as compare_shares
 from .summary import describe_sample as describe_sample, summarise as summarise

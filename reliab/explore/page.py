@@ -21,7 +21,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import MOST_AT_REST, REST, is_ellipse, names_along, protect_over_lengths
+from reliab.criterion import (
+    MOST_AT_REST,
+    REST,
+    is_ellipse,
+    names_along,
+    protect_over_lengths,
+    scope_of,
+)
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.recordings import LENGTHS, TIMES, UNITS, page_words
@@ -223,6 +230,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "motions": first["motion"].values.tolist(),
         "events": first["event"].values.tolist(),
         "share": share_of(first),
+        "lengths": scope_of(first).get("length"),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),

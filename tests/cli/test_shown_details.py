@@ -110,7 +110,7 @@ RATES = {
             "accepted_share": {**RATE, "rate": None},
         }
     ],
-    "rows_lead": [], "judged_on": "motions", "sentences": ["It protects."], "truth": "ellipse",
+    "rows_lead": [], "judged_on": "motions", "outside": [], "sentences": ["It protects."], "truth": "ellipse",
     "n_of_learned_earthquakes": 3, "unresolved": 4,
     "not_carried": [{"candidate": "theirs", "confidence": 0.99}],
 }  # fmt: skip

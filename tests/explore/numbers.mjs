@@ -7,7 +7,7 @@ import { pathToFileURL } from "node:url";
 const folder = process.argv[2];
 const load = (name) => import(pathToFileURL(join(folder, `${name}.js`)).href);
 const { band, index, limits, printedLimits } = await load("criterion");
-const { examine, judgingCommand, place } = await load("dropped_test");
+const { examine, judgingCommand, lengthAmong, place } = await load("dropped_test");
 const { unpack } = await load("ellipses");
 const { realTransform } = await load("fourier");
 const { readTest } = await load("reading");
@@ -27,6 +27,7 @@ const answers = {
   spline: ({ values, places }) => places.map(spline(Float64Array.from(values))),
   read: ({ text }) => { const test = readTest(text, words); return { ...test, command: [...test.command], measured: [...test.measured] }; },
   test: ({ text, threshold }) => place(examine(readTest(text, words)), threshold),
+  among: ({ length, lengths }) => lengthAmong(length, lengths),
   command: ({ name, structure, deviations, criterion }) => judgingCommand(name, structure, deviations, criterion),
 };
 

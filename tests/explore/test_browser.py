@@ -4,6 +4,7 @@ import json
 import re
 import time
 
+import layouts
 import pandas as pd
 import pytest
 from headless_browser import PATIENCE, programs, start
@@ -70,6 +71,7 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     assert f"{python.tracking.amplitude:.5f}" in numbers
     assert f"{1e3 * python.tracking.delay:.4f} ms" in numbers
     assert f"{python.population.index:#.4g}: inside the region" in numbers
+    assert f"motions{python.scope.position}: 9.97 to " in numbers
     assert text(page, "command") == "reliab assess test.csv --f 1 --xi 0.02"
     assert not VERDICT.search(page.find_element("tag name", "body").text)
     requests = [
@@ -82,6 +84,12 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     ]  # a new profile's
     assert {each["request"]["url"] for each in by_page} == {address}
     assert page.get_log("browser") == []
+
+
+def test_a_file_that_is_no_text_is_answered_with_the_command_that_makes_one(page, tmp_path):
+    drop(page, layouts.tdms(tmp_path))
+    assert "`reliab record FILE --csv TEST.csv`" in text(page, "problem")
+    assert text(page, "test-name") == ""
 
 
 def test_hostile_names_and_content_do_nothing(page, tmp_path):

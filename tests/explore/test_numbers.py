@@ -13,7 +13,7 @@ from reliab.assessment import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
 from reliab.cli import run
-from reliab.criterion import published_criterion
+from reliab.criterion import compare_with_scope, published_criterion
 from reliab.errors import InputError
 from reliab.recordings import read_recording
 from reliab.shipped import shipped
@@ -125,6 +125,15 @@ def test_band_is_the_criterion_without_one_earthquake_after_the_other(by_javascr
     without = np.array([by_python(QUESTIONS[0], "lag", without=str(event)) for event in events])
     # The page carries the population once; Python does it again without each earthquake
     np.testing.assert_allclose(answer, np.transpose([without.min(axis=0), without.max(axis=0)]), rtol=1e-2)
+
+
+def test_a_length_is_among_those_of_the_motions_as_assess_says_it(by_javascript, packed):
+    lengths = packed["lengths"]
+    cases = [5.0, lengths[0], 12.0, lengths[1], 30.0, lengths[2], 95.0, lengths[3], 130.0]
+    answers = by_javascript(*(("among", {"length": length, "lengths": lengths}) for length in cases))
+    scope = {"length": lengths}
+    assert answers == [str(compare_with_scope(scope, {"length": length}).position) for length in cases]
+    assert set(answers) == {"inside", "at the edge", "outside"}
 
 
 def test_printed_law_and_index(by_javascript):

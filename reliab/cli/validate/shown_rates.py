@@ -39,7 +39,7 @@ def show_criteria(content: dict[str, Any]) -> None:
     if content["rows_lead"]:
         terminal.print(_table("The same for actuators that are early (leads)", content["rows_lead"]))
     terminal.print(f"Judged on {content['judged_on']}:", highlight=False)
-    for sentence in content["sentences"]:
+    for sentence in [*content["outside"], *content["sentences"]]:
         terminal.print(sentence, highlight=False)
     if content["n_of_learned_earthquakes"]:
         terminal.print(

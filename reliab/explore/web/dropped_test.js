@@ -22,6 +22,14 @@ export function place({ notes, plain, rise, straight }, threshold) {
   return { ...straight, notes: [...notes, sentence] };
 }
 
+// Where a length [s] lies among those of the criterion's motions (least, 5 %, 95 %, greatest), as `reliab assess` says it.
+export function lengthAmong(length, lengths) {
+  if (!lengths) return null;
+  const [least, low, high, greatest] = lengths;
+  if (length < least || length > greatest) return "outside";
+  return length < low || length > high ? "at the edge" : "inside";
+}
+
 // The command that judges the test, to be copied; a name that a shell could misread is left to the user.
 export function judgingCommand(name, { frequency, dampingRatio, share }, deviations, { threshold, confidence, metric }) {
   const stated = (value, deviation) => (deviation > 0 ? `${value}±${Number((value * deviation).toPrecision(3))}` : String(value));

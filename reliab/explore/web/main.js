@@ -15,7 +15,7 @@ const SLICE = 12; // milliseconds of computing between two looks at the controls
 const data = JSON.parse(field("data").textContent);
 const ellipses = await unpack(data.ellipses);
 const state = { kept: null, drawn: null, probe: [1, 0], round: 0 };
-const panel = new TestPanel(data.words, () => refresh());
+const panel = new TestPanel(data.words, data.ellipses.lengths, () => refresh());
 
 prepareControls(ellipses, data.settings, () => refresh());
 field("provenance").textContent = data.provenance;

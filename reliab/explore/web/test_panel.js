@@ -3,7 +3,7 @@
 import { testedStructure } from "./controls.js";
 import { index } from "./criterion.js";
 import { node } from "./drawing.js";
-import { examine, judgingCommand, place } from "./dropped_test.js";
+import { examine, judgingCommand, lengthAmong, place } from "./dropped_test.js";
 import { drawHistories } from "./histories.js";
 import { readTest, ReadingError } from "./reading.js";
 
@@ -20,8 +20,11 @@ export class TestPanel {
 
   #words;
 
-  constructor(words, changed) {
+  #lengths;
+
+  constructor(words, lengths, changed) {
     this.#words = words;
+    this.#lengths = lengths;
     this.#changed = changed;
     this.#listen();
   }
@@ -31,11 +34,14 @@ export class TestPanel {
     if (this.test === null) return null;
     const placed = place(this.test, asked.threshold), { amplitude, delay, notes } = placed;
     const value = index(delay < 0 && limits.lead ? limits.lead : limits.lag, amplitude, delay);
-    const where = Number.isFinite(value) ? `${value.toPrecision(4)}: ${value <= 1 ? "inside" : "outside"} the region` : "none: no test is accepted";
+    const among = lengthAmong(this.test.duration, this.#lengths);
+    const where = among === "outside" ? "none: the criterion says nothing of records of this length"
+      : Number.isFinite(value) ? `${value.toPrecision(4)}: ${value <= 1 ? "inside" : "outside"} the region` : "none: no test is accepted";
     this.#write([
       ["Amplitude A", amplitude.toFixed(5)],
       ["Equivalent delay d", `${(1e3 * delay).toFixed(4)} ms`],
       ["Index by the criterion", where],
+      ...(among ? [["Length among the criterion's motions", `${among}: ${this.#lengths[0].toPrecision(3)} to ${this.#lengths[3].toPrecision(3)} s`]] : []),
       ["Length and sampling rate", `${this.test.duration.toFixed(2)} s at ${(1 / this.test.step).toPrecision(5)} Hz`],
     ]);
     field("notes").replaceChildren(...notes.map((text) => node("li", "", text)));
