@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -152,8 +153,9 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
     ],
 )
 def test_bad_input_is_explained(wrong, rule):
-    with pytest.raises(InputError, match=rule):
-        raise run(*wrong).exception
+    refusal = run(*wrong).exception
+    assert isinstance(refusal, InputError)
+    assert re.search(rule, str(refusal))
 
 
 def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
