@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from reliab.assessment import default_criterion, tolerable_errors
+from reliab.assessment.default_criterion import _between
 from reliab.assessment.design import chart_frequencies
 from reliab.errors import InputError
 
@@ -57,3 +59,13 @@ def test_tolerable_errors_are_the_roots_of_the_limits():
 def test_chart_covers_the_shipped_frequencies():
     assert chart_frequencies()[0] == 0.25
     assert chart_frequencies(default_criterion(1.0, 0.02)) == [1.0]
+
+
+def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one():
+    below, above = (
+        xr.Dataset({"a": ("motion", [1e-4 * size, 0.0]), "b": ("motion", [size, 2.0])})
+        for size in (1.0, 16.0)
+    )
+    found = _between(below, above, 0.25)
+    np.testing.assert_allclose(found["a"], [2e-4, np.nan])
+    np.testing.assert_allclose(found["b"], [2.0, np.nan])

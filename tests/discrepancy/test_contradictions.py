@@ -7,8 +7,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
-from reliab.discrepancy.campaign.contradictions import require_consistent
+from reliab.discrepancy.campaign import reading
+from reliab.discrepancy.campaign.channels import read_channels
+from reliab.discrepancy.campaign.contradictions import _crossed, require_consistent
 from reliab.errors import InputError
+from reliab.recordings import StatedChannels
 
 RIGS = {name: read_campaign(name) for name in ("rig_a", "rig_b", "rig_c")}
 FORCE, GROUND, COMMAND, MEASURED = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED
@@ -140,3 +143,30 @@ def test_a_copied_channel_is_told_beside_the_diagnosis():
     faults = require_consistent(replace(campaign, tests=(copied, *campaign.tests[1:])))
     (fault,) = faults
     assert fault.startswith(f"{copied.file}: Command and measured displacement are identical")
+
+
+def test_whether_two_channels_move_together_depends_on_no_unit():
+    random = np.random.default_rng(3)
+    first, noise = random.normal(size=(2, 400)) + 1j * random.normal(size=(2, 400))
+    band = np.arange(400) // 40
+    for size, alike in ((0.2, True), (4.0, False)):
+        for unit in (1e-6, 1.0, 1e6):
+            found = _crossed(first, unit * (first + size * noise), band)
+            assert (found is not None) is alike
+            if found is not None:
+                assert np.linalg.norm(found) == pytest.approx(1.0)
+
+
+def test_times_that_contradict_the_rate_of_a_campaign_are_refused(tmp_path):
+    time = np.arange(400) / 200.0
+    table = np.column_stack([time, np.sin(9.0 * time), np.sin(9.0 * time - 0.1)])
+    np.savetxt(tmp_path / "t.csv", table, delimiter=",", header="time,command_m,measured_m", comments="")
+    channels, _ = read_channels(tmp_path / "t.csv", 200.0, StatedChannels())
+    assert set(channels) == {Channel.COMMAND, Channel.MEASURED}
+    with pytest.raises(InputError, match="200 Hz against 256 Hz"):
+        read_channels(tmp_path / "t.csv", 256.0, StatedChannels())
+
+
+@pytest.mark.parametrize(("test", "name"), [("", "a.h5"), ("run 2", "a.h5, run 2")])
+def test_a_test_of_a_campaign_is_called_by_its_file_and_its_name_in_it(test, name):
+    assert reading.TestTable(file="a.h5", test=test).name == name

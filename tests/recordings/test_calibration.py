@@ -1,6 +1,7 @@
 """Calibrations simulated by a play, a shift on a finer grid and noise of the tests' own."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import scipy
 
 from reliab.errors import InputError
 from reliab.recordings import Recording
-from reliab.recordings.calibration import calibrate_channels
+from reliab.recordings.calibration import _Channels, calibrate_channels
 from reliab.stated_value import StatedValue
 
 FINER = 8
@@ -145,3 +146,18 @@ def test_a_stated_delay_of_the_actuator_is_taken_off_the_lag():
     assert without.skew_ms.value == pytest.approx(whole.skew_ms.value - 0.4)
     assert without.skew_ms.deviation > 0.3
     assert (len(whole.notes), len(without.notes)) == (1, 0)
+
+
+def test_deviations_hold_scatter_bias_and_a_floor_of_estimates_from_stretches():
+    random = np.random.default_rng(4)
+    estimates = np.array([2e-3, 1.001, 0.01]) + random.normal(size=(8, 3)) * [1e-4, 1e-3, 2e-3]
+    drawn = iter(estimates)
+    channels = SimpleNamespace(
+        times=np.arange(800.0), time_step=0.004, _refine=lambda _part, _near: (*next(drawn), 0.0)
+    )
+    whole = np.array([2.1e-3, 1.0, 0.012])
+    found = _Channels.deviations(channels, *whole)
+    scatter = estimates.std(axis=0, ddof=1) / np.sqrt(8.0)
+    bias = (estimates.mean(axis=0) - whole) / (np.sqrt(8.0) - 1.0)
+    floor = [0.03 * 0.004, 3e-5, 0.03 * 0.012]
+    np.testing.assert_allclose(found, np.sqrt(scatter**2 + bias**2 + np.square(floor)))
