@@ -1,8 +1,8 @@
 """What nobody stated and would turn a verdict: a specimen that yields, a filter on one channel."""
 
-from collections.abc import Callable
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -38,59 +38,64 @@ class Turning:
 
     # Smallest of `DUCTILITIES` with which the error lies on the other side of the threshold [-]
     smallest_ductility: float | None = None
+    # Smallest and largest error with one of `DUCTILITIES` [-]; None where a force was recorded
+    error_if_yielding: tuple[float, float] | None = None
     # Highest of `CORNERS` with which it does, on command or measured displacement alone [Hz]
     highest_filter: float | None = None
-    nonlinear_asked: bool = False  # Whether a ductility was asked: not where a force was recorded
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Say what would turn the verdict."""
-        sentences = []
-        if self.nonlinear_asked:
-            yields = (
-                f"no ductility up to {significant(DUCTILITIES[-1])} would turn the verdict"
+        return tuple(self._sentences())
+
+    def _sentences(self) -> Iterator[str]:
+        if self.error_if_yielding is not None:
+            low, high = self.error_if_yielding
+            turns = (
+                "which would not turn the verdict"
                 if self.smallest_ductility is None
-                else "the verdict would turn if it yielded to a ductility of "
-                f"{significant(self.smallest_ductility)} or more"
+                else f"and a ductility of {significant(self.smallest_ductility)} would turn the verdict"
             )
-            sentences.append(
-                f"No force was recorded, so that the specimen is taken as linear: {yields} (stiffness as "
-                f"stated before yielding, {percent(_HARDENING)} of it after)."
+            yield (
+                "No force was recorded, so that the specimen is taken as linear: had it yielded, to a "
+                f"ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
+                f"{percent(low, decimals=2)} to {percent(high, decimals=2)}, {turns}."
             )
         if self.highest_filter is not None:
-            sentences.append(
+            yield (
                 "Filters of the two channels were not stated: one of second order at "
                 f"{significant(self.highest_filter)} Hz or lower on one channel alone would turn the verdict."
             )
-        return tuple(sentences)
 
-    def to_dict(self) -> dict[str, float | None]:
+    def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""
-        return {"smallest_ductility": self.smallest_ductility, "highest_filter_hz": self.highest_filter}
+        between = self.error_if_yielding
+        return {
+            "smallest_ductility": self.smallest_ductility,
+            "error_if_yielding": None if between is None else list(between),
+            "highest_filter_hz": self.highest_filter,
+        }
 
 
 def examine_turning(error: ErrorOfTest, recording: Recording, question: Question) -> Turning:
-    """Find what would turn the verdict; nothing is asked where it is undecided or everything was stated."""
-    undecided = word_of_probability(error.probability) is Word.UNDECIDED
-    if undecided or question.equipment is None or question.model is not None:
+    """Find what would turn the verdict; nothing is asked where everything was stated."""
+    if question.equipment is None or question.model is not None:
         return Turning()
-    without_force, without_filters = recording.force is None, "filter_delay" not in question.stated
+    yielding = None if recording.force is not None else _errors_if_yielding(error.rebuilt, question)
+    filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
-        smallest_ductility=_first(DUCTILITIES, error, _yielding(error.rebuilt, question))
-        if without_force
-        else None,
-        highest_filter=_first(CORNERS, error, _filtered(error)) if without_filters else None,
-        nonlinear_asked=without_force,
+        smallest_ductility=None if yielding is None else _first(yielding, error),
+        error_if_yielding=None if yielding is None else (min(yielding.values()), max(yielding.values())),
+        highest_filter=_first(filters, error),
     )
 
 
-def _first(values: tuple[float, ...], error: ErrorOfTest, sizes: Callable[[float], Array]) -> float | None:
-    """First value with which one of the sizes of the error lies on the other side of the threshold."""
+def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:
+    """First value whose error lies on the other side of the threshold; None for an undecided verdict."""
+    if word_of_probability(error.probability) is Word.UNDECIDED:
+        return None
     below = error.of(error.metric).value < error.threshold
-    for value in values:
-        if ((sizes(value) < error.threshold) != below).any():
-            return value
-    return None
+    return next((value for value, size in errors.items() if (size < error.threshold) != below), None)
 
 
 def _size(strayed: Array, reference: Array, metric: Metric) -> float:
@@ -99,18 +104,19 @@ def _size(strayed: Array, reference: Array, metric: Metric) -> float:
     return float(largest / np.abs(reference).max())
 
 
-def _yielding(rebuilt: RebuiltError, question: Question) -> Callable[[float], Array]:
-    """Give the error if the specimen yielded to a ductility, as `rebuild_with_specimen` has it."""
+def _errors_if_yielding(
+    rebuilt: RebuiltError, question: Question, ductilities: tuple[float, ...] = DUCTILITIES
+) -> dict[float, float]:
+    """Errors if the specimen yielded to each ductility, as `rebuild_with_specimen` has them."""
     structure = question.structure
     rate = max(_LEAST_RATE, _PER_PERIOD * structure.frequency)
     thin = rebuilt.histories.thinned(max(int(1.0 / (rate * rebuilt.time_step)), 1))
     peak = float(np.abs(thin.measured).max())
-
-    def sizes(ductility: float) -> Array:
+    errors = {}
+    for ductility in ductilities:
         reference = reference_of_model(yielding_model(structure, peak / ductility), thin)
-        return np.array([_size(thin.measured - reference, reference, question.metric)])
-
-    return sizes
+        errors[ductility] = _size(thin.measured - reference, reference, question.metric)
+    return errors
 
 
 def yielding_model(structure: Structure, displacement: float) -> HybridTest:
@@ -125,24 +131,20 @@ def yielding_model(structure: Structure, displacement: float) -> HybridTest:
     return HybridTest(structure=structure, specimen=Specimen(stiffness=stiffness), effects=(bilinear,))
 
 
-def _filtered(error: ErrorOfTest) -> Callable[[float], Array]:
-    """Give the errors if one of the displacements had passed a filter with a corner [Hz]."""
+def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
+    """Errors if one channel had passed a filter with each corner: the one nearer to the other side.
+
+    A filter delays the motions of a test; on the command it acts against one on the measured channel.
+    """
     rebuilt, histories = error.rebuilt, error.rebuilt.histories
     rate = np.gradient(histories.measured, histories.time_step)
     recursion = Recursion.of_displacement(rebuilt.structure, histories.time_step)
     moved = respond(recursion, rate)[0]
+    nearer = max if error.of(error.metric).value < error.threshold else min
 
-    def sizes(corner: float) -> Array:
-        delay = LowPass(corner=corner).delay
-        return np.array(
-            [
-                _size(
-                    rebuilt.smooth_error + late * (rate - moved),
-                    rebuilt.reference + late * moved,
-                    error.metric,
-                )
-                for late in (delay, -delay)
-            ]
-        )
+    def size(late: float) -> float:
+        strayed = rebuilt.smooth_error + late * (rate - moved)
+        return _size(strayed, rebuilt.reference + late * moved, error.metric)
 
-    return sizes
+    delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
+    return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}
