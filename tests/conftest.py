@@ -3,7 +3,6 @@
 import json
 import os
 import sys
-import tempfile
 import unicodedata
 from contextlib import contextmanager
 from functools import cache
@@ -42,7 +41,10 @@ def pytest_configure(config):
 
     Where several processes share the work, each uses one thread for linear algebra, as what it starts does.
     """
-    _keep_bytecode(config)
+    # compiled modules are kept beside the code as compiled kernels are: each process that the tests start
+    # would compile hundreds of them anew
+    sys.dont_write_bytecode = False
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     settings.load_profile("few" if config.getoption("markexpr") == "not slow" else "many")
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -50,19 +52,6 @@ def pytest_configure(config):
         from slow_record import RECORD, SlowRecord, commit
 
         config.pluginmanager.register(SlowRecord(RECORD, commit()))
-
-
-def _keep_bytecode(config):
-    """Keep compiled modules in a folder of this run where none may stand beside the code.
-
-    Otherwise each process that the tests start compiles hundreds of modules anew.
-    """
-    if sys.dont_write_bytecode and not hasattr(config, "workerinput"):
-        folder = tempfile.TemporaryDirectory(prefix="reliab_tests_")
-        config.add_cleanup(folder.cleanup)
-        sys.dont_write_bytecode, sys.pycache_prefix = False, folder.name
-        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-        os.environ["PYTHONPYCACHEPREFIX"] = folder.name
 
 
 def pytest_collection_modifyitems(items):
