@@ -94,7 +94,7 @@ def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:
     """First value whose error lies on the other side of the threshold; None for an undecided verdict."""
     if word_of_probability(error.probability) is Word.UNDECIDED:
         return None
-    below = error.of(error.metric).value < error.threshold
+    below = error.estimate(error.metric).value < error.threshold
     return next((value for value, size in errors.items() if (size < error.threshold) != below), None)
 
 
@@ -140,7 +140,7 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     rate = np.gradient(histories.measured, histories.time_step)
     recursion = Recursion.of_displacement(rebuilt.structure, histories.time_step)
     moved = respond(recursion, rate)[0]
-    nearer = max if error.of(error.metric).value < error.threshold else min
+    nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:
         strayed = rebuilt.smooth_error + late * (rate - moved)

@@ -102,7 +102,9 @@ def population(name, motions, folder):
 
 def limits_of(ellipses):
     """Limits a and b over (confidence, damping ratio, 2)."""
-    derivation = Derivation.of(ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms")
+    derivation = Derivation.from_ellipses(
+        ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms"
+    )
     criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
     return np.array([[criterion.limits(F[0], xi) for xi in XI] for criterion in criteria], float)
 

@@ -160,7 +160,7 @@ class _Felt:
         """Logarithm of the likelihood of each factor of the frequencies, and RMS^R with it."""
         frequencies = self.structure.natural_frequencies
         lowest = float(frequencies[0])
-        kernel = Kernel.of(lowest, self.time_step)
+        kernel = Kernel.of_frequency(lowest, self.time_step)
         step = kernel.every * self.time_step
         hop = 2 * round(0.5 * _PERIODS_OF_HOP / (lowest * step))
         places = (np.arange(hop) + 0.5) / (2.0 * hop * step)

@@ -17,7 +17,9 @@ def simulated(seed, f=1.3, xi=0.04, duration=30.0):
 
 
 def shown_by(outcome, f, xi=0.04, deviation=0.02):
-    structure = WholeStructure.of(Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8))
+    structure = WholeStructure.of_structure(
+        Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8)
+    )
     return learn_frequency(outcome.command, outcome.command - outcome.measured, STEP, structure, deviation)
 
 
