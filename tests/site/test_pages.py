@@ -16,7 +16,7 @@ from written_commands import blocks, command_blocks, parameters, reliab_lines
 from reliab.cli import run
 
 README = SITE.parents[1] / "README.md"
-LONG_CODE = ("notebooks/campaign", "paper", "gallery")
+LONG_CODE = ("notebooks/campaign", "paper", "gallery", "why")
 LINES = {line for page in PAGES for line in reliab_lines(page.read_text(encoding="utf-8"))}
 
 
