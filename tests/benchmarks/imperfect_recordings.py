@@ -35,6 +35,7 @@ from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget import Equipment, ordinary_equipment  # noqa: E402
 from reliab.assessment.error_of_test import Question, error_of_test  # noqa: E402
 from reliab.assessment.rebuilt_error import Estimate  # noqa: E402
+from reliab.assessment.turning import examine_turning  # noqa: E402
 from reliab.assessment.verdict import word_of_probability  # noqa: E402
 from reliab.criterion import published_criterion  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
@@ -44,6 +45,7 @@ from reliab.vocabulary import Metric  # noqa: E402
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
 SMALLEST, LARGEST = 0.01, 0.12
+IF_YIELDING = ("low_if_yielding", "high_if_yielding")
 ACTUATORS = (lab.DELAY, lab.DELAY, lab.LAG, lab.SECOND_ORDER, lab.RATE_LIMIT, lab.LEAD, lab.BACKLASH)
 
 
@@ -292,9 +294,11 @@ def judge(told: Told, *, exact: bool, error_alone: bool) -> dict[str, float | st
     row: dict[str, float | str] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
     equipment = None if exact else ordinary_equipment()
     if error_alone:
-        error = error_of_test(recording, question(structure, equipment))
-        word = str(word_of_probability(error.probability))
-        return row | size(error.rebuilt.rms) | {"probability": error.probability, "word": word}
+        asked = question(structure, equipment)
+        error = error_of_test(recording, asked)
+        answer = {"probability": error.probability, "word": str(word_of_probability(error.probability))}
+        yielding = examine_turning(error, recording, asked).error_if_yielding or (math.nan, math.nan)
+        return row | size(error.rebuilt.rms) | answer | dict(zip(IF_YIELDING, yielding, strict=True))
     try:
         found = assess(
             recording,
@@ -358,6 +362,13 @@ def state(rows: pd.DataFrame) -> None:
             f"held {held.mean():.0%} ({ends[0]:.0%}–{ends[1]:.0%}), bad accepted {accepted} of {bad.sum()}, "
             f"good refused {refused} of {good.sum()}, undecided {(judged['word'] == 'undecided').mean():.0%}"
         )
+        if name in SPECIMENS and "low_if_yielding" in judged:
+            low, high = (
+                judged[["low", IF_YIELDING[0]]].min(axis=1),
+                judged[["high", IF_YIELDING[1]]].max(axis=1),
+            )
+            both = float(((low <= judged["true"]) & (judged["true"] <= high)).mean())
+            print(f"{name:26} interval together with the errors if it yielded: held {both:.0%}")
     for name in ("sound", "ordinary"):
         group = rows[rows["row"] == name]
         for low, high in ((0.01, 0.02), (0.02, 0.03), (0.03, 0.04), (0.04, 0.05)):
