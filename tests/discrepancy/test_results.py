@@ -77,7 +77,7 @@ def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
 @pytest.mark.parametrize(("value", "interval"), [(5.0, (4.0, 7.0)), (3.0, (3.0, 7.0)), (8.0, (4.0, 8.0))])
 def test_a_sampled_parameter_keeps_its_value_within_its_interval(value, interval):
     posterior = SimpleNamespace(
-        converged=True, of=lambda _name: {"force_n": {"sd": 0.7, "interval_90": (4.0, 7.0)}}
+        converged=True, parameters_of=lambda _name: {"force_n": {"sd": 0.7, "interval_90": (4.0, 7.0)}}
     )
     block = Block(effects=(missing(value=value),), doubtful=(missing(0.3, value=value),), converged=None)
     found = _sampled(block, posterior)
