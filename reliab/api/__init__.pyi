@@ -3,6 +3,7 @@ from .assessment import assess as assess
 from .assessment_files import (
     draw_design as draw_design,
     file_report as file_report,
+    write_corrected as write_corrected,
     write_verdicts as write_verdicts,
 )
 from .boundaries import ellipses as ellipses

@@ -42,12 +42,15 @@ _ASSUMED = (
     "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
     "0.005 to 0.1 gives the same."
 )
+_MEASURED = "measured"
+_SPECIMENS = ("linear", _MEASURED)
 _SAME = 0.01
 """Relative difference up to which a stated structure is that of a model."""
 
 _NOT_FOR_FRAMES = {
     "equipment": "The error of a frame's test is computed as if everything that is not stated were exact",
     "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
+    "specimen": "The error of a frame's test is rebuilt for a linear specimen",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
     "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
 }
@@ -80,6 +83,7 @@ class Stated(Former, total=False):
     motion: str | Path | Motion | None
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
+    specimen: str | None
     threshold: float | None
     confidence: float | None
     metric: str | None
@@ -131,6 +135,7 @@ def assess(
     motion: str | Path | Motion | None = None,
     criterion: str | Path | Criterion | None = None,
     model: str | Path | UpdatedModel | None = None,
+    specimen: str | None = None,
     threshold: float | None = None,
     confidence: float | None = None,
     metric: str | None = None,
@@ -182,6 +187,10 @@ def assess(
         The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
     model : str, pathlib.Path or UpdatedModel, optional
         Model of a nonlinear specimen, or its file as `reliab diagnose` writes it.
+    specimen : {"linear", "measured"}, optional
+        How the specimen is known: linear, with the share `alpha` of the stiffness (by default), or by its
+        recorded force only, from which it is learned; that needs `mass`, and f and ξ then say what the
+        computer's part is: a damping 2ξωm and a stiffness (1 − α)mω².
     threshold, confidence : float, optional
         Error of the whole test, 0.05 by default, and share of the population's ground motions, 0.95 by
         default; a criterion brings its own.
@@ -235,6 +244,7 @@ def assess(
         motion=motion,
         criterion=criterion,
         model=model,
+        specimen=specimen,
         threshold=threshold,
         confidence=confidence,
         metric=metric,
@@ -286,6 +296,7 @@ class _Terms:
     motion: str | Path | Motion | None
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
+    specimen: str | None
     threshold: float | None
     confidence: float | None
     metric: str | None
@@ -333,6 +344,7 @@ class _Terms:
         model = read_model(self.model) if isinstance(self.model, str | Path) else self.model
         motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
         criterion = self._own_criterion()
+        measured = self._specimen_is_measured()
         numbers = {**({} if structure is None else _exactly(structure)), **self.numbers}
         numbers |= stated_of_filters(self.filters)
         equipment = self._equipment()
@@ -362,10 +374,22 @@ class _Terms:
                 confidence=0.95 if self.confidence is None else float(self.confidence),
                 metric=str(self.metric or Metric.RMS),
                 model=model,
+                measured_specimen=measured,
                 assumed=assumed,
             )
 
         return judge
+
+    def _specimen_is_measured(self) -> bool:
+        if self.specimen not in (None, *_SPECIMENS):
+            raise InputError(
+                "The specimen is linear or measured",
+                value=repr(self.specimen),
+                remedy="Give `specimen` as one of: " + ", ".join(_SPECIMENS),
+            )
+        if self.specimen is not None and self.model is not None:
+            raise unused("specimen", "beside `model`, which says what the specimen does")
+        return self.specimen == _MEASURED
 
     def _judge_of_frames(self, structure: FrameUnderTest | str | Path) -> Judge:
         for name in ("mass", "resolution"):

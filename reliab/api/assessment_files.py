@@ -6,8 +6,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reliab.api.arguments import unused
 from reliab.api.design import Design
-from reliab.assessment import Assessment, FrameAssessment, verdict_table
+from reliab.assessment import Assessment, FrameAssessment, corrected_response, verdict_table
 from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
@@ -116,3 +117,43 @@ def draw_design(design: Design, figure: str | Path) -> None:
             remedy="Name another file",
             where=str(figure),
         ) from error
+
+
+def write_corrected(assessment: Assessment | FrameAssessment, out: str | Path) -> None:
+    """Write the response that a perfect actuator would have produced.
+
+    Parameters
+    ----------
+    assessment : Assessment
+        What was found about a test.
+    out : str or pathlib.Path
+        The file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`.
+
+    Raises
+    ------
+    InputError
+        If the test is that of a frame, the file is neither `.csv` nor `.nc`, or it cannot be written.
+    """
+    if isinstance(assessment, FrameAssessment):
+        raise unused("corrected", "beside the `structure` of a frame")
+    kind = Path(out).suffix.lower()
+    if kind not in {".csv", ".nc"}:
+        raise InputError(
+            "A corrected response is written as CSV or NetCDF",
+            value=str(out),
+            remedy="Name a file that ends with .csv or .nc",
+        )
+    response = corrected_response(assessment)
+    try:
+        with written_whole(out) as file:
+            if kind == ".csv":
+                response.to_dataframe().to_csv(file)
+            else:
+                file.write_bytes(response.to_netcdf(engine="h5netcdf"))
+    except OSError as error:
+        raise InputError(
+            "The file of the corrected response must be writable",
+            value=error.strerror,
+            remedy="Name another file",
+            where=str(out),
+        ) from None

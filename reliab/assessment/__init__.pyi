@@ -10,6 +10,7 @@ from .budget import (
     read_equipment as read_equipment,
     stated_of_filters as stated_of_filters,
 )
+from .corrected_response import corrected_response as corrected_response
 from .default_criterion import default_criterion as default_criterion
 from .design import (
     CONFIDENCES as CONFIDENCES,

@@ -13,6 +13,7 @@ from reliab.assessment.contradictions import (
     of_columns,
     of_frequency,
     of_motion,
+    of_specimen,
     of_stability,
 )
 from reliab.assessment.default_criterion import default_criterion
@@ -57,6 +58,7 @@ def assess(
     confidence: float = 0.95,
     metric: str = "rms",
     model: UpdatedModel | None = None,
+    measured_specimen: bool = False,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
@@ -90,6 +92,9 @@ def assess(
         Which error, "rms" or "mte".
     model : UpdatedModel, optional
         Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
+    measured_specimen : bool, optional
+        Whether the specimen is known by its recorded force only: what it does is learned from the test
+        itself, with the "mass" among what is stated; f and ξ then set the numerical substructure.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
         warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
@@ -110,10 +115,8 @@ def assess(
         displacement does not follow the command.
     """
     _require_judgeable(recording, structure, stated or {})
-    named = structure.frequency, structure.damping_ratio
-    chosen = criterion or default_criterion(
-        *named, threshold, confidence, metric=metric, duration=recording.duration
-    )
+    named = structure.frequency, structure.damping_ratio, threshold, confidence
+    chosen = criterion or default_criterion(*named, metric=metric, duration=recording.duration)
     question = Question(
         structure=structure,
         stated=dict(stated or {}),
@@ -121,6 +124,7 @@ def assess(
         metric=Metric(chosen.metric),
         threshold=chosen.threshold,
         model=model,
+        measured_specimen=measured_specimen,
         seed=seed,
     )
     faults = _faults(recording, question, taper)
@@ -162,11 +166,12 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
     contradictions = (
         *(
             of_frequency(clean, assessment.tracking, [question.structure.frequency])
-            if not question.model
+            if not (question.model or question.measured_specimen)
             else ()
         ),
         *of_stability(assessment.stability_margin),
         *of_motion(assessment.placement),
+        *of_specimen(assessment.error.specimen),
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
     )
     return replace(
@@ -215,7 +220,7 @@ class _Judged:
 def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
     """Error of the test; where the test contradicts the stated structure, with the identified one."""
     error, effects = _errors(recording, faults, question)
-    if question.model is not None:
+    if question.model is not None or question.measured_specimen:
         return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
     smoothed = error.rebuilt.histories.measured
     equation = examine_equation(clean, question.structure, question.stated, smoothed)

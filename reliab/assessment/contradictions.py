@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.band import noise_floor, power_of
+from reliab.assessment.measured_specimen import MeasuredSpecimen
 from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
 
 _OFF_RESONANCE = (0.5, 1.7)
@@ -21,6 +22,8 @@ records it was 5 to 350 for structures of 0.5 to 8 Hz, and 0.1 to 10 at frequenc
 
 _AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural frequency
 _LEAD = 1e-5  # s
+_MISSED = 0.3  # of the force on held-out parts, above which a specimen is not learned
+_BEYOND = 0.1  # of the measured range, by which the exact response may leave it
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 
 
@@ -71,6 +74,26 @@ def _resonance(recording: Recording, frequency: float) -> float:
 
 def _mean(values: NDArray[np.float64]) -> float:
     return float(values.mean()) if values.size else 0.0
+
+
+def of_specimen(specimen: MeasuredSpecimen | None) -> Iterator[Contradiction]:
+    """Say where the recorded force did not show well enough what the specimen does."""
+    if specimen is None:
+        return
+    if specimen.held_out > _MISSED:
+        yield Contradiction(
+            finding=f"No representation of the specimen predicts its force: "
+            f"{percent(specimen.held_out, decimals=0)} of it is missed on parts of the test that were held "
+            "out.",
+            remedy="Repeat the test with less actuator error, record the force with less lag, or calibrate a "
+            "model of the specimen with `reliab diagnose`.",
+        )
+    if specimen.beyond > _BEYOND:
+        yield Contradiction(
+            finding=f"The exact response leaves the range in which the specimen was moved by "
+            f"{percent(specimen.beyond, decimals=0)}: nothing was measured there.",
+            remedy="Repeat the test with less actuator error: the specimen is then seen where it matters.",
+        )
 
 
 def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:

@@ -9,6 +9,10 @@ from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
+_NONLINEAR = (
+    "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or give a "
+    "model of it that `reliab diagnose` calibrated."
+)
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
     "vibration: the verdict depends on which of them it is."
@@ -45,7 +49,7 @@ def verdict_of_error(
     reasons, remedies = _doubts(effects, word)
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
-        remedies.append("Calibrate a model of the specimen with `reliab diagnose`, and give that model.")
+        remedies.append(_NONLINEAR)
     if error.contested or any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
         reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
         remedies.append(_SKEW if error.contested else _STRUCTURE)

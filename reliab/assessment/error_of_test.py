@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, TypedDict
 
 import numpy as np
 
@@ -17,10 +17,19 @@ from reliab.assessment.budget import (
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening, rebuild
+from reliab.assessment.measured_specimen import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.rebuilt_error import (
+    Estimate,
+    Parts,
+    RebuiltError,
+    Tolerances,
+    Widening,
+    rebuild,
+)
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.verdict import word_of_probability
+from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.simulation.hybrid_test import UpdatedModel
@@ -53,11 +62,17 @@ class Question:
     threshold: float  # Error of the whole test [-]
     model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
     seed: int  # Seed of the draws
+    measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
 
     @property
     def resolution(self) -> float | None:
         """Step of the converter of the measured displacement [m], where it is stated."""
         return self.stated["resolution"].value / MILLI if "resolution" in self.stated else None
+
+    @property
+    def feedback_lag(self) -> float:
+        """Time by which the force is stated to be fed back late [s]."""
+        return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
 
     def sizes(self, time_step: float) -> dict[str, Size]:
         """Sizes of what is not known of a test that was recorded at a time step [s]."""
@@ -86,6 +101,10 @@ class ErrorOfTest:
         Errors of the same test under other explanations of what it shows, none of which can be excluded.
     sizes : mapping of str to Size
         Sizes of what is not known of the test, by the names of the tolerances.
+    specimen : MeasuredSpecimen or None
+        What was learned of the specimen from its own force, where it is known by that only.
+    modelled : bool
+        Whether a calibrated model says what the specimen does.
     """
 
     rebuilt: RebuiltError
@@ -95,6 +114,8 @@ class ErrorOfTest:
     under: str = ""
     alternatives: tuple["ErrorOfTest", ...] = ()
     sizes: Mapping[str, Size] = field(default_factory=dict)
+    specimen: MeasuredSpecimen | None = None
+    modelled: bool = False
 
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -180,21 +201,22 @@ def error_of_test(
 
     `sensor_offset` [m]; `specimen_damping` [s].
     """
-    scale = question.stated.get("scale", StatedValue(1.0)).value
-    lag = question.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
-    measured = recording.measured / scale
+    measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**question.sizes(recording.time_step), **(left_by_repairs or {})}
+    rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
     whole = whole_structure(question.structure)
-    if question.model is not None:
+    specimen: MeasuredSpecimen | None = None
+    if question.measured_specimen:
+        specimen = _learned(recording, measured, question, rest)
+        rebuilt = specimen.rebuilt
+    elif question.model is not None:
         rebuilt = rebuild_with_specimen(
             recording.command,
             measured,
             recording.time_step,
             question.model.test,
             deviations=question.model.deviations,
-            sensor_offset=sensor_offset,
-            tolerances=tolerances_of(sizes),
-            seed=question.seed,
+            **rest,
         )
     else:
         rebuilt = rebuild(
@@ -202,11 +224,9 @@ def error_of_test(
             measured,
             recording.time_step,
             replace(whole, specimen_damping=specimen_damping * whole.specimen_stiffness),
-            feedback_lag=lag,
-            sensor_offset=sensor_offset,
+            feedback_lag=question.feedback_lag,
             resolution=question.resolution,
-            tolerances=tolerances_of(sizes),
-            seed=question.seed,
+            **rest,
         )
     return ErrorOfTest(
         rebuilt=rebuilt,
@@ -214,6 +234,38 @@ def error_of_test(
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
         sizes=with_learned(sizes, rebuilt),
+        specimen=specimen,
+        modelled=question.model is not None,
+    )
+
+
+class _Rest(TypedDict):
+    """Arguments that every way of computing the error shares."""
+
+    sensor_offset: float | None
+    tolerances: Tolerances
+    seed: int
+
+
+def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> MeasuredSpecimen:
+    """Learn the specimen from the recorded force; `measured` [m]."""
+    if recording.force is None or "mass" not in question.stated:
+        raise InputError(
+            "A measured specimen needs its force and the mass of the structure",
+            value="no force" if recording.force is None else "no `mass`",
+            remedy="Record the force that was fed back, and state `mass` in kilograms",
+            where=recording.name,
+        )
+    return rebuild_with_force(
+        recording.command,
+        measured,
+        recording.force,
+        recording.time_step,
+        question.structure,
+        question.stated["mass"].value,
+        feedback_lag=question.feedback_lag,
+        resolution=question.resolution,
+        **rest,
     )
 
 

@@ -75,6 +75,7 @@ def _details(findings: Findings) -> dict[str, Any]:
     return {
         "would_turn": findings.turning.to_dict(),
         "budget": [item.to_dict() for item in findings.error.budget],
+        "specimen": _specimen(findings),
         "improve": _improve(findings),
         "windows": _windows(findings),
         "noise": _noise(findings),
@@ -105,6 +106,19 @@ def _error(findings: Findings) -> dict[str, Any]:
         "otherwise_stated": [
             plain_estimate(rebuilt.estimate(findings.metric)) for rebuilt in findings.otherwise_stated
         ],
+    }
+
+
+def _specimen(findings: Findings) -> dict[str, Any]:
+    """How the specimen is known; of one that was learned, by what and how well."""
+    learned = findings.error.specimen
+    if learned is None:
+        return {"known": "modelled" if findings.error.modelled else "stated"}
+    return {
+        "known": "measured",
+        "held_out": learned.held_out,
+        "beyond": learned.beyond,
+        "families": [vars(family) for family in learned.families],
     }
 
 

@@ -25,7 +25,7 @@ DRAWS = [60, pytest.param(200, marks=pytest.mark.slow)]
 COMMAND = typer.main.get_group(cli.app)
 OF_THE_TERMINAL = {
     *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
-    *("out", "details", "check", "json_target", "help"),
+    *("out", "corrected", "details", "check", "json_target", "help"),
 }
 TESTS = [
     *[["test.csv"]] * 16,
@@ -62,8 +62,9 @@ CHOICES = {
     "delimiter": ("|", ";"),
     "test_name": ("1", "other"),
     "channels": ("missing.toml", "frame.toml"),
+    "specimen": ("linear", "measured", "elastic"),
 }
-OFTEN = {"f": 0.9, "xi": 0.7, "test_name": 0.02, "channels": 0.02}
+OFTEN = {"f": 0.9, "xi": 0.7, "test_name": 0.02, "channels": 0.02, "specimen": 0.02}
 
 
 class Answer:
@@ -147,7 +148,7 @@ def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, caps
     monkeypatch.setattr(assessment, "assess_structure", Answer)
     monkeypatch.setattr(assessment, "assess_frame", Answer)
     codes = [agree(capsys, *drawn(number)) for number in range(draws)]
-    assert codes.count(0) > 0.2 * draws
+    assert codes.count(0) > 0.1 * draws
     assert codes.count(2) > 0.2 * draws
 
 

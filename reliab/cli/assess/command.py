@@ -153,6 +153,15 @@ class AssessDemand(ReadsTests, Reported):
             help="Model of a nonlinear specimen, as `reliab diagnose` writes it.",
         ),
     ] = None
+    specimen: Annotated[
+        str | None,
+        typer.Option(
+            "--specimen",
+            metavar="linear|measured",
+            help="How the specimen is known: linear (default), or measured: learned from its recorded "
+            "force, which needs --mass.",
+        ),
+    ] = None
     structure: StructureFile = None
     threshold: Annotated[
         float | None,
@@ -187,6 +196,14 @@ class AssessDemand(ReadsTests, Reported):
             "--figure", metavar="FILE.svg|png|pdf", help="With --design: chart of tolerable errors over f."
         ),
     ] = None
+    corrected: Annotated[
+        Path | None,
+        typer.Option(
+            "--corrected",
+            metavar="FILE.csv|nc",
+            help="Write the response that a perfect actuator would have produced, with its band.",
+        ),
+    ] = None
     report: Annotated[
         Path | None,
         typer.Option(
@@ -211,7 +228,7 @@ class AssessDemand(ReadsTests, Reported):
     belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
         "criterion": ("threshold", "confidence", "metric"),
-        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "confidence"),
+        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "specimen", "confidence"),
     }
 
     @property
@@ -256,10 +273,12 @@ def _answer_tests(demand: AssessDemand) -> bool:
     several = len(files) != 1 or demand.test_name == "all"
     if demand.report is not None and several and files:
         raise api.unused("report", "beside several tests, since it is the report of one")
+    if demand.corrected is not None and several and files:
+        raise api.unused("corrected", "beside several tests, since it is the response of one")
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
             api.assess,
-            *("tests", "out", "details", "check", "json_target", "report"),
+            *("tests", "out", "corrected", "details", "check", "json_target", "report"),
             *(OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
             f=_only_value(demand.f, "f"),
@@ -278,7 +297,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
 
 
 def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: AssessDemand) -> None:
-    from reliab.api import write_verdicts
+    from reliab.api import write_corrected, write_verdicts
     from reliab.assessment import Assessment
     from reliab.cli.assess.shown_briefly import show_briefly
     from reliab.cli.assess.shown_frame import show_frame
@@ -288,6 +307,8 @@ def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: A
     content = assessment.to_dict()
     if demand.out is not None:
         write_verdicts([{"file": str(test), **content}], demand.out)
+    if demand.corrected is not None:
+        write_corrected(assessment, demand.corrected)
     if write_json(content, demand.json_target):
         return
     show_briefly(content, without_details=not demand.details)

@@ -1,0 +1,3 @@
+from .elements import FAMILIES as FAMILIES
+from .learning import LearnedSpecimen as LearnedSpecimen, learn_specimen as learn_specimen
+from .rebuild import MeasuredSpecimen as MeasuredSpecimen, rebuild_with_force as rebuild_with_force

@@ -1,0 +1,360 @@
+"""Elements that together resist as a specimen does, and the response of a structure with them.
+
+Each element gives a displacement [m] for a path of displacements; the specimen's force is their sum with
+coefficients [N/m] that are not negative. The elements are
+
+- elastic-plastic springs, of which many in parallel are the distributed-element model of Iwan (1966, Journal
+  of Applied Mechanics 33, 893) and contain the rule of Masing,
+- springs that harden, springs behind a gap on both sides or on one,
+- dashpots of several powers of the velocity, and springs in series with a dashpot (Maxwell),
+- smooth hysteresis with elastic unloading (Bouc and Wen),
+- springs that soften with the largest excursion so far, gaps that open with it, and reloading towards the
+  largest excursion (Clough and Johnston 1966), and
+- elastic-plastic springs that weaken with the energy of the test so far.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.arrays import Array
+from reliab.compiled import compiled
+
+_LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields
+_STATES = 4
+_LARGEST_PART = 0.3  # of its yield displacement, by which smooth hysteresis goes on at once
+_SLOW = 1e-3  # of the largest speed, below which a dashpot is linear
+_FINER = 1.012  # ratio of sizes below which two elements are one
+
+
+class Kind(IntEnum):
+    """Kinds of elements."""
+
+    CONSTANT = 0
+    ELASTIC_PLASTIC = 1
+    CUBIC = 2
+    QUINTIC = 3
+    DASHPOT = 4
+    MAXWELL = 5
+    GAP = 6
+    GAP_ABOVE = 7
+    GAP_BELOW = 8
+    SMOOTH = 9
+    SOFTENING = 10
+    OPENING_GAP = 11
+    PEAK_ORIENTED = 12
+    WEAKENING = 13
+
+
+_SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT}
+"""Kinds whose size is refined."""
+
+
+@compiled
+def _smooth(size: float, shape: float, moved: float, state: Array) -> float:
+    """Yield more with a power of the force, and unload elastically."""
+    parts = int(abs(moved) / (_LARGEST_PART * size)) + 1
+    part = moved / size / parts
+    for _ in range(parts):
+        left = 1.0 - abs(state[0]) ** shape if part * state[0] > 0.0 else 1.0
+        state[0] = min(max(state[0] + part * left, -1.0), 1.0)
+    return float(state[0] * size)
+
+
+@compiled
+def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
+    kind: int,
+    size: float,
+    shape: float,
+    position: float,
+    moved: float,
+    velocity: float,
+    step: float,
+    weakness: float,
+    state: Array,
+) -> float:
+    """Displacement of one element [m] at the end of a step; its state is changed in place.
+
+    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent, of a dashpot also the
+    velocity [m/s] at which it gives its size in the last place of the state.
+    """
+    if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
+        state[0] = min(max(state[0] + moved, -size), size)
+        return float(state[0] * weakness if kind == Kind.WEAKENING else state[0])
+    if kind == Kind.CUBIC:
+        return position**3 / size**2
+    if kind == Kind.QUINTIC:
+        return position**5 / size**4
+    if kind == Kind.DASHPOT:
+        speed = velocity / state[3]
+        return float(size * speed * max(abs(speed), _SLOW) ** (shape - 1.0))
+    if kind == Kind.MAXWELL:
+        state[0] = state[0] * np.exp(-step / size) + moved
+        return float(state[0])
+    if kind == Kind.GAP:
+        return position - min(max(position, -size), size)
+    if kind == Kind.GAP_ABOVE:
+        return max(position - size, 0.0)
+    if kind == Kind.GAP_BELOW:
+        return min(position + size, 0.0)
+    if kind == Kind.SMOOTH:
+        return _smooth(size, shape, moved, state)
+    if kind == Kind.SOFTENING:
+        state[1] = max(state[1], abs(position))
+        return float(position * min(1.0, size / state[1])) if state[1] > 0.0 else 0.0
+    if kind == Kind.OPENING_GAP:
+        state[1] = max(state[1], abs(position))
+        gap = size * state[1]
+        return float(position - min(max(position, -gap), gap))
+    if kind == Kind.PEAK_ORIENTED:
+        return _peak_oriented(size, position, moved, state)
+    return size
+
+
+@compiled
+def _peak_oriented(size: float, position: float, moved: float, state: Array) -> float:
+    """Elastic unloading, and loading towards the largest excursion so far, up to the yield displacement."""
+    if state[1] == 0.0:
+        state[1], state[2] = size, -size
+    resisted, before = state[0], position - moved
+    if moved * resisted < 0.0:
+        unloaded = resisted + moved
+        resisted = unloaded if unloaded * resisted > 0.0 else 0.0
+    elif moved != 0.0:
+        sign = 1.0 if moved > 0.0 else -1.0
+        left = sign * ((state[1] if moved > 0.0 else state[2]) - before)
+        missing = size - sign * resisted
+        slope = min(1.0, max(missing, 0.0) / left) if left > 1e-12 * size else (1.0 if missing > 0.0 else 0.0)
+        resisted = min(max(resisted + slope * moved, -size), size)
+    state[1], state[2] = max(state[1], position), min(state[2], position)
+    state[0] = resisted
+    return float(resisted)
+
+
+@compiled
+def _velocity(now: float, before: float, earlier: float, step: float, place: int) -> float:
+    """Velocity at the end of a step [m/s], from this and the two former displacements."""
+    if place == 0:
+        return 0.0
+    if place == 1:
+        return (now - before) / step
+    return (3.0 * now - 4.0 * before + earlier) / (2.0 * step)
+
+
+@compiled
+def _weakness(kind: int, shape: float, weakness: float) -> float:
+    """Share of an element that is left, or the share that has gone where its shape is one."""
+    return (weakness if shape == 1.0 else 1.0 - weakness) if kind == Kind.WEAKENING else 1.0
+
+
+@compiled
+def _along(
+    kinds: NDArray[np.int64], sizes: Array, shapes: Array, speed: float, path: Array, step: float, used: Array
+) -> Array:
+    """Displacements of elements along a path [m], shape (elements, n)."""
+    answer = np.empty((kinds.size, path.size))
+    for element in range(kinds.size):
+        state = np.zeros(_STATES)
+        state[3] = speed
+        kind, shape = kinds[element], shapes[element]
+        for i in range(path.size):
+            before = path[i - 1] if i > 0 else 0.0
+            earlier = path[i - 2] if i > 1 else 0.0
+            velocity = _velocity(path[i], before, earlier, step, i)
+            answer[element, i] = _advance(
+                kind,
+                sizes[element],
+                shape,
+                path[i],
+                path[i] - before,
+                velocity,
+                step,
+                _weakness(kind, shape, used[i]),
+                state,
+            )
+    return answer
+
+
+@compiled
+def _respond(
+    kinds: NDArray[np.int64],
+    sizes: Array,
+    shapes: Array,
+    coefficients: Array,
+    speed: float,
+    command: Array,
+    felt: Array,
+    step: float,
+    used: Array,
+    numerical: Array,
+) -> Array:
+    """Exact response [m]; see `Elements.respond`."""
+    mass, damping, stiffness = numerical[0], numerical[1], numerical[2]
+    states = np.zeros((kinds.size, _STATES))
+    states[:, 3] = speed
+    answer = np.empty(command.size)
+    strayed, strayed_before, before, earlier = 0.0, 0.0, 0.0, 0.0
+    ahead = mass / step**2 + damping / (2.0 * step)
+    for i in range(command.size):
+        now = command[i] - strayed
+        velocity = _velocity(now, before, earlier, step, i)
+        force = 0.0
+        for element in range(kinds.size):
+            kind, shape = kinds[element], shapes[element]
+            force += coefficients[element] * _advance(
+                kind,
+                sizes[element],
+                shape,
+                now,
+                now - before,
+                velocity,
+                step,
+                _weakness(kind, shape, used[i]),
+                states[element],
+            )
+        answer[i] = now
+        earlier, before = before, now
+        inertia = mass * (2.0 * strayed - strayed_before) / step**2 + damping * strayed_before / (2.0 * step)
+        strayed_before = strayed
+        strayed = (inertia - stiffness * strayed - felt[i] + force) / ahead
+    return answer
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Elements:
+    """Elements in parallel."""
+
+    kinds: NDArray[np.int64]  # Kind of each, shape (elements,)
+    sizes: Array  # Yield displacement, gap or unit [m], of Maxwell's element a time [s], shape (elements,)
+    shapes: Array  # Exponent of a dashpot or of smooth hysteresis, share of one that weakens, (elements,)
+    speed: float  # Velocity at which a dashpot gives its size [m/s]
+
+    def along(self, path: Array, step: float, used: Array) -> Array:
+        """Displacements of the elements along a path [m], shape (elements, n); `used`: energy so far [-]."""
+        return np.asarray(_along(self.kinds, self.sizes, self.shapes, self.speed, path, step, used))
+
+    def respond(
+        self,
+        coefficients: Array,
+        command: Array,
+        felt: Array,
+        step: float,
+        used: Array,
+        numerical: tuple[float, float, float],
+    ) -> Array:
+        """Response that a perfect actuator would have given [m], shape (n,).
+
+        m g'' + c g' + k g = f[y] − f[x_m], y = x_c − g, by central differences; `felt` is f[x_m] [N],
+        `numerical` m [kg], c [N s/m] and k [N/m].
+        """
+        return np.asarray(
+            _respond(
+                self.kinds,
+                self.sizes,
+                self.shapes,
+                coefficients,
+                self.speed,
+                command,
+                felt,
+                step,
+                used,
+                np.array(numerical),
+            )
+        )
+
+    def only(self, chosen: NDArray[np.bool_]) -> "Elements":
+        """Only some of the elements."""
+        return Elements(
+            kinds=self.kinds[chosen], sizes=self.sizes[chosen], shapes=self.shapes[chosen], speed=self.speed
+        )
+
+    def refined(self, coefficients: Array, ratio: float) -> "Elements":
+        """Elements that bear a part, and beside each of them one smaller and one larger by a ratio."""
+        rows = [
+            (kind, factor * size, shape)
+            for kind, size, shape, coefficient in zip(
+                self.kinds, self.sizes, self.shapes, coefficients, strict=True
+            )
+            if coefficient > 0.0
+            for factor in ((1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALED and size > 0.0 else (1.0,))
+        ]
+        return _elements(rows, self.speed)
+
+
+def _elements(rows: list[tuple[int, float, float]], speed: float) -> Elements:
+    """Elements of kind, size and shape, each once."""
+    once = {
+        (kind, np.sign(size), round(np.log(abs(size) + 1e-300) / np.log(_FINER)), shape): (kind, size, shape)
+        for kind, size, shape in rows
+    }
+    kinds, sizes, shapes = zip(*once.values(), strict=True)
+    return Elements(
+        kinds=np.array(kinds, dtype=np.int64),
+        sizes=np.array(sizes, dtype=np.float64),
+        shapes=np.array(shapes, dtype=np.float64),
+        speed=speed,
+    )
+
+
+_YIELDS = (0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+_YIELDS_OF_OTHERS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 1.0)
+_GAPS = tuple(np.arange(0.05, 1.0, 0.05).tolist())
+_TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
+_POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
+
+FAMILIES: Final[Mapping[str, str]] = {
+    "plain": "elastic-plastic springs, hardening and dashpots",
+    "gaps": "the plain ones and gaps",
+    "smooth": "the plain ones and smooth hysteresis",
+    "memory": "the smooth ones and memory of the largest excursion",
+    "all": "all elements",
+}
+"""Families of elements, each with what it holds."""
+
+
+def elements_of_family(name: str, displacement: float, speed: float) -> Elements:
+    """Elements of a family for the largest displacement [m] and speed [m/s] of a test."""
+    rows = list(_plain(displacement))
+    if name in {"gaps", "all"}:
+        rows += _gaps(displacement)
+    if name in {"smooth", "memory", "all"}:
+        rows += [(Kind.SMOOTH, x * displacement, n) for x in _YIELDS_OF_OTHERS for n in (1.0, 2.0)]
+    if name in {"memory", "all"}:
+        rows += _with_memory(displacement)
+    if name == "all":
+        yields = [*(x * displacement for x in _YIELDS_OF_OTHERS), _LINEAR * displacement]
+        rows += [(Kind.WEAKENING, size, shape) for size in yields for shape in (0.0, 1.0)]
+    return _elements(rows, speed)
+
+
+def _plain(displacement: float) -> Iterator[tuple[int, float, float]]:
+    for share in (*_YIELDS, 1.0, 1.15, 1.3, _LINEAR):
+        yield Kind.ELASTIC_PLASTIC, share * displacement, 0.0
+    for sign in (1.0, -1.0):
+        yield Kind.CONSTANT, sign * displacement, 0.0
+    for kind in (Kind.CUBIC, Kind.QUINTIC):
+        yield kind, displacement, 0.0
+    for power in _POWERS:
+        yield Kind.DASHPOT, displacement, power
+    for time in _TIMES:
+        yield Kind.MAXWELL, time, 0.0
+
+
+def _gaps(displacement: float) -> Iterator[tuple[int, float, float]]:
+    for share in _GAPS:
+        yield Kind.GAP, share * displacement, 0.0
+    for share in (0.0, *_GAPS[::2]):
+        for kind in (Kind.GAP_ABOVE, Kind.GAP_BELOW):
+            yield kind, share * displacement, 0.0
+
+
+def _with_memory(displacement: float) -> Iterator[tuple[int, float, float]]:
+    for share in _YIELDS_OF_OTHERS:
+        for kind in (Kind.SOFTENING, Kind.PEAK_ORIENTED):
+            yield kind, share * displacement, 0.0
+    for share in (0.2, 0.4, 0.6, 0.8):
+        yield Kind.OPENING_GAP, share, 0.0
