@@ -24,7 +24,7 @@ def answer(assessment):
     [
         {"taper": "boxcar"},
         pytest.param({"seed": 5}, marks=pytest.mark.slow),
-        pytest.param({"stated": {"f": StatedValue(1.0, 0.02)}}, marks=pytest.mark.slow),
+        pytest.param({"stated": {"f": StatedValue(1.0, 0.05)}}, marks=pytest.mark.slow),
     ],
 )
 def test_former_arguments_of_assess_do_what_they_did(former):
