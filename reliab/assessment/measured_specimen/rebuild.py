@@ -9,7 +9,7 @@ Only the difference of the specimen's force along two neighbouring paths is need
 representation of f misses on both cancels. Five families of elements learn f from the test itself; the draws
 behind the interval take a family by how well it predicts held-out parts of the force, fit it to blocks of the
 test with random weights, and multiply the force by which the actuator's own error acts, f[x_m] − f[x_c], by
-1 + κ h z: h is what the family misses of held-out parts, z is standard normal.
+1 + (0.01 + κ h) z: h is what the family misses of held-out parts, z is standard normal.
 """
 
 from collections.abc import Iterator, Sequence
@@ -43,7 +43,8 @@ _LEAST_RATE = 256.0  # samples in a second, and in a period, that are simulated
 _PER_PERIOD = 100.0
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
-_CARRIED = 1.5  # κ: relative deviation of the acting force over what is missed of held-out parts
+_CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
+_ALWAYS = 0.01  # relative deviation of the acting force where nothing is missed
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
@@ -169,7 +170,7 @@ def _concluded(
             structure=whole_structure(test.structure),
             noise=noise,
             as_stated=test.spread(few, exact, places, seed, carried=0.0),
-            spread=test.spread(differences, unknown, places, seed, carried=_CARRIED),
+            spread=test.spread(differences, unknown, places, seed, carried=1.0),
             differences=differences,
             every=every,
             unknown=unknown,
@@ -299,7 +300,8 @@ class _Test:
                 coefficients @ rows,
                 coefficients @ specimen.elements.along(thin.command, step, used),
             )
-            factor = max(1.0 + carried * specimen.held_out * generator.standard_normal(), _LEAST)
+            missed = carried * (_CARRIED * specimen.held_out + _ALWAYS)
+            factor = max(1.0 + missed * generator.standard_normal(), _LEAST)
             felt = self._late(commanded + factor * (felt - commanded), float(drawn["feedback_lag"][row]))
             factors = [
                 float(drawn[name][row]) for name in ("frequency", "damping_ratio", "experimental_fraction")
