@@ -63,7 +63,10 @@ def _drawn(family: str, motions: list[Motion], draw: np.random.Generator, decibe
         motion = motions[draw.integers(len(motions))]
         ground = np.interp(times, motion.time_step * np.arange(motion.acceleration.size), motion.acceleration)
         ground[times > motion.time_step * motion.acceleration.size] = 0.0
-        test = simulate(family, -ground, _STEP, draw, decibels=decibels)
+        try:
+            test = simulate(family, -ground, _STEP, draw, decibels=decibels)
+        except ArithmeticError:  # the loop diverges
+            continue
         if np.isfinite(test.command).all() and _ERRORS[0] < test.error < _ERRORS[1]:
             return test
 

@@ -126,6 +126,10 @@ def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_
     assert modules_after(asked, *idle)[0] == "[]"
 
 
+WORDS_OF_FILES = ("words", "units", "naming")
+"""Modules of words that are looked for in files, in their languages, and never shown."""
+
+
 def characters_that_are_shown():
     """Characters of all texts of the package but docstrings outside of the commands, and texts of reports."""
     characters = set()
@@ -136,7 +140,7 @@ def characters_that_are_shown():
             for node in nodes(path)
             if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
         }
-        if "report" not in path.parts:
+        if "report" not in path.parts and path.stem not in WORDS_OF_FILES:
             texts = (node for node in nodes(path) if isinstance(node, ast.Constant))
             texts = (node.value for node in texts if id(node) not in docstrings or "cli" in path.parts)
             characters |= set("".join(text for text in texts if isinstance(text, str)))
