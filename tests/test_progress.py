@@ -160,7 +160,7 @@ CASES = {
     "add": of_posteriors,
 }
 PASSED_ON = {  # by a case of the function that calls it
-    "of": "derive_criterion",
+    "from_ellipses": "derive_criterion",
     "learn": "derive_criterion",
     "fit_hierarchical": "derive_criterion",
     "draw": "sample",

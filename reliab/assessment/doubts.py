@@ -10,8 +10,8 @@ from reliab.vocabulary import Metric
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _NONLINEAR = (
-    "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or give a "
-    "model of it that `reliab diagnose` calibrated."
+    "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or "
+    "give a model of it that `reliab diagnose` calibrated."
 )
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "

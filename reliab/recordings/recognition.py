@@ -467,9 +467,8 @@ class _Search:
         )
 
     def _suggestion(self, part: Part) -> str:
-        words = ROLES[Role(part)].split()
-        for name in self._columns.values:
-            candidates = {plain(name), *words_of(name)}
-            if any(get_close_matches(word, words, n=1, cutoff=_SIMILAR) for word in candidates):
-                return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
+        by_word = {word: name for name in self._columns.values for word in {plain(name), *words_of(name)}}
+        if close := get_close_matches(str(part), by_word, n=1, cutoff=_SIMILAR):
+            name = by_word[close[0]]
+            return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
         return f"Name the column {part}, or say which it is with `{part}`"

@@ -12,6 +12,7 @@ from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
 from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.stated_value import StatedValue
 from reliab.structures.frames import Frame, modal_damping, shear_frame
 from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
@@ -43,9 +44,24 @@ def of_columns_case(simulate, ground_motions):
     return assess(replace(late, command=late.measured, measured=late.command), ONE_HERTZ)
 
 
+def of_specimen_case(simulate, ground_motions):
+    """A measured specimen whose force follows its motion only in part."""
+    del ground_motions
+    test = simulate(noise=0.001, delay=1e-4, gain=0.999)
+    chance = np.convolve(np.random.default_rng(1).standard_normal(test.command.size), np.hanning(200), "same")
+    force = 39.5 * (test.measured + 0.5 * test.measured.std() / chance.std() * chance)
+    return assess(
+        replace(test, force=force),
+        ONE_HERTZ,
+        stated={"f": StatedValue(1.0), "xi": StatedValue(0.02), "mass": StatedValue(1.0)},
+        measured_specimen=True,
+    )
+
+
 CASES = {
     "of_frequency": (of_frequency_case, "the structure at 5 Hz, where the command shows no resonance"),
     "of_motion": (of_motion_case, "was not found in the record"),
+    "of_specimen": (of_specimen_case, "No representation of the specimen predicts its force"),
     "of_stability": (of_stability_case, "the loop is unstable"),
     "of_columns": (of_columns_case, "the columns may be swapped"),
 }

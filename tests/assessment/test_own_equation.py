@@ -66,7 +66,7 @@ def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(judged, cubic, 
     _, found = judged(force=lambda moved: 39.5 * moved + cubic * moved**3)
     assert bool(found.equation.nonlinear) is open_
     assert (found.verdict.word == "undecided") is open_
-    assert any("give that model" in remedy for remedy in found.verdict.would_decide) is open_
+    assert any("give a model" in remedy for remedy in found.verdict.would_decide) is open_
 
 
 EVERY = 16  # of the samples simulated at 4096 Hz one is recorded

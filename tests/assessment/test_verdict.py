@@ -24,13 +24,13 @@ def near(ground_motions, simulate_rig):
 
 
 def test_a_tolerance_of_the_frequency_leaves_a_close_test_undecided_and_says_so(near):
-    sure = assess(near, ONE_HERTZ, threshold=0.035)
+    sure = assess(near, ONE_HERTZ, threshold=0.048)
     assert sure.verdict.word is Word.NOT_RELIABLE
     stated = {"f": StatedValue(1.0, 0.05), "xi": StatedValue(0.02)}
-    unsure = assess(near, ONE_HERTZ, threshold=0.035, stated=stated)
+    unsure = assess(near, ONE_HERTZ, threshold=0.048, stated=stated)
     assert unsure.verdict.word is Word.UNDECIDED
     assert "natural frequency" in unsure.verdict.would_decide[0]
-    assert unsure.error.rebuilt.rms.low < 0.035 < unsure.error.rebuilt.rms.high
+    assert unsure.error.rebuilt.rms.low < 0.048 < unsure.error.rebuilt.rms.high
 
 
 def test_the_threshold_turns_the_verdict(near):

@@ -61,7 +61,7 @@ class OwnFrequency:
     ...     stated_deviation=0.02,
     ... )
     >>> round(shown.value, 3), round(shown.deviation, 3), shown.contradicts
-    (0.025, 0.01, True)
+    (0.025, 0.009, True)
     """
 
     offsets: Array  # Of the natural frequency from the stated one, relative, ascending [-]

@@ -64,7 +64,7 @@ def test_the_conformal_bound_promises_no_more_than_it_can(count):
     assert 0.9 - 0.01 <= found.mean <= 0.9 + 1 / 61 + 0.02
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [80, pytest.param(300, marks=pytest.mark.slow)])
 def test_earthquakes_weaken_the_assurance_of_the_tolerance_bound_and_the_bootstrap_sees_them(count):
     alike = Truth(n_events=19, motions_per_event=5, event_share=0.5)
     blind = simulate_coverage(method_of("tolerance"), alike, 0.9, suites=count).kept_share
