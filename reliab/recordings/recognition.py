@@ -27,7 +27,7 @@ from reliab.recordings.ranking import (
 from reliab.recordings.readers import Columns
 from reliab.recordings.recording import LARGEST_READING
 from reliab.recordings.units import UNITS, Unit, unit_of
-from reliab.recordings.words import ROLES, Quantity, Role
+from reliab.recordings.words import Quantity, Role
 from reliab.significant import significant
 
 _SIMILAR = 0.7

@@ -50,7 +50,7 @@ def test_a_test_is_reported_on_two_pages(
     stated = {"f": StatedValue(1.0), "xi": StatedValue(0.02), "scale": StatedValue(1.0, deviation)}
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     found = assess(recording, structure, stated=stated, criterion=criterion)
-    notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. " * 2,) * 3
+    notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. ",) * 3
     document = assessment_report(found, provenance={"file": "a.csv"}, notes=notes)
     assert document.tone == tone
     assert pages(set_without_warnings(document)) == 2
