@@ -368,7 +368,7 @@ def state(rows: pd.DataFrame) -> None:
                 judged[["high", IF_YIELDING[1]]].max(axis=1),
             )
             both = float(((low <= judged["true"]) & (judged["true"] <= high)).mean())
-            print(f"{name:26} interval together with the errors if it yielded: held {both:.0%}")
+            print(f"{name!s:26} interval together with the errors if it yielded: held {both:.0%}")
     for name in ("sound", "ordinary"):
         group = rows[rows["row"] == name]
         for low, high in ((0.01, 0.02), (0.02, 0.03), (0.03, 0.04), (0.04, 0.05)):
