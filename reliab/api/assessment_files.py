@@ -144,16 +144,9 @@ def write_corrected(assessment: Assessment | FrameAssessment, out: str | Path) -
             remedy="Name a file that ends with .csv or .nc",
         )
     response = corrected_response(assessment)
-    try:
-        with written_whole(out) as file:
-            if kind == ".csv":
-                response.to_dataframe().to_csv(file)
-            else:
-                file.write_bytes(response.to_netcdf(engine="h5netcdf"))
-    except OSError as error:
-        raise InputError(
-            "The file of the corrected response must be writable",
-            value=error.strerror,
-            remedy="Name another file",
-            where=str(out),
-        ) from None
+    rule = "The file of the corrected response must be writable"
+    with refuse_unwritable(rule, where=out), written_whole(out) as file:
+        if kind == ".csv":
+            response.to_dataframe().to_csv(file)
+        else:
+            file.write_bytes(response.to_netcdf(engine="h5netcdf"))

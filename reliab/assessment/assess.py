@@ -166,7 +166,7 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
     contradictions = (
         *(
             of_frequency(clean, assessment.tracking, [question.structure.frequency])
-            if not (question.model or question.measured_specimen)
+            if question.linear
             else ()
         ),
         *of_stability(assessment.stability_margin),
@@ -220,7 +220,7 @@ class _Judged:
 def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
     """Error of the test; where the test contradicts the stated structure, with the identified one."""
     error, effects = _errors(recording, faults, question)
-    if question.model is not None or question.measured_specimen:
+    if not question.linear:
         return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
     smoothed = error.rebuilt.histories.measured
     equation = examine_equation(clean, question.structure, question.stated, smoothed)

@@ -9,6 +9,11 @@ from reliab.assessment.findings import Findings
 from reliab.significant import percent
 from reliab.vocabulary import Metric
 
+_SPECIMENS = {
+    "stated": "stated as linear",
+    "modelled": "a calibrated model",
+    "measured": "learned from its force",
+}
 _SMALL = 0.1  # of the peak of the exact response, up to which the largest correction is small
 
 
@@ -53,7 +58,7 @@ def corrected_response(findings: Findings) -> xr.Dataset:
     peak = float(np.abs(exact).max())
     attributes = {
         "test": findings.recording.name,
-        "specimen": _specimen(findings),
+        "specimen": _SPECIMENS[findings.error.specimen_known],
         "measured_peak_m": float(np.abs(measured).max()),
         "exact_peak_m": peak,
         "note": _note(findings),
@@ -66,12 +71,6 @@ def corrected_response(findings: Findings) -> xr.Dataset:
         coords={"time_s": times},
         attrs=attributes,
     )
-
-
-def _specimen(findings: Findings) -> str:
-    if findings.error.specimen is not None:
-        return "learned from its force"
-    return "a calibrated model" if findings.error.modelled else "stated as linear"
 
 
 def _stiffness_over_mass(findings: Findings) -> tuple[float, float]:

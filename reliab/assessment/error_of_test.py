@@ -70,6 +70,11 @@ class Question:
         return self.stated["resolution"].value / MILLI if "resolution" in self.stated else None
 
     @property
+    def linear(self) -> bool:
+        """Whether the specimen is stated as linear, neither modelled nor learned from its force."""
+        return self.model is None and not self.measured_specimen
+
+    @property
     def feedback_lag(self) -> float:
         """Time by which the force is stated to be fed back late [s]."""
         return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
@@ -120,6 +125,13 @@ class ErrorOfTest:
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
         return self.rebuilt.estimate(metric)
+
+    @property
+    def specimen_known(self) -> str:
+        """How the specimen is known: "stated" as linear, "modelled" or "measured"."""
+        if self.specimen is not None:
+            return "measured"
+        return "modelled" if self.modelled else "stated"
 
     @property
     def probability(self) -> float:

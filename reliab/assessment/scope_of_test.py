@@ -74,12 +74,7 @@ def place_by_response(
     structure, one beyond those that ship, a criterion of other motions, or a response outside of theirs.
     """
     of_shipped = criterion.provenance.source == SOURCE
-    if (
-        not of_shipped
-        or question.metric != Metric.RMS
-        or question.model is not None
-        or question.measured_specimen
-    ):
+    if not of_shipped or question.metric != Metric.RMS or not question.linear:
         return None
     structure = question.structure
     shown = ellipse_of_response(reference, recording.time_step, structure)

@@ -113,9 +113,9 @@ def _specimen(findings: Findings) -> dict[str, Any]:
     """How the specimen is known; of one that was learned, by what and how well."""
     learned = findings.error.specimen
     if learned is None:
-        return {"known": "modelled" if findings.error.modelled else "stated"}
+        return {"known": findings.error.specimen_known}
     return {
-        "known": "measured",
+        "known": findings.error.specimen_known,
         "held_out": learned.held_out,
         "beyond": learned.beyond,
         "families": [vars(family) for family in learned.families],

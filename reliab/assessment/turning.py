@@ -9,10 +9,11 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.budget import LowPass
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.nonlinear_reference import reference_of_model
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.effects import Hysteresis
 from reliab.recordings import Recording
@@ -29,7 +30,6 @@ CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 5
 
 _HARDENING = 0.03  # stiffness after yielding over that before
 _SHARPNESS = 8.0  # exponent of the hysteresis
-_LEAST_RATE, _PER_PERIOD = 200.0, 80.0  # samples simulated in a second, and in a period
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +100,8 @@ def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:
 
 def _size(strayed: Array, reference: Array, metric: Metric) -> float:
     """RMS^R or MTE^R of x_m − x_I [-]."""
-    largest = np.sqrt(mean_square(strayed)) if metric is Metric.RMS else np.abs(strayed).max()
-    return float(largest / np.abs(reference).max())
+    rms, mte = relative_errors(strayed, reference)
+    return rms if metric is Metric.RMS else mte
 
 
 def _errors_if_yielding(
@@ -109,8 +109,8 @@ def _errors_if_yielding(
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, as `rebuild_with_specimen` has them."""
     structure = question.structure
-    rate = max(_LEAST_RATE, _PER_PERIOD * structure.frequency)
-    thin = rebuilt.histories.thinned(max(int(1.0 / (rate * rebuilt.time_step)), 1))
+    every = samples_in_step_of_simulation(structure.frequency, rebuilt.time_step)
+    thin = rebuilt.histories.thinned(every)
     peak = float(np.abs(thin.measured).max())
     errors = {}
     for ductility in ductilities:

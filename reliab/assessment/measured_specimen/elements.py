@@ -79,8 +79,8 @@ def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
 ) -> float:
     """Displacement of one element [m] at the end of a step; its state is changed in place.
 
-    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent, of a dashpot also the
-    velocity [m/s] at which it gives its size in the last place of the state.
+    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent. The last place of the
+    state holds the velocity at which a dashpot gives its size [m/s].
     """
     if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
         state[0] = min(max(state[0] + moved, -size), size)

@@ -5,6 +5,7 @@ are refined step by step, and four quarters of the test, made of short blocks, a
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -32,7 +33,7 @@ class MeasuredPath:
     noise: SensorNoise  # Its filter is passed by elements, too
     block: float  # Length of a block [s]
 
-    @property
+    @cached_property
     def used(self) -> Array:
         """Work done on the specimen so far, to and fro, over that of the whole test, shape (n,)."""
         work = np.cumsum(np.abs(np.gradient(self.displacement) * (self.force - self.force.mean())))

@@ -16,24 +16,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import FAMILIES
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, fit, learn_specimen
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, columns_of_reading, draw_unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
-from reliab.assessment.rebuilt_error.size import require_fitting
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.errors import InputError
 from reliab.structures import Structure
+from reliab.threads import one_thread
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
@@ -95,11 +95,13 @@ def rebuild_with_force(
     structure [kg]; `sensor_offset`, `resolution` [m]. `structure` says what the computer's part is: a damping
     2ξωm and a stiffness (1 − α)mω².
     """
-    with threadpool_limits(limits=1, user_api="blas"):  # several threads cost more than such small matrices
+    with one_thread():
         whole = whole_structure(structure)
         command, measured = checked_histories(command, measured, time_step, whole)
         force = _checked_force(force, measured, mass)
-        every = max(int(1.0 / (time_step * max(_LEAST_RATE, _PER_PERIOD * structure.frequency))), 1)
+        every = samples_in_step_of_simulation(
+            structure.frequency, time_step, least_rate=_LEAST_RATE, per_period=_PER_PERIOD
+        )
         require_fitting(command.size, every, time_step)
         noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
         start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
@@ -158,7 +160,8 @@ def _concluded(
     unknown = Unknown(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
     differences = draw_differences(command, read, noise, test.structure.frequency, every, DRAWS, seed)
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
-    reference = test.response(learned[0])
+    responses = [test.response(specimen) for specimen in learned]
+    reference = responses[0]
     places = np.arange(command.size) / every
     whole_reference = command - np.interp(places, np.arange(thin.command.size), thin.command - reference)
     few = differences[: 2 * _DRAWS_AS_STATED : 2]
@@ -182,9 +185,9 @@ def _concluded(
                 name=specimen.family,
                 weight=float(weight),
                 held_out=specimen.held_out,
-                rms=_rms(thin.measured, test.response(specimen)),
+                rms=relative_errors(thin.measured - response, response)[0],
             )
-            for specimen, weight in zip(learned, test.weights, strict=True)
+            for specimen, weight, response in zip(learned, test.weights, responses, strict=True)
         ),
         force=np.interp(places, np.arange(thin.command.size), test.force_of(learned[0], reference)),
         beyond=_beyond(reference, thin.measured),
@@ -266,16 +269,16 @@ class _Test:
         self, differences: Array, unknown: Unknown, places: Array, seed: int, *, carried: float
     ) -> Spread:
         """Errors of draws of everything that is not known, the specimen above all."""
-        rows, strayed = [], []
+        sizes, strayed = [], []
         for measured, response in self._drawn(differences, unknown, seed, carried):
             error = measured - response
-            rows.append((np.sqrt(mean_square(error)), np.abs(error).max(), np.abs(response).max()))
+            sizes.append(relative_errors(error, response))
             strayed.append(error)
-        square, peak, ideal = np.array(rows).T
+        rms, mte = np.array(sizes).T
         known = np.arange(self.thin.command.size)
         return Spread(
-            rms=square / ideal,
-            mte=peak / ideal,
+            rms=rms,
+            mte=mte,
             mean=np.interp(places, known, np.mean(strayed, axis=0)),
             deviation=np.interp(places, known, np.std(strayed, axis=0)),
         )
@@ -307,10 +310,6 @@ class _Test:
                 float(drawn[name][row]) for name in ("frequency", "damping_ratio", "experimental_fraction")
             ]
             yield measured, self._respond(specimen, coefficients, felt, thin, factors)
-
-
-def _rms(measured: Array, response: Array) -> float:
-    return float(np.sqrt(mean_square(measured - response)) / np.abs(response).max())
 
 
 def _beyond(response: Array, measured: Array) -> float:

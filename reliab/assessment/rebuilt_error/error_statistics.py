@@ -18,6 +18,12 @@ def mean_square(values: Array) -> float:
     return (inner - 0.5 * float(values[0] ** 2 + values[-1] ** 2)) / (values.size - 1)
 
 
+def relative_errors(strayed: Array, reference: Array) -> tuple[float, float]:
+    """RMS^R and MTE^R [-] of x_m − x_I and x_I [m], both shape (n,)."""
+    peak = np.abs(reference).max()
+    return float(np.sqrt(mean_square(strayed)) / peak), float(np.abs(strayed).max() / peak)
+
+
 @compiled
 def sweep_draws(
     decay: Array,

@@ -32,7 +32,7 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
-from reliab.assessment.rebuilt_error.size import require_fitting
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
@@ -44,8 +44,6 @@ DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
 
 _DRAWS_AS_STATED = 16  # of the noise alone, behind the value
-_LEAST_RATE = 200.0  # samples in a second, and in a period, that are simulated of each draw
-_PER_PERIOD = 80.0
 _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
 
 
@@ -86,7 +84,8 @@ def rebuild_with_specimen(
     )
     tangent = tangent_structure(perfect)
     command, measured = checked_histories(command, measured, time_step, tangent)
-    every, lowest = _every(tangent, time_step), float(tangent.natural_frequencies[0])
+    lowest = float(tangent.natural_frequencies[0])
+    every = samples_in_step_of_simulation(lowest, time_step)
     require_fitting(command.size, every, time_step)
     noise = estimate_noise(command, measured, time_step)
     start = stated_start(command, measured, time_step, tangent, noise, sensor_offset)
@@ -116,12 +115,6 @@ def rebuild_with_specimen(
         start=start,
         seed=seed,
     )
-
-
-def _every(tangent: WholeStructure, time_step: float) -> int:
-    """Return the number of samples of which one is simulated of each draw."""
-    frequency = float(tangent.natural_frequencies[0])
-    return max(int(1.0 / (time_step * max(_LEAST_RATE, _PER_PERIOD * frequency))), 1)
 
 
 def tangent_structure(test: HybridTest) -> WholeStructure:

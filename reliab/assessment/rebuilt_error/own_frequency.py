@@ -25,7 +25,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
@@ -176,8 +176,7 @@ class _Felt:
             squares = (ground / gain) ** 2
             fit = fit or _VariancesFit(squares, places[band] / lowest)
             answer[place] = fit.likelihood(squares) + 0.5 * len(ground) * _resonance(w0, twice, parts)
-            strayed = self.command - self.fed_back - response
-            errors[place] = np.sqrt(mean_square(strayed)) / np.abs(response).max()
+            errors[place], _ = relative_errors(self.command - self.fed_back - response, response)
         return answer, errors
 
     def _responses(self, factors: Array) -> Iterator[Array]:

@@ -8,6 +8,8 @@ MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
 
 _PER_PERIOD = 64.0  # samples in a period of the highest mode while draws are swept
+_LEAST_RATE = 200.0  # samples in a second, and in a period, where the test is simulated anew
+_SIMULATED_PER_PERIOD = 80.0
 _HOUR = 3600.0
 
 
@@ -18,6 +20,20 @@ def samples_in_step_of_structure(structure: WholeStructure, time_step: float) ->
     Returns at least one; tests so long that their size matters are drawn at each such sample.
     """
     return max(int(1.0 / (_PER_PERIOD * float(structure.natural_frequencies[-1]) * time_step)), 1)
+
+
+def samples_in_step_of_simulation(
+    frequency: float,
+    time_step: float,
+    *,
+    least_rate: float = _LEAST_RATE,
+    per_period: float = _SIMULATED_PER_PERIOD,
+) -> int:
+    """Return the number of samples of which one is simulated anew, at least one.
+
+    `frequency`: the lowest natural frequency [Hz]; `time_step` [s]; `least_rate` [Hz].
+    """
+    return max(int(1.0 / (time_step * max(least_rate, per_period * frequency))), 1)
 
 
 def fits(samples: int, every: int, most: int = MOST_DRAWN) -> bool:

@@ -10,7 +10,8 @@ from reliab.assessment.rebuilt_error import Tolerances, WholeStructure, rebuild,
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.force_form import combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.interval import Unknown
-from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, _every, _sweep, tangent_structure
+from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, _sweep, tangent_structure
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
 from reliab.assessment.rebuilt_error.whole_structure import first_mode, whole_structure
 from reliab.effects import find_effect
@@ -102,8 +103,7 @@ def test_the_tangent_structure_is_per_unit_mass():
 
 def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
     for frequency, every in ((1.0, 5), (4.0, 3), (40.0, 1)):
-        whole = WholeStructure.of_structure(Structure(frequency=frequency, damping_ratio=0.05))
-        assert _every(whole, STEP) == every
+        assert samples_in_step_of_simulation(frequency, STEP) == every
 
 
 def test_a_force_gives_the_displacement_of_spring_dashpot_and_mass():

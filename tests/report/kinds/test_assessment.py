@@ -35,7 +35,7 @@ def criterion(ellipses_of):
     ("delay", "deviation", "tone", "word"),
     [
         (1e-4, 0.0, "good", "reliable"),
-        (6e-4, 0.002, "plain", "undecided"),
+        (1e-3, 0.006, "plain", "undecided"),
         (4e-3, 0.0, "bad", "not reliable"),
     ],
 )
@@ -47,10 +47,10 @@ def test_a_test_is_reported_on_two_pages(
     noise = 1e-6 * np.random.default_rng(1).normal(size=times.size)
     measured = 0.999 * np.interp(times - delay, times, command) + noise
     recording = Recording(command=command, measured=measured, time_step=1.0 / 256.0, name="#1 $test$")
-    stated = {"f": StatedValue(1.0), "xi": StatedValue(0.02), "scale": StatedValue(1.0, deviation)}
+    stated = {"f": StatedValue(1.0), "xi": StatedValue(0.02, deviation)}
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     found = assess(recording, structure, stated=stated, criterion=criterion)
-    notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. ",) * 3
+    notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. " * 2,) * 3
     document = assessment_report(found, provenance={"file": "a.csv"}, notes=notes)
     assert document.tone == tone
     assert pages(set_without_warnings(document)) == 2
