@@ -6,8 +6,10 @@ import json
 import os
 import shutil
 import stat
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 from reliab.errors import InputError, ReliabError
 from reliab.unfinished import UNFINISHED, hold, remove_abandoned, unfinished_name
@@ -127,20 +129,36 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
         return
     if synced:
         remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
-    unfinished = unfinished_name(place)
+    unfinished, held = _held_unfinished(place)
     try:
-        with unfinished.open("xb") as file:
-            hold(file.fileno())
+        with held:
             yield unfinished
-        if synced:
-            _sync(unfinished)
-        unfinished.replace(place)
+            if synced:
+                _sync(unfinished)
+            if sys.platform != "win32":  # where an open file cannot be renamed
+                unfinished.replace(place)  # while it is held, so that nobody takes it for abandoned
+        if sys.platform == "win32":
+            unfinished.replace(place)
         if synced:
             _sync(place.parent)
     except BaseException:
         with contextlib.suppress(OSError):
             unfinished.unlink(missing_ok=True)
         raise
+
+
+def _held_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
+    """Make a new file beside a place, and hold it.
+
+    Another process may take it for abandoned before it is held, and remove it; then the next is made.
+    """
+    while True:
+        unfinished = unfinished_name(place)
+        file = unfinished.open("xb")
+        hold(file.fileno())
+        if unfinished.exists():
+            return unfinished, file
+        file.close()
 
 
 @contextlib.contextmanager

@@ -22,6 +22,7 @@ ROOMS = (
     "discrepancy",
     "explore",
     "validation",
+    "rig",
     "in_loop",
     "assessment",
     "criterion",

@@ -35,6 +35,15 @@ from .rebuilt_errors import (
     validate_rebuilt_error as validate_rebuilt_error,
 )
 from .records import Record as Record, check_records as check_records, record as record
+from .rig_answers import RigPrediction as RigPrediction, predict_rig as predict_rig
+from .rig_tests import AddedTests as AddedTests, add_to_rig as add_to_rig
+from .rigs import (
+    RigList as RigList,
+    export_rig as export_rig,
+    list_rig as list_rig,
+    remove_from_rig as remove_from_rig,
+    show_rig_test as show_rig_test,
+)
 from .simulation import Simulation as Simulation, simulate as simulate, simulate_suite as simulate_suite
 from .studies import (
     PerformedStudy as PerformedStudy,

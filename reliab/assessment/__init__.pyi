@@ -11,7 +11,11 @@ from .budget import (
     stated_of_filters as stated_of_filters,
 )
 from .corrected_response import corrected_response as corrected_response
-from .default_criterion import default_criterion as default_criterion
+from .default_criterion import (
+    default_criterion as default_criterion,
+    ellipses_of_motions as ellipses_of_motions,
+    typical_ellipse as typical_ellipse,
+)
 from .design import (
     CONFIDENCES as CONFIDENCES,
     Tolerance as Tolerance,

@@ -127,6 +127,29 @@ def criterion_of_response(
     return derive_criterion(carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE)
 
 
+def typical_ellipse(structure: Structure) -> tuple[float, float]:
+    """Ellipse parameters a [-] and b [ms²] over the squared error, for the median motion of those that ship.
+
+    Between and beyond the shipped structures a ξ⁻² and b ω₀² ξ⁻² are those of the nearest; both grow with the
+    inverse square of the share in the laboratory.
+    """
+    measures = _measures()
+    near = measures.sel(f=structure.frequency, xi=structure.damping_ratio, method="nearest")
+    damping = structure.damping_ratio / float(near["xi"])
+    frequency = structure.frequency / float(near["f"])
+    share = structure.experimental_fraction
+    a, b = (float(np.median(near[name])) for name in ("a_first", "b_first"))
+    return a * (damping / share) ** 2, b * (damping / frequency / share) ** 2
+
+
+def ellipses_of_motions(structure: Structure) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return as :func:`typical_ellipse` does, one pair for each motion that ships, shape (motions,) each."""
+    near = _measures().sel(f=structure.frequency, xi=structure.damping_ratio, method="nearest")
+    of_a, of_b = typical_ellipse(structure)
+    a, b = (near[name].values.astype(np.float64) for name in ("a_first", "b_first"))
+    return a * of_a / np.median(a), b * of_b / np.median(b)
+
+
 def shipped_frequencies() -> list[float]:
     """Natural frequencies [Hz] of the shipped ellipses, increasing."""
     return [float(frequency) for frequency in np.sort(_shipped_ellipses()["f"].values)]

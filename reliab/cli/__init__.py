@@ -27,6 +27,7 @@ from reliab.cli import (
     motions,
     record,
     report,
+    rig,
     run as run_command,
     samples,
     simulate,
@@ -52,6 +53,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(motions.app, name="motions")
+app.add_typer(rig.app, name="rig")
 app.command("simulate", epilog=example_of("simulate"))(simulate.simulate)
 app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
 app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)

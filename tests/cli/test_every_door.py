@@ -44,6 +44,12 @@ SERVICES: dict[str, Any] = {
     "motions check": [api.check_motions],
     "motions import": [api.import_motions],
     "motions synthesize": [api.synthesize_motions],
+    "rig predict": [api.predict_rig],
+    "rig add": [api.add_to_rig],
+    "rig list": [api.list_rig],
+    "rig show": [api.show_rig_test],
+    "rig remove": [api.remove_from_rig],
+    "rig export": [api.export_rig],
 }
 OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
 CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check"}

@@ -1,0 +1,175 @@
+"""What a rig's tests answer: the next test predicted."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reliab.api.arguments import Quantity, stated_values, unused
+from reliab.api.rig_tests import stated_covariates
+from reliab.assessment import ellipses_of_motions
+from reliab.boundary import first_order_ellipse
+from reliab.errors import InputError
+from reliab.motions import load_motions, read_motion
+from reliab.rig import (
+    NextTest,
+    Prediction,
+    RigFolder,
+    RigTable,
+    predict_next,
+    predict_under_motion,
+    predict_under_suite,
+    require_date,
+)
+from reliab.simulation import Excitation
+from reliab.simulation.frames import read_frame
+from reliab.structures import Structure
+
+_SHIPPED_SUITE = "real_suite"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigPrediction:
+    """The next test of a rig, predicted."""
+
+    rig: Path
+    prediction: Prediction
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {"rig": str(self.rig), **self.prediction.to_dict()}
+
+
+def predict_rig(
+    rig: str | Path,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    structure: str | Path | None = None,
+    motion: str | Path | None = None,
+    suite: str | None = None,
+    threshold: float | None = None,
+    date: str | None = None,
+    specimen: str | None = None,
+    covariate: Iterable[str] | None = None,
+) -> RigPrediction:
+    """Predict the next test of a rig from all that it has done.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder, with at least three tests.
+    f, xi, alpha : float, str or StatedValue, optional
+        Natural frequency [Hz], damping ratio [-], 0.02 by default, and share of the stiffness in the
+        laboratory [-], 1 by default.
+    structure : str or pathlib.Path, optional
+        A frame, in place of these; the rig must have tests of the same frame.
+    motion : str or pathlib.Path, optional
+        The ground motion; the loop is then simulated with actuators drawn from the posterior. By default the
+        motion is unknown, and the error follows from those of the rig's own tests.
+    suite : str, optional
+        Any motion of a suite instead: "real_suite", which ships as ellipses, "synthetic", or a folder.
+    threshold : float, optional
+        Error of the whole test, 0.05 by default.
+    date, specimen : str, optional
+        When it is performed, after the last test by default, and on what, the last specimen by default.
+    covariate : iterable of str, optional
+        Numbers of the next test that all tests have, "current=0.4".
+
+    Returns
+    -------
+    RigPrediction
+        90 % intervals of A, d, remainder and error, the probability that the error stays below the threshold,
+        and which of amplitude, delay and remainder drives it.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three tests, or an argument cannot be used.
+    """
+    table = RigFolder.opened(rig).table()
+    asked = NextTest(
+        date=require_date(date) if date else "",
+        specimen=specimen or "",
+        covariates=stated_covariates(covariate or ()),
+    )
+    limit = _threshold(threshold)
+    if structure is not None:
+        beside = {"f": f, "xi": xi, "alpha": alpha, "motion": motion, "suite": suite}
+        prediction = _of_frame(table, structure, asked, limit, beside)
+    else:
+        prediction = _of_structure(table, _structure(f, xi, alpha), asked, limit, motion, suite)
+    return RigPrediction(rig=Path(rig), prediction=prediction)
+
+
+def _threshold(threshold: float | None) -> float:
+    limit = 0.05 if threshold is None else float(threshold)
+    if not 0.0 < limit < float("inf"):
+        raise InputError(
+            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
+        )
+    return limit
+
+
+def _structure(f: Quantity | None, xi: Quantity | None, alpha: Quantity | None) -> Structure:
+    stated = stated_values(f=f, xi=xi, alpha=alpha)
+    if "f" not in stated:
+        raise InputError(
+            "The natural frequency of the structure must be stated",
+            value="no `f`",
+            remedy="Give it in hertz, `f=1`, or a frame as `structure`",
+        )
+    return Structure(
+        frequency=stated["f"].value,
+        damping_ratio=stated["xi"].value if "xi" in stated else 0.02,
+        experimental_fraction=stated["alpha"].value if "alpha" in stated else 1.0,
+    )
+
+
+def _of_frame(
+    table: RigTable,
+    structure: str | Path,
+    asked: NextTest,
+    threshold: float,
+    beside: Mapping[str, object],
+) -> Prediction:
+    for name, value in beside.items():
+        if value is not None:
+            raise unused(name, "beside the `structure` of a frame")
+    frame = read_frame(structure)
+    return predict_next(table, None, asked, threshold=threshold, frame=frame.name)
+
+
+def _of_structure(
+    table: RigTable,
+    structure: Structure,
+    asked: NextTest,
+    threshold: float,
+    motion: str | Path | None,
+    suite: str | None,
+) -> Prediction:
+    if motion is not None:
+        if suite is not None:
+            raise unused("suite", "beside `motion`")
+        record = read_motion(motion)
+        excitation = Excitation(acceleration=record.acceleration, time_step=record.time_step)
+        return predict_under_motion(table, structure, asked, excitation, threshold=threshold)
+    if suite is None:
+        return predict_next(table, structure, asked, threshold=threshold)
+    if suite == _SHIPPED_SUITE:
+        pairs = ellipses_of_motions(structure)
+    else:
+        ellipses = [
+            first_order_ellipse(
+                Excitation(acceleration=record.acceleration, time_step=record.time_step), structure
+            )
+            for record in load_motions(suite)
+        ]
+        pairs = (
+            np.array([ellipse.amplitude for ellipse in ellipses]),
+            np.array([ellipse.delay for ellipse in ellipses]),
+        )
+    return predict_under_suite(table, structure, asked, pairs, threshold=threshold, suite=suite)

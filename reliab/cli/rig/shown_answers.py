@@ -1,0 +1,43 @@
+"""What a rig's tests answer, on the terminal."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from reliab.cli.output import console, table
+from reliab.significant import percent, significant
+
+
+def show_prediction(content: Mapping[str, Any]) -> None:
+    """Print what is predicted of the next test."""
+    from_what = f"{content['tests']} tests of {content['earthquakes']} earthquakes"
+    rows = table(
+        f"The next test of {content['rig']}, from {from_what}",
+        {"": "left", "5 %": "right", "median": "right", "95 %": "right"},
+    )
+    ends = ("low", "median", "high")
+    rows.add_row("A", *(f"{content['A'][end]:.4f}" for end in ends))
+    rows.add_row("d [ms]", *(f"{content['d_ms'][end]:.2f}" for end in ends))
+    rows.add_row("remainder", *(percent(content["remainder"][end]) for end in ends))
+    rows.add_row("error RMS^R", *(percent(content["rms"][end]) for end in ends))
+    console().print(rows)
+    shares = ", ".join(f"{name} {percent(share, 2)}" for name, share in content["drivers"].items())
+    _say(
+        f"Probability {content['probability']:.2f} that the error stays below "
+        f"{percent(content['threshold'])}. "
+        f"Its square comes from: {shares}."
+    )
+    _say(f"By {content['basis']}.")
+    scores = ", ".join(
+        f"{name} {'unknown' if score is None else significant(score)}"
+        for name, score in content["log_scores"].items()
+    )
+    _say(f"Log scores on earthquakes left out: {scores}. Best: {content['better']}.")
+    worst = max(item["r_hat"] for item in content["sampling"].values())
+    least = min(item["effective_size"] for item in content["sampling"].values())
+    _say(f"Posterior of the variances: R-hat at most {worst:.3f}, at least {least:.0f} independent draws.")
+    for note in content["notes"]:
+        _say(f"Note: {note}")
+
+
+def _say(text: str) -> None:
+    console().print(text, markup=False, highlight=False, soft_wrap=True)

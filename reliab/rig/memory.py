@@ -1,0 +1,184 @@
+"""What a rig's tests teach together: amplitude, delay, remainder and error, under given circumstances."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.arrays import Array
+from reliab.assessment import typical_ellipse
+from reliab.errors import InputError
+from reliab.rig.learning import Circumstances, Learned, learn, warmth
+from reliab.rig.rig_table import RigTable
+from reliab.structures import Structure
+
+FEWEST: Final = 3
+MOST: Final = 1000
+"""Tests from which a rig is learned; of more, the latest."""
+
+_SMALLEST_REMAINDER = 1e-5
+_DAY = 10  # characters of a date
+_FEWEST_DATES = 3
+_GROUPS = ("event", "day", "specimen")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NextTest:
+    """What is known of a test before it is performed."""
+
+    date: str = ""  # By default after the last test
+    specimen: str = ""  # By default that of the last test
+    covariates: Mapping[str, float] | None = None
+    peak: float | None = None  # Of the command [mm], where the motion is known
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Memory:
+    """Tests of one kind of structure, ready to be learned from."""
+
+    table: RigTable
+
+    @classmethod
+    def remembered(cls, table: RigTable, frame: str = "") -> "Memory":
+        """Take the tests of structures of one mass, or those of a frame; at least three."""
+        needed = ("A", "d_ms", "remainder", "rms")
+        sound = [
+            place
+            for place, row in enumerate(table.rows)
+            if row["structure"] == frame and all(row[name] is not None for name in needed)
+        ]
+        if len(sound) < FEWEST:
+            kind = f"tests of the frame {frame!r}" if frame else "tests of structures of one mass"
+            raise InputError(
+                f"A rig is learned from at least {FEWEST} tests with a finite error",
+                value=f"{len(sound)} {kind}",
+                remedy="Add tests with `reliab rig add`",
+            )
+        return cls(table=table.only(sound[-MOST:]))
+
+    @cached_property
+    def events(self) -> NDArray[np.str_]:
+        """Earthquake of each test; a name of its own where it is not stated."""
+        names = zip(self.table.texts("event"), self.table.texts("sha256"), strict=True)
+        return np.array([event or f"test {sha}" for event, sha in names])
+
+    @cached_property
+    def ordered(self) -> bool:
+        """Whether the order of the tests means something: dates are stated, and not all the same."""
+        return self.table.dated and len(set(self.table.moments)) >= _FEWEST_DATES
+
+    @cached_property
+    def days(self) -> NDArray[np.str_]:
+        """Day of each test; empty where it is not stated."""
+        return np.array([date[:_DAY] for date in self.table.texts("date")])
+
+    def circumstances(self, coming: NextTest) -> Circumstances:
+        """Circumstances of the tests as far as they are known of the next one too."""
+        numbers = {name: self.table.numbers(name) for name in coming.covariates or {}}
+        for name, values in numbers.items():
+            if not np.isfinite(values).all():
+                raise InputError(
+                    "A `covariate` of the next test must be known of all tests",
+                    value=f"{name} of {int(np.isfinite(values).sum())} of {values.size}",
+                    remedy="Leave it out",
+                )
+        if coming.peak is not None:
+            numbers["log peak"] = np.log(np.maximum(self.table.numbers("peak_mm"), 1e-6))
+        frequencies = self.table.numbers("f")
+        if np.isfinite(frequencies).all():
+            numbers["log f"] = np.log(frequencies)
+        if self.ordered:
+            numbers["warmth"] = warmth(self._places_in_day)
+        specimens = np.array(self.table.texts("specimen"))
+        return Circumstances(
+            numbers=numbers,
+            groups={"event": self.events, "day": self.days, "specimen": specimens},
+            place=np.arange(len(self.table), dtype=np.float64) if self.ordered else None,
+        )
+
+    @cached_property
+    def _places_in_day(self) -> Array:
+        counts: dict[str, int] = {}
+        places = []
+        for day in self.days.tolist():
+            places.append(counts.get(day, 0))
+            counts[day] = places[-1] + 1
+        return np.array(places, dtype=np.float64)
+
+    def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
+        """Circumstances of the next test."""
+        numbers = {name: np.array([value]) for name, value in (coming.covariates or {}).items()}
+        if coming.peak is not None:
+            numbers["log peak"] = np.array([np.log(max(coming.peak, 1e-6))])
+        if structure is not None:
+            numbers["log f"] = np.array([np.log(structure.frequency)])
+        last_day = str(self.days[-1])
+        day = coming.date[:_DAY] or last_day
+        if self.ordered:
+            numbers["warmth"] = warmth(np.array([float((self.days == day).sum())]))
+        specimen = coming.specimen or self.table.texts("specimen")[-1]
+        place = float(len(self.table))
+        if coming.date and self.ordered:
+            place = float(np.searchsorted(np.array(self.table.moments), coming.date, side="right")) - 0.5
+        groups = {"event": "", "day": day if coming.date else "", "specimen": specimen}
+        return Circumstances(
+            numbers=numbers,
+            groups={kind: np.array([groups[kind]]) for kind in _GROUPS},
+            place=np.array([place]) if self.ordered else None,
+        )
+
+    def learn(self, values: Array, coming: NextTest) -> Learned:
+        """Learn a quantity under the circumstances that are known of the next test."""
+        return learn(values, self.circumstances(coming), self.events)
+
+    @cached_property
+    def amplitude(self) -> Array:
+        """A of each test."""
+        return self.table.numbers("A")
+
+    @cached_property
+    def delay(self) -> Array:
+        """Equivalent delay of each test [ms]."""
+        return self.table.numbers("d_ms")
+
+    @cached_property
+    def log_remainder(self) -> Array:
+        """Logarithm of what is neither gain nor delay."""
+        return np.log(np.maximum(self.table.numbers("remainder"), _SMALLEST_REMAINDER))
+
+    @cached_property
+    def log_error(self) -> Array:
+        """Logarithm of the error of each test."""
+        return np.log(np.maximum(self.table.numbers("rms"), 1e-12))
+
+    def log_scale(self, structure: Structure) -> float:
+        """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""
+        return float(np.log(self.explained(typical_ellipse(structure))))
+
+    def log_scales(self) -> Array:
+        """Return the same for the structure of each test."""
+        rows = zip(*(self.table.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True)
+        scales: dict[tuple[float, ...], float] = {}
+        return np.array([scales.setdefault(row, self._log_scale(row)) for row in rows])
+
+    def _log_scale(self, row: Sequence[float]) -> float:
+        frequency, damping, share = row
+        return self.log_scale(
+            Structure(frequency=frequency, damping_ratio=damping, experimental_fraction=share)
+        )
+
+    def explained(self, ellipse: tuple[float, float]) -> float:
+        """Error of this rig's usual test by the parameters of an ellipse, over the squared error."""
+        return float(np.sqrt(sum(self.contributions(ellipse).values())))
+
+    def contributions(self, ellipse: tuple[float, float]) -> dict[str, float]:
+        """Share that each cause has in the squared error, in the mean over the tests."""
+        a, b = ellipse
+        return {
+            "amplitude": float(np.median((self.amplitude - 1.0) ** 2)) / a,
+            "delay": float(np.median(self.delay**2)) / b,
+            "remainder": float(np.median(np.exp(2.0 * self.log_remainder))) / a,
+        }

@@ -1,0 +1,278 @@
+"""The next test of a rig: amplitude, delay, remainder and error with their intervals, before it is done."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment import typical_ellipse
+from reliab.boundary import first_order_ellipse
+from reliab.rig.learning import Circumstances, Learned
+from reliab.rig.memory import Memory, NextTest
+from reliab.rig.rig_table import RigTable
+from reliab.simulation import Excitation, Loop
+from reliab.structures import Structure
+from reliab.vocabulary import MILLI
+
+LEVEL: Final = 0.9
+_ENDS: Final = (0.05, 0.5, 0.95)
+_NAMES: Final = ("low", "median", "high")
+_DRAWS: Final = 1000
+_SAME: Final = 1e-9
+_LARGEST_PROBABILITY: Final = 0.99
+"""As for a test: higher ones were not validated."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prediction:
+    """What is predicted of the next test."""
+
+    tests: int
+    earthquakes: int
+    threshold: float
+    intervals: Mapping[str, Mapping[str, float]]  # Of "A", "d_ms", "remainder" and "rms"
+    probability: float  # That the error stays below the threshold
+    drivers: Mapping[str, float]  # Share of amplitude, delay and remainder in the squared error
+    basis: str  # From what the error follows
+    learned: Mapping[str, Learned]
+    notes: tuple[str, ...]
+
+    @property
+    def better(self) -> str:
+        """Which of model and baselines predicts left-out earthquakes best, by the sum of mean log scores."""
+        totals = self.log_scores
+        return max(totals, key=lambda name: float("-inf") if totals[name] is None else totals[name] or 0.0)
+
+    @property
+    def log_scores(self) -> dict[str, float | None]:
+        """Mean log score on left-out earthquakes, summed over the quantities."""
+        scores: dict[str, list[float | None]] = {}
+        for quantity in self.learned.values():
+            scores.setdefault("hierarchical model", []).append(quantity.log_score)
+            for name, score in quantity.scores_of_baselines.items():
+                scores.setdefault(name, []).append(score)
+        return {name: _sum_of_known(values) for name, values in scores.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "tests": self.tests,
+            "earthquakes": self.earthquakes,
+            "threshold": self.threshold,
+            "interval_level": LEVEL,
+            **{name: dict(interval) for name, interval in self.intervals.items()},
+            "probability": self.probability,
+            "drivers": dict(self.drivers),
+            "driver": max(self.drivers, key=lambda name: self.drivers[name]),
+            "basis": self.basis,
+            "log_scores": self.log_scores,
+            "better": self.better,
+            "sampling": {
+                name: {
+                    "r_hat": quantity.variances.r_hat,
+                    "effective_size": quantity.variances.effective_size,
+                }
+                for name, quantity in self.learned.items()
+            },
+            "notes": list(self.notes),
+        }
+
+
+def _sum_of_known(values: list[float | None]) -> float | None:
+    finite = [value for value in values if value is not None]
+    return sum(finite) if len(finite) == len(values) else None
+
+
+def predict_next(
+    table: RigTable, structure: Structure | None, coming: NextTest, *, threshold: float, frame: str = ""
+) -> Prediction:
+    """Predict a test under a ground motion that nobody knows yet; `frame` in place of a structure."""
+    memory = Memory.remembered(table, frame)
+    learned = _learn_tracking(memory, coming)
+    scales = np.zeros(len(memory.table)) if structure is None else memory.log_scales()
+    scale = 0.0 if structure is None else memory.log_scale(structure)
+    learned["rms"] = memory.learn(memory.log_error - scales, coming)
+    others = memory.circumstances_of(coming, structure)
+    quantiles = np.exp(scale + learned["rms"].quantiles(others, _ENDS)[:, 0])
+    probability = float(learned["rms"].cumulative(others, float(np.log(threshold)) - scale)[0])
+    assumed = Structure(frequency=1.0, damping_ratio=0.02) if structure is None else structure
+    return Prediction(
+        **_counts(memory),
+        threshold=threshold,
+        intervals={**_tracking_intervals(learned, others), "rms": _interval(quantiles)},
+        probability=_capped(probability),
+        drivers=_shares(memory.contributions(typical_ellipse(assumed))),
+        basis="the errors of the rig's own tests, carried to this structure by the ellipses that ship"
+        if np.ptp([*scales, scale]) > _SAME
+        else "the errors of the rig's own tests",
+        learned=learned,
+        notes=_notes(memory, coming, structure),
+    )
+
+
+def predict_under_motion(
+    table: RigTable, structure: Structure, coming: NextTest, excitation: Excitation, *, threshold: float
+) -> Prediction:
+    """Predict a test under a known ground motion: the loop is simulated with actuators that are drawn."""
+    loop = Loop(excitation=excitation, structure=structure)
+    still = loop.deviation(loop.cells(gain=[1.0], delay=[0.0]))
+    coming = NextTest(**{**vars(coming), "peak": MILLI * still.ideal_peak})
+    memory = Memory.remembered(table)
+    learned = _learn_tracking(memory, coming)
+    others = memory.circumstances_of(coming, structure)
+    ellipse = first_order_ellipse(excitation, structure)
+    drawn = _draws(memory, coming, learned, others)
+    solved = loop.deviation(loop.cells(gain=np.maximum(drawn["A"], 1e-3), delay=drawn["d_ms"] / MILLI))
+    of_loop = np.sqrt(np.maximum(solved.mean_square, 0.0)) / still.ideal_peak
+    of_loop = np.where(np.isfinite(of_loop), of_loop, 1e6)
+    return _of_draws(
+        memory,
+        learned,
+        others,
+        np.sqrt(of_loop**2 + drawn["remainder"] ** 2 / ellipse.amplitude) * drawn["ratio"],
+        threshold=threshold,
+        ellipse=(ellipse.amplitude, ellipse.delay),
+        basis="the loop simulated under this motion with actuators drawn from the posterior",
+        notes=_notes(memory, coming, structure),
+    )
+
+
+def predict_under_suite(
+    table: RigTable,
+    structure: Structure,
+    coming: NextTest,
+    ellipses: tuple[Array, Array],
+    *,
+    threshold: float,
+    suite: str,
+) -> Prediction:
+    """Predict a test under any motion of a suite, by a and b of its motions over the squared error."""
+    memory = Memory.remembered(table)
+    learned = _learn_tracking(memory, coming)
+    others = memory.circumstances_of(coming, structure)
+    drawn = _draws(memory, coming, learned, others)
+    places = np.random.default_rng(1).integers(ellipses[0].size, size=_DRAWS)
+    a, b = (parameter[places] for parameter in ellipses)
+    squares = ((drawn["A"] - 1.0) ** 2 + drawn["remainder"] ** 2) / a + drawn["d_ms"] ** 2 / b
+    return _of_draws(
+        memory,
+        learned,
+        others,
+        np.sqrt(squares) * drawn["ratio"],
+        threshold=threshold,
+        ellipse=(float(np.median(ellipses[0])), float(np.median(ellipses[1]))),
+        basis=f"the ellipses of the motions of {suite} with actuators drawn from the posterior",
+        notes=_notes(memory, coming, structure),
+    )
+
+
+def _of_draws(
+    memory: Memory,
+    learned: dict[str, Learned],
+    others: Circumstances,
+    errors: Array,
+    *,
+    threshold: float,
+    ellipse: tuple[float, float],
+    basis: str,
+    notes: tuple[str, ...],
+) -> Prediction:
+    """Put drawn errors into a prediction."""
+    return Prediction(
+        **_counts(memory),
+        threshold=threshold,
+        intervals={
+            **_tracking_intervals(learned, others),
+            "rms": _interval(np.quantile(np.minimum(errors, 1e6), _ENDS)),
+        },
+        probability=_capped(float((errors <= threshold).mean())),
+        drivers=_shares(memory.contributions(ellipse)),
+        basis=basis,
+        learned=learned,
+        notes=notes,
+    )
+
+
+def _counts(memory: Memory) -> dict[str, Any]:
+    return {"tests": len(memory.table), "earthquakes": len(set(memory.events.tolist()))}
+
+
+def _learn_tracking(memory: Memory, coming: NextTest) -> dict[str, Learned]:
+    return {
+        "A": memory.learn(memory.amplitude, coming),
+        "d_ms": memory.learn(memory.delay, coming),
+        "remainder": memory.learn(memory.log_remainder, coming),
+    }
+
+
+def _tracking_intervals(learned: Mapping[str, Learned], others: Circumstances) -> dict[str, dict[str, float]]:
+    quantiles = {name: learned[name].quantiles(others, _ENDS)[:, 0] for name in ("A", "d_ms", "remainder")}
+    quantiles["remainder"] = np.exp(quantiles["remainder"])
+    return {name: _interval(values) for name, values in quantiles.items()}
+
+
+def _interval(quantiles: Array) -> dict[str, float]:
+    return dict(zip(_NAMES, np.sort(quantiles).tolist(), strict=True))
+
+
+def _capped(probability: float) -> float:
+    return float(np.clip(probability, 1.0 - _LARGEST_PROBABILITY, _LARGEST_PROBABILITY))
+
+
+def _shares(contributions: Mapping[str, float]) -> dict[str, float]:
+    total = sum(contributions.values()) or 1.0
+    return {name: value / total for name, value in contributions.items()}
+
+
+def _draws(
+    memory: Memory, coming: NextTest, learned: dict[str, Learned], others: Circumstances
+) -> dict[str, Array]:
+    """Draw amplitude, delay, remainder and what the error is over what these explain, together.
+
+    The residuals of one test are drawn together, so that what goes together in the tests goes together in the
+    draws; with few tests they are longer, as in Student's t distribution.
+    """
+    own_a, own_b = memory.table.numbers("own_a"), memory.table.numbers("own_b_ms2")
+    remainder = np.exp(memory.log_remainder)
+    explained = ((memory.amplitude - 1.0) ** 2 + remainder**2) / own_a + memory.delay**2 / own_b
+    ratio = memory.log_error - 0.5 * np.log(np.maximum(explained, 1e-20))
+    ratio = np.where(np.isfinite(ratio), ratio, 0.0)
+    learned["ratio"] = memory.learn(ratio, coming)
+    rng = np.random.default_rng(0)
+    count = len(memory.table)
+    places = rng.integers(count, size=_DRAWS)
+    longer = np.sqrt((count - 1.0) / rng.chisquare(count - 1.0, _DRAWS))
+    drawn = {}
+    for name, quantity in learned.items():
+        mean, deviation = quantity.predict(others)
+        drawn[name] = mean[0] + deviation[0] * longer * quantity.left_out[places]
+    return {
+        **drawn,
+        "remainder": np.exp(np.minimum(drawn["remainder"], 5.0)),
+        "ratio": np.exp(np.clip(drawn["ratio"], -20.0, 20.0)),
+    }
+
+
+def _notes(memory: Memory, coming: NextTest, structure: Structure | None) -> tuple[str, ...]:
+    """Say what to know before relying on it."""
+    notes = []
+    frequencies = memory.table.numbers("f")
+    if structure is not None and not (
+        0.99 * frequencies.min() <= structure.frequency <= 1.01 * frequencies.max()
+    ):
+        notes.append(
+            f"The rig's tests are of structures from {frequencies.min():.3g} to {frequencies.max():.3g} Hz."
+        )
+    if not memory.ordered:
+        notes.append("Dates are not stated for all tests, so that their order teaches nothing.")
+    if not any(memory.table.texts("event")):
+        notes.append("Earthquakes are not stated; every test counts as one of its own.")
+    peaks = memory.table.numbers("peak_mm")
+    if coming.peak is not None and not peaks.min() <= coming.peak <= peaks.max():
+        notes.append(
+            f"The response to this motion peaks at {coming.peak:.3g} mm, those of the rig's tests at "
+            f"{peaks.min():.3g} to {peaks.max():.3g} mm."
+        )
+    return tuple(notes)

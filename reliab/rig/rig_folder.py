@@ -1,0 +1,165 @@
+"""The folder of a rig: `records/SHA.nc` and `tests/SHA.json` for each test, and a table made from them.
+
+No server and no lock: a test is in the folder as soon as its JSON has its name, which a file system gives at
+once or not at all. Several writers therefore never touch one another's tests, and a killed one leaves at
+most a record without its JSON, which the next `add` of that file replaces. `table.csv` is a copy of what the
+JSON files say, for speed; whoever finds it older than they are makes it again.
+"""
+
+import contextlib
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from reliab.described_files import read_json
+from reliab.errors import InputError
+from reliab.files import refuse_unwritable, write_json_file, written_whole
+from reliab.rig.rig_table import CHANGED, RigTable, cached_rows, cached_text, ordered_table, row_of
+from reliab.rig.rig_test import SCHEMA, RigTest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TESTS, _RECORDS, _TABLE = "tests", "records", "table.csv"
+_CHECKSUM: Final = re.compile(r"[0-9a-f]{64}")
+_SHORTEST = 4  # digits of a checksum that name a test
+_RULE, _REMEDY = (
+    "A test of a rig must be a sound JSON file",
+    "Add the test again, from its record or its file",
+)
+
+
+@dataclass(frozen=True)
+class RigFolder:
+    """A rig's folder."""
+
+    path: Path
+
+    @classmethod
+    def opened(cls, path: str | Path) -> "RigFolder":
+        """Open a folder that is there."""
+        folder = cls(Path(path))
+        if not (folder.path / _TESTS).is_dir():
+            raise InputError(
+                "A rig must be a folder with tests",
+                value="no folder of a rig" if folder.path.is_dir() else "no such folder",
+                remedy="Add tests with `reliab rig add`",
+                where=str(path),
+            )
+        return folder
+
+    def record_path(self, sha256: str) -> Path:
+        """Where the record of a test lies."""
+        return self.path / _RECORDS / f"{sha256}.nc"
+
+    def _test_path(self, sha256: str) -> Path:
+        return self.path / _TESTS / f"{sha256}.json"
+
+    def holds(self, sha256: str) -> bool:
+        """Whether a test is there."""
+        return self._test_path(sha256).is_file()
+
+    def add(
+        self, test: RigTest, record: "xr.Dataset", assessment: Mapping[str, Any], terms: Mapping[str, str]
+    ) -> None:
+        """Keep a test: first its record, then its JSON, with which it is there.
+
+        `terms` is what was stated when it was assessed.
+        """
+        from reliab.recordings import write_record
+
+        with refuse_unwritable("The folder of a rig must be writable", where=self.path):
+            for name in (_RECORDS, _TESTS):
+                (self.path / name).mkdir(parents=True, exist_ok=True)
+            write_record(record, self.record_path(test.sha256))
+        content = {
+            "schema": SCHEMA,
+            "test": test.to_dict(),
+            "terms": dict(terms),
+            "assessment": dict(assessment),
+        }
+        write_json_file(content, self._test_path(test.sha256))
+
+    def read(self, sha256: str) -> dict[str, Any]:
+        """Read the JSON of a test."""
+        path = self._test_path(sha256)
+        content = read_json(path, rule=_RULE, remedy=_REMEDY)
+        if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+            raise InputError(_RULE, value="another content", remedy=_REMEDY, where=str(path))
+        return content
+
+    def remove(self, sha256: str) -> None:
+        """Remove a test: its JSON first, so that no test is ever there without its record."""
+        with refuse_unwritable("The folder of a rig must be writable", where=self.path):
+            self._test_path(sha256).unlink(missing_ok=True)
+            self.record_path(sha256).unlink(missing_ok=True)
+
+    def find(self, name: str) -> dict[str, Any]:
+        """Find the row of a test by its name, or by the first digits of its checksum."""
+        rows = [
+            row
+            for row in self.table().rows
+            if name == row["name"] or (len(name) >= _SHORTEST and str(row["sha256"]).startswith(name))
+        ]
+        if len(rows) == 1:
+            return dict(rows[0])
+        raise InputError(
+            "A test must be named by its name, or by the first digits of its checksum",
+            value=f"{name!r}, which is {'that of several' if rows else 'none of this rig'}",
+            remedy="Take a checksum that `reliab rig list` shows",
+            where=str(self.path),
+        )
+
+    def table(self) -> RigTable:
+        """Read the table; make it again where tests came, went or changed since it was written."""
+        written = self._written()
+        rows, faults = self._cached(), {}
+        current = {sha: rows[sha] for sha, changed in written.items() if _same(rows.get(sha), changed)}
+        for sha, changed in written.items():
+            if sha in current:
+                continue
+            try:
+                current[sha] = {**row_of(self.read(sha)["test"], sha), CHANGED: changed}
+            except (InputError, KeyError, TypeError) as error:
+                faults[self._test_path(sha).name] = str(error)
+        if current.keys() != rows.keys() or any(current[sha] is not rows[sha] for sha in current):
+            self._keep(current)
+        return ordered_table(current.values(), faults)
+
+    def _written(self) -> dict[str, int]:
+        """Return when the JSON files were written, by checksum."""
+        times = {}
+        with os.scandir(self.path / _TESTS) as entries:
+            for entry in entries:
+                sha, _, ending = entry.name.partition(".")
+                if ending != "json" or not _CHECKSUM.fullmatch(sha):
+                    continue
+                if entry.is_symlink():
+                    raise InputError(
+                        "A rig must hold its own files, without links to others",
+                        value=f"a link at {entry.path}",
+                        remedy="Remove the link, or put the file itself in its place",
+                        where=str(self.path),
+                    )
+                with contextlib.suppress(FileNotFoundError):  # removed in this moment
+                    times[sha] = entry.stat().st_mtime_ns
+        return times
+
+    def _cached(self) -> dict[str, dict[str, Any]]:
+        try:
+            return cached_rows((self.path / _TABLE).read_text(encoding="utf-8"))
+        except (OSError, ValueError, KeyError, TypeError):
+            return {}
+
+    def _keep(self, rows: Mapping[str, Mapping[str, Any]]) -> None:
+        """Write the table; a folder that may only be read is read without one."""
+        with contextlib.suppress(OSError), written_whole(self.path / _TABLE) as file:
+            text = cached_text(list(rows.values()))
+            file.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def _same(row: Mapping[str, Any] | None, changed: int) -> bool:
+    return row is not None and row.get(CHANGED) == changed

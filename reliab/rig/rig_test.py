@@ -1,0 +1,82 @@
+"""A test as a rig's folder keeps it: its indices, what is stated of it, and the whole assessment."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from datetime import datetime
+from typing import Any, Final
+
+from reliab.errors import InputError
+
+SCHEMA: Final = "reliab rig test 1"
+"""Value of `schema` in the JSON of a test."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigTest:
+    """One test of a rig; delays in milliseconds, displacements in millimetres."""
+
+    sha256: str  # Of the laboratory's file, and of the test's name where the file holds several
+    name: str
+    file: str
+    added: str  # When it came into the folder, in ISO 8601 and UTC
+    date: str = ""  # When it was performed
+    event: str = ""  # Earthquake of its ground motion
+    specimen: str = ""
+    note: str = ""
+    structure: str = ""  # Name of the frame; empty for a structure of one mass
+    f: float | None = None
+    xi: float | None = None
+    alpha: float | None = None
+    threshold: float
+    verdict: str
+    reliable: bool
+    probability: float
+    A: float
+    d_ms: float
+    f_eq_hz: float
+    remainder: float  # RMS of what gain and delay leave of the measured displacement, over its own RMS
+    rms: float | None = None  # None where it is infinite
+    rms_low: float | None = None
+    rms_high: float | None = None
+    mte: float | None = None
+    peak_mm: float
+    velocity_mm_s: float
+    own_a: float | None = None  # a over the squared error by the test's own response
+    own_b_ms2: float | None = None
+    duration_s: float
+    covariates: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def moment(self) -> str:
+        """What tests are ordered by: the date where it is stated, else when the test was added."""
+        return self.date or self.added
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {**vars(self), "covariates": dict(self.covariates)}
+
+
+COLUMNS: Final = tuple(item.name for item in fields(RigTest) if item.name != "covariates")
+"""Columns of the table of a rig that every test has."""
+
+TEXTS: Final = frozenset(
+    ("sha256", "name", "file", "added", "date", "event", "specimen", "note", "structure", "verdict")
+)
+"""Columns that hold texts."""
+
+
+def require_date(text: str) -> str:
+    """Return a date or a time in ISO 8601 as it sorts.
+
+    >>> require_date("2026-03-01"), require_date("2026-03-01 14:30")
+    ('2026-03-01T00:00:00', '2026-03-01T14:30:00')
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise InputError(
+            "The value of `date` must be a day or a time in ISO 8601",
+            value=repr(text),
+            remedy="Write 2026-03-01 or 2026-03-01T14:30",
+        ) from None
+    return moment.replace(tzinfo=None).isoformat(timespec="seconds")

@@ -1,0 +1,78 @@
+"""The next test of a rig is predicted from its tests, for unknown and known motions."""
+
+import json
+
+import numpy as np
+import pytest
+from rig_rows import keep, rig_table, rig_test
+
+from reliab.cli import run
+from reliab.errors import InputError
+from reliab.rig import NextTest, predict_next, predict_under_motion
+from reliab.simulation import Excitation
+from reliab.structures import Structure
+
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
+SHAKEN = Excitation(
+    acceleration=np.sin(6.0 * np.arange(0.0, 12.0, 0.02)) * np.exp(-0.3 * np.arange(0.0, 12.0, 0.02)),
+    time_step=0.02,
+)
+
+
+def performed(count, **changes):
+    rng = np.random.default_rng(5)
+    for number in range(count):
+        amplitude, delay = 0.99 + 0.003 * rng.normal(), 2.0 + 0.3 * rng.normal()
+        error = np.hypot((amplitude - 1.0) / np.sqrt(0.06), delay / np.sqrt(1400.0))
+        values = {"A": amplitude, "d_ms": delay, "rms": error, "remainder": 0.01 * np.exp(0.2 * rng.normal())}
+        yield rig_test(number, event=f"EQ{number // 2}", **values, **changes)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return rig_table(performed(12))
+
+
+def test_intervals_hold_what_the_rig_does(table):
+    prediction = predict_next(table, STRUCTURE, NextTest(), threshold=0.05)
+    delay, error = prediction.intervals["d_ms"], prediction.intervals["rms"]
+    assert delay["median"] == pytest.approx(2.0, abs=0.3)
+    assert delay["low"] < delay["median"] < delay["high"]
+    assert error["median"] == pytest.approx(0.07, abs=0.015)
+    assert prediction.probability < 0.2
+    assert sum(prediction.drivers.values()) == pytest.approx(1.0)
+    assert json.dumps(prediction.to_dict(), allow_nan=False)
+
+
+def test_a_stiffer_structure_tolerates_less(table):
+    """The same actuator errs in proportion to the frequency where its delay drives the error."""
+    slow, fast = (
+        predict_next(table, Structure(frequency=f, damping_ratio=0.02), NextTest(), threshold=0.05)
+        for f in (0.5, 2.0)
+    )
+    assert fast.intervals["rms"]["median"] > slow.intervals["rms"]["median"]
+    assert any("structures from 1 to 1 Hz" in note for note in fast.notes)
+
+
+def test_a_known_motion_is_simulated(table):
+    prediction = predict_under_motion(table, STRUCTURE, NextTest(), SHAKEN, threshold=0.05)
+    interval = prediction.intervals["rms"]
+    assert 0.0 < interval["low"] < interval["median"] < interval["high"] < 0.3
+
+
+def test_fewer_than_three_tests_are_refused(table):
+    with pytest.raises(InputError, match="at least 3 tests"):
+        predict_next(table.only([0, 1]), STRUCTURE, NextTest(), threshold=0.05)
+    with pytest.raises(InputError, match="0 tests of the frame"):
+        predict_next(table, None, NextTest(), threshold=0.05, frame="three storeys")
+
+
+def test_the_command_predicts(tmp_path, capsys):
+    keep(tmp_path, *performed(5))
+    assert run(["rig", "predict", str(tmp_path), "--f", "1", "--xi", "0.02", "--json", "-"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert {"A", "d_ms", "rms", "probability"} <= content.keys()
+    assert set(content["rms"]) == {"low", "median", "high"}
+    assert run(["rig", "predict", str(tmp_path), "--f", "1", "--suite", "real_suite"]) == 0
+    assert "Probability" in capsys.readouterr().out
+    assert run(["rig", "predict", str(tmp_path)]) == 2

@@ -1,0 +1,139 @@
+"""A rig's folder: a test is there whole or not at all, for any number of writers."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from rig_rows import keep, rig_test
+
+from reliab.errors import InputError
+from reliab.rig import RigFolder, require_date
+
+ROOT = Path(__file__).parents[2]
+WRITER = """
+import sys
+sys.path[:0] = {paths!r}
+from pathlib import Path
+from rig_rows import keep, rig_test
+for number in range({first}, {last}):
+    keep(Path({folder!r}), rig_test(number))
+"""
+
+
+def writer(folder, first, last):
+    """Start a process that adds tests."""
+    code = WRITER.format(
+        paths=[str(ROOT), str(ROOT / "tests/rig")], folder=str(folder), first=first, last=last
+    )
+    return subprocess.Popen([sys.executable, "-c", code])  # noqa: S603
+
+
+def names(folder):
+    return [row["name"] for row in RigFolder.opened(folder).table().rows]
+
+
+def test_tests_are_listed_in_the_order_of_their_dates(tmp_path):
+    keep(tmp_path, rig_test(1, date="2026-02-01"), rig_test(2, date="2026-01-15"), rig_test(3))
+    assert names(tmp_path) == ["test_3.csv", "test_2.csv", "test_1.csv"]
+
+
+def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
+    keep(tmp_path, rig_test(1, covariates={"current": 0.4}), rig_test(2, note="line\nbreak, =1+1", rms=None))
+    folder = RigFolder.opened(tmp_path)
+    rows = folder.table().rows
+    assert folder.table().rows == rows
+    for damage in ("", "sha256,name\nx", "\x00\x01"):
+        (tmp_path / "table.csv").write_text(damage)
+        assert folder.table().rows == rows
+    (tmp_path / "table.csv").unlink()
+    assert folder.table().rows == rows
+    assert rows[0]["current"] == 0.4
+
+
+def test_the_table_follows_what_others_add_and_remove(tmp_path):
+    keep(tmp_path, rig_test(1), rig_test(2))
+    folder = RigFolder.opened(tmp_path)
+    assert len(folder.table()) == 2
+    keep(tmp_path, rig_test(3))
+    folder.remove(rig_test(1).sha256)
+    keep(tmp_path, rig_test(2, A=0.5))
+    assert [(row["name"], row["A"]) for row in folder.table().rows] == [
+        ("test_2.csv", 0.5),
+        ("test_3.csv", 0.99),
+    ]
+
+
+def test_a_damaged_test_is_named_and_costs_no_other(tmp_path):
+    keep(tmp_path, rig_test(1), rig_test(2))
+    path = next((tmp_path / "tests").glob("*.json"))
+    content = json.loads(path.read_text())
+    for damage in ("{", json.dumps({**content, "test": {**content["test"], "A": "1"}})):
+        path.write_text(damage)
+        table = RigFolder.opened(tmp_path).table()
+        assert len(table) == 1
+        assert set(table.faults) == {path.name}
+
+
+def test_a_link_in_a_folder_is_refused(tmp_path):
+    keep(tmp_path, rig_test(1))
+    (tmp_path / "tests" / f"{'0' * 64}.json").symlink_to("/etc/passwd")
+    with pytest.raises(InputError, match="without links"):
+        RigFolder.opened(tmp_path).table()
+
+
+def test_a_test_is_known_by_its_name_or_the_beginning_of_its_checksum(tmp_path):
+    keep(tmp_path, rig_test(1), rig_test(2), rig_test(3, name="test_2.csv"))
+    folder = RigFolder.opened(tmp_path)
+    assert folder.find(rig_test(2).sha256[:8])["name"] == "test_2.csv"
+    assert folder.find("test_1.csv")["sha256"] == rig_test(1).sha256
+    for name in ("test_2.csv", "nothing", ""):
+        with pytest.raises(InputError, match="A test must be named"):
+            folder.find(name)
+
+
+def test_what_is_no_rig_is_refused(tmp_path):
+    for place in (tmp_path, tmp_path / "nowhere"):
+        with pytest.raises(InputError, match="A rig must be a folder with tests"):
+            RigFolder.opened(place)
+
+
+@pytest.mark.parametrize("text", ["yesterday", "2026-13-01", ""])
+def test_a_date_that_is_none_is_refused(text):
+    with pytest.raises(InputError, match="ISO 8601"):
+        require_date(text)
+
+
+@pytest.mark.parametrize("count", [4, pytest.param(40, marks=pytest.mark.slow)])
+def test_two_writers_at_once_lose_no_test(tmp_path, count):
+    writers = [writer(tmp_path, 0, count), writer(tmp_path, count // 2, count + count // 2)]
+    while any(process.poll() is None for process in writers):
+        if (tmp_path / "tests").is_dir():
+            assert not RigFolder.opened(tmp_path).table().faults
+        time.sleep(0.05)
+    assert [process.wait() for process in writers] == [0, 0]
+    assert sorted(names(tmp_path)) == sorted(f"test_{number}.csv" for number in range(count + count // 2))
+
+
+@pytest.mark.slow
+def test_a_killed_writer_loses_nothing_and_leaves_nothing_behind(tmp_path):
+    for attempt in range(12):
+        folder = tmp_path / str(attempt)
+        process = writer(folder, 0, 2000)
+        while not (folder / "tests").is_dir():
+            time.sleep(0.01)
+        time.sleep(0.02 * attempt)
+        before = set(names(folder))
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        keep(folder, rig_test(5000))
+        after = set(names(folder))
+        assert before | {"test_5000.csv"} <= after
+        assert not RigFolder.opened(folder).table().faults
+        for row in RigFolder.opened(folder).table().rows:
+            assert RigFolder(folder).record_path(row["sha256"]).is_file()
+        assert not [*folder.rglob(".unfinished-*")]
