@@ -1,19 +1,22 @@
 """`reliab.assess`: the verdict on a test, or on several."""
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
 from reliab.api.arguments import Quantity, require_positive, stated_filters, stated_values, unused
 from reliab.api.channels import Channels, Test
+from reliab.api.several_tests import Judge, assess_each, name_of_test
 from reliab.assessment import (
     Assessment,
     Assessments,
+    CoupledAssessment,
     Equipment,
     FrameAssessment,
     LowPass,
+    assess_coupled,
     assess_frame,
     corrected,
     ordinary_equipment,
@@ -26,14 +29,11 @@ from reliab.errors import InputError
 from reliab.motions import Motion, read_motion
 from reliab.progress import Progress, silent
 from reliab.recordings import Recording
-from reliab.simulation.frames import FrameUnderTest, read_frame
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
-
-Judge = Callable[[Recording], Assessment | FrameAssessment]
-"""Judges a test."""
 
 _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
@@ -42,6 +42,7 @@ _ASSUMED = (
     "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
     "0.005 to 0.1 gives the same."
 )
+_BESIDE_SEVERAL = "beside a `structure` with several actuators"
 _MEASURED = "measured"
 _SPECIMENS = ("linear", _MEASURED)
 _SAME = 0.01
@@ -108,16 +109,20 @@ def assess(  # type: ignore[overload-overlap]
     test: Test, structure: FrameUnderTest | str | Path, **stated: Unpack[Stated]
 ) -> FrameAssessment: ...
 @overload
+def assess(  # type: ignore[overload-overlap]
+    test: Test, structure: CoupledFrame, **stated: Unpack[Stated]
+) -> CoupledAssessment: ...
+@overload
 def assess(
     test: Iterable[Test],
-    structure: Structure | FrameUnderTest | str | Path | None = None,
+    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None = None,
     **stated: Unpack[Stated],
 ) -> Assessments: ...
 
 
 def assess(
     test: Test | Iterable[Test],
-    structure: Structure | FrameUnderTest | str | Path | None = None,
+    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None = None,
     *,
     f: Quantity | None = None,
     xi: Quantity | None = None,
@@ -150,7 +155,7 @@ def assess(
     channels: str | Path | None = None,
     progress: Progress = silent,
     **former: Unpack[Former],
-) -> Assessment | FrameAssessment | Assessments:
+) -> Assessment | FrameAssessment | CoupledAssessment | Assessments:
     """Judge a test, or several, by the error computed from command and measured displacement.
 
     Parameters
@@ -158,9 +163,9 @@ def assess(
     test : str, pathlib.Path, pandas.DataFrame or Recording, or several of them
         The test, its file, a data frame with a history in each column, or the name of one that ships
         ("sample_test").
-    structure : Structure, FrameUnderTest, str or pathlib.Path, optional
+    structure : Structure, FrameUnderTest, CoupledFrame, str or pathlib.Path, optional
         The structure under test, in place of `f`, `xi` and `alpha`; or a frame with its part in the
-        laboratory, or the file of one.
+        laboratory, which one actuator drives or several, or the file of one.
     f, xi, alpha : float, str or StatedValue, optional
         Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-], with a
         standard deviation where they are not certain: "1±0.01". By default those of the model, or what the
@@ -215,7 +220,7 @@ def assess(
 
     Returns
     -------
-    Assessment, FrameAssessment or Assessments
+    Assessment, FrameAssessment, CoupledAssessment or Assessments
         Error of the test with its interval, verdict, index and what to improve first; of several tests those
         by file, with the reasons why some could not be judged.
 
@@ -262,10 +267,12 @@ def assess(
         channels=channels,
     )
     if isinstance(test, str | Path) and test_name == _ALL_TESTS:
-        return _assess_several(reading.read_all(test), _NOTHING_STATED, judge, progress)
+        named = ((name, channels, test) for name, channels in reading.of_each_test(test).items())
+        return assess_each(named, judge, progress)
     if isinstance(test, Test):
-        return judge(reading.read(test))
-    return _assess_several(test, reading, judge, progress)
+        return judge(reading, test)
+    several = ((name_of_test(test, place), reading, test) for place, test in enumerate(test))
+    return assess_each(several, judge, progress)
 
 
 def _accepted(former: Former) -> Former:
@@ -281,9 +288,6 @@ def _accepted(former: Former) -> Former:
     return former
 
 
-_NOTHING_STATED = Channels()
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Terms:
     """By what a test is judged; see `reliab.assess`."""
@@ -292,7 +296,7 @@ class _Terms:
     filters: Mapping[str, LowPass]
     equipment: str | Path | Equipment | None
     exact: bool
-    structure: Structure | FrameUnderTest | str | Path | None
+    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None
     motion: str | Path | Motion | None
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
@@ -349,7 +353,8 @@ class _Terms:
         numbers |= stated_of_filters(self.filters)
         equipment = self._equipment()
 
-        def judge(recording: Recording) -> Assessment:
+        def judge(channels: Channels, test: Test) -> Assessment:
+            recording = channels.read(test)
             stated = _stated(recording, numbers, {} if model is None else _of_model(model))
             assumed = () if "xi" in stated else (_ASSUMED,)
             complete = {
@@ -391,7 +396,7 @@ class _Terms:
             raise unused("specimen", "beside `model`, which says what the specimen does")
         return self.specimen == _MEASURED
 
-    def _judge_of_frames(self, structure: FrameUnderTest | str | Path) -> Judge:
+    def _judge_of_frames(self, structure: FrameUnderTest | CoupledFrame | str | Path) -> Judge:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
         for name in self.former:
@@ -402,10 +407,13 @@ class _Terms:
                     f"`{name}` has no meaning beside the `structure` of a frame. {reason}",
                     remedy="Leave it out",
                 )
-        frame = structure if isinstance(structure, FrameUnderTest) else read_frame(structure)
+        frame = read_structure(structure) if isinstance(structure, str | Path) else structure
+        if isinstance(frame, CoupledFrame):
+            return self._judge_of_several_actuators(frame)
         criterion = self._own_criterion()
 
-        def judge(recording: Recording) -> FrameAssessment:
+        def judge(channels: Channels, test: Test) -> FrameAssessment:
+            recording = channels.read(test)
             stated = {**recording.stated, **self.numbers}
             require_positive(stated)
             return assess_frame(
@@ -416,6 +424,28 @@ class _Terms:
                 metric=Metric.parse(self.metric or Metric.RMS),
                 feedback_lag=stated.get("feedback_lag"),
                 scale=stated.get("scale"),
+            )
+
+        return judge
+
+    def _judge_of_several_actuators(self, frame: CoupledFrame) -> Judge:
+        for name in ("skew", "command_scale", "hysteresis"):
+            if name in self.numbers:
+                raise unused(name, _BESIDE_SEVERAL)
+        if self.filters:
+            raise unused("filter", _BESIDE_SEVERAL)
+        if self.criterion is not None:
+            raise unused("criterion", _BESIDE_SEVERAL)
+        require_positive(self.numbers)
+
+        def judge(channels: Channels, test: Test) -> CoupledAssessment:
+            return assess_coupled(
+                channels.read_several_actuators(test),
+                frame,
+                threshold=self._threshold,
+                metric=Metric.parse(self.metric or Metric.RMS),
+                feedback_lag=self.numbers.get("feedback_lag"),
+                scale=self.numbers.get("scale"),
             )
 
         return judge
@@ -457,39 +487,3 @@ def _stated(
                 where=recording.name,
             )
     return stated
-
-
-def _assess_several(
-    tests: Iterable[Test], channels: Channels, judge: Judge, progress: Progress
-) -> Assessments:
-    by_file: dict[str, Test] = {}
-    for test in tests:
-        file = _name(test, len(by_file))
-        if file in by_file:
-            raise InputError(
-                "Every test must be given once",
-                value=f"{file} twice",
-                remedy="Leave it out, or give the recordings different names",
-            )
-        by_file[file] = test
-    if not by_file:
-        raise InputError(
-            "A test's file is needed",
-            value="none",
-            remedy="Name it, or ask before a test what is tolerable (`reliab assess --design`, in Python "
-            "`reliab.design_test`)",
-        )
-    judged, faults = {}, {}
-    for done, (file, test) in enumerate(by_file.items(), start=1):
-        try:
-            judged[file] = judge(channels.read(test))
-        except InputError as error:
-            faults[file] = str(error)
-        progress(done, len(by_file))
-    return Assessments(files=tuple(by_file), judged=judged, faults=faults)
-
-
-def _name(test: Test, place: int) -> str:
-    if isinstance(test, Recording):
-        return test.name
-    return str(test) if isinstance(test, str | Path) else f"data frame {place + 1}"

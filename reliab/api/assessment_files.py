@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.api.arguments import unused
 from reliab.api.design import Design
-from reliab.assessment import Assessment, FrameAssessment, corrected_response, verdict_table
+from reliab.assessment import (
+    Assessment,
+    CoupledAssessment,
+    FrameAssessment,
+    corrected_response,
+    verdict_table,
+)
 from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
@@ -19,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def file_report(
-    assessment: Assessment | FrameAssessment,
+    assessment: Assessment | FrameAssessment | CoupledAssessment,
     report: str | Path,
     *,
     test: str | Path,
@@ -44,6 +50,8 @@ def file_report(
     InputError
         If the file cannot be written.
     """
+    if isinstance(assessment, CoupledAssessment):
+        raise unused("report", "beside a `structure` with several actuators; `details` prints all")
     from reliab.report import write_pdf
     from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
 
@@ -119,7 +127,7 @@ def draw_design(design: Design, figure: str | Path) -> None:
         ) from error
 
 
-def write_corrected(assessment: Assessment | FrameAssessment, out: str | Path) -> None:
+def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment, out: str | Path) -> None:
     """Write the response that a perfect actuator would have produced.
 
     Parameters
@@ -134,7 +142,7 @@ def write_corrected(assessment: Assessment | FrameAssessment, out: str | Path) -
     InputError
         If the test is that of a frame, the file is neither `.csv` nor `.nc`, or it cannot be written.
     """
-    if isinstance(assessment, FrameAssessment):
+    if isinstance(assessment, FrameAssessment | CoupledAssessment):
         raise unused("corrected", "beside the `structure` of a frame")
     kind = Path(out).suffix.lower()
     if kind not in {".csv", ".nc"}:

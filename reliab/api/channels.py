@@ -7,10 +7,17 @@ import pandas as pd
 
 from reliab.api.arguments import unused
 from reliab.errors import InputError
-from reliab.recordings import Recording, read_recording, read_tests
+from reliab.recordings import (
+    CoupledRecording,
+    Recording,
+    read_coupled_recording,
+    read_recording,
+    read_tests,
+    stated_by_options,
+)
 from reliab.shipped import or_shipped
 
-Test = str | Path | pd.DataFrame | Recording
+Test = str | Path | pd.DataFrame | Recording | CoupledRecording
 """A test, its file, its data frame, or the name of one that ships."""
 
 
@@ -28,11 +35,38 @@ class Channels:
     test_name: str | None = None
     channels: str | Path | None = None
 
-    def read_all(self, test: str | Path) -> list[Recording]:
-        """Read all tests of a file."""
+    def of_each_test(self, test: str | Path) -> "dict[str, Channels]":
+        """Return what is stated of each test of a file, by file and name."""
         path = or_shipped(Path(test), "datasets", "test.csv")
         names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
-        return [replace(self, test_name=name or None).read(test) for name in names]
+        return {
+            f"{path.name}, {name}" if name else path.name: replace(self, test_name=name or None)
+            for name in names
+        }
+
+    def read_several_actuators(self, test: Test) -> CoupledRecording:
+        """Read a test with several actuators."""
+        for name in ("command", "measured"):
+            if getattr(self, name) is not None:
+                raise unused(
+                    name, "beside a `structure` with several actuators; name the columns command_1, …"
+                )
+        if isinstance(test, Recording):
+            raise InputError(
+                "The test of a structure with several actuators needs all of them",
+                value="a recording of one",
+                remedy="Give its file, a data frame or a `CoupledRecording`",
+            )
+        if isinstance(test, CoupledRecording):
+            return test
+        self._require_sound(test)
+        return read_coupled_recording(
+            test if isinstance(test, pd.DataFrame) else Path(test),
+            stated_by_options(self.channels, {}, self.units, None if self.rate is None else float(self.rate)),
+            delimiter=self.delimiter,
+            test=self.test_name,
+            time_units=self.time_units,
+        )
 
     def read(self, test: Test) -> Recording:
         """Read a test."""
@@ -41,15 +75,13 @@ class Channels:
             if given:
                 raise unused(given[0], "beside a test that was read already")
             return test
-        if self.rate is not None and not 0.0 < self.rate < float("inf"):
+        if isinstance(test, CoupledRecording):
             raise InputError(
-                "The value of `rate` must be positive and finite",
-                value=float(self.rate),
-                remedy="Give the samples in a second",
+                "A recording of several actuators needs the `structure` that they drove",
+                value=f"{len(test.actuators)} actuators",
+                remedy="Give the file of the frame with `structure`",
             )
-        for name in ("delimiter", "test_name") if isinstance(test, pd.DataFrame) else ():
-            if getattr(self, name) is not None:
-                raise unused(name, "beside a data frame")
+        self._require_sound(test)
         return read_recording(
             test if isinstance(test, pd.DataFrame) else or_shipped(Path(test), "datasets", "test.csv"),
             command=self.command,
@@ -62,3 +94,15 @@ class Channels:
             test=self.test_name,
             channels=self.channels,
         )
+
+    def _require_sound(self, test: Test) -> None:
+        """Refuse a rate that is none, and what a data frame does not have."""
+        if self.rate is not None and not 0.0 < self.rate < float("inf"):
+            raise InputError(
+                "The value of `rate` must be positive and finite",
+                value=float(self.rate),
+                remedy="Give the samples in a second",
+            )
+        for name in ("delimiter", "test_name") if isinstance(test, pd.DataFrame) else ():
+            if getattr(self, name) is not None:
+                raise unused(name, "beside a data frame")

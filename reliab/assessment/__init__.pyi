@@ -11,6 +11,11 @@ from .budget import (
     stated_of_filters as stated_of_filters,
 )
 from .corrected_response import corrected_response as corrected_response
+from .coupled_assessment import (
+    CoupledAssessment as CoupledAssessment,
+    cause_in_words as cause_in_words,
+)
+from .coupled_test import assess_coupled as assess_coupled
 from .default_criterion import (
     default_criterion as default_criterion,
     ellipses_of_motions as ellipses_of_motions,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.assessment import Assessment
+from reliab.assessment.coupled_assessment import CoupledAssessment
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.verdict_table import verdict_table
 
@@ -22,14 +23,14 @@ class Assessments:
     ----------
     files : tuple of str
         Files of the tests, in the order in which they were given.
-    judged : mapping of str to Assessment or FrameAssessment
+    judged : mapping of str to Assessment, FrameAssessment or CoupledAssessment
         By file, what is found about the tests that could be judged.
     faults : mapping of str to str
         By file, why the others could not be judged.
     """
 
     files: tuple[str, ...]
-    judged: Mapping[str, Assessment | FrameAssessment]
+    judged: Mapping[str, Assessment | FrameAssessment | CoupledAssessment]
     faults: Mapping[str, str]
 
     @property

@@ -10,6 +10,10 @@ from .channels_file import (
     read_channels_file as read_channels_file,
     stated_by_tables as stated_by_tables,
 )
+from .coupled_recording import (
+    CoupledRecording as CoupledRecording,
+    read_coupled_recording as read_coupled_recording,
+)
 from .followed_skew import rows_without_skew as rows_without_skew
 from .following import Rows as Rows, rows_as_written as rows_as_written
 from .growing_file import chunks_of_text as chunks_of_text

@@ -1,3 +1,5 @@
+from .coupled_partition import CoupledPartition as CoupledPartition, condensed as condensed
+from .coupled_stability import CoupledLimit as CoupledLimit, coupled_limit as coupled_limit
 from .partition import (
     Partition as Partition,
     Specimen as Specimen,

@@ -20,7 +20,7 @@ from reliab.cli.options import (
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
-    from reliab.assessment import Assessment, Assessments, FrameAssessment
+    from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
 
 _Value = TypeVar("_Value")
 
@@ -296,10 +296,13 @@ def _answer_tests(demand: AssessDemand) -> bool:
     return bool(verdicts.reliable)
 
 
-def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: AssessDemand) -> None:
+def _write_one(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, demand: AssessDemand
+) -> None:
     from reliab.api import write_corrected, write_verdicts
-    from reliab.assessment import Assessment
+    from reliab.assessment import Assessment, CoupledAssessment
     from reliab.cli.assess.shown_briefly import show_briefly
+    from reliab.cli.assess.shown_coupled import show_coupled
     from reliab.cli.assess.shown_frame import show_frame
     from reliab.cli.assess.shown_test import show_assessment
     from reliab.cli.output import write_json
@@ -310,6 +313,9 @@ def _write_one(assessment: "Assessment | FrameAssessment", test: Path, demand: A
     if demand.corrected is not None:
         write_corrected(assessment, demand.corrected)
     if write_json(content, demand.json_target):
+        return
+    if isinstance(assessment, CoupledAssessment):
+        show_coupled(assessment, details=demand.details)
         return
     show_briefly(content, without_details=not demand.details)
     if not demand.details:

@@ -1,3 +1,12 @@
+from .coupled_file import (
+    CoupledFrame as CoupledFrame,
+    read_structure as read_structure,
+)
+from .coupled_loop import (
+    CoupledResponse as CoupledResponse,
+    coupled_response as coupled_response,
+    responses_over_frequency as responses_over_frequency,
+)
 from .frame_file import (
     FrameUnderTest as FrameUnderTest,
     frame_of_tables as frame_of_tables,

@@ -54,6 +54,8 @@ One set of tables describes every structure::
     #   piston_coupling_n_per_m, leakage_per_s, valve_damping_per_s, valve_stiffness_per_s2, each optional
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,11 +66,16 @@ from reliab.arrays import Array
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription, TolerancesTable
+from reliab.simulation.frames.matrix_files import with_matrices
 from reliab.simulation.transfer_systems import TransferSystem
 from reliab.structures import Partition, with_specimen
 from reliab.structures.frames import Frame
 
-_EXACT = TolerancesTable()
+EXACT = TolerancesTable()
+"""Tolerances of a structure that is known exactly."""
+
+REMEDY = "Compare with the frames that ship in datasets/frames"
+"""What to do about a description that cannot be read."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,21 +89,42 @@ class FrameUnderTest:
     output: Array | None
     error_of: str  # The response in words
     transfer_system: TransferSystem | None = None  # The rig; None where the file describes none
-    tolerances: TolerancesTable = _EXACT  # How exactly the structure is known
+    tolerances: TolerancesTable = EXACT  # How exactly the structure is known
 
 
 def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
-    """Build a tested frame from the tables of a file."""
-    description = described(
-        FrameDescription,
-        content,
-        rule="A description of a frame holds known keys with allowed values",
-        remedy="Compare with the frames that ship in datasets/frames",
-        where=where,
-    )
+    """Build a tested frame with one actuator from the tables of a file."""
+    if names_several(content):
+        raise InputError(
+            "Only `reliab assess` takes a frame whose specimen is driven at several degrees of freedom",
+            value="degrees_of_freedom",
+            remedy="Describe one driven degree of freedom, or assess the test",
+            where=where,
+        )
+    folder = Path(where).parent
+    with finite_products(where):
+        description = described(
+            FrameDescription,
+            with_matrices(content, folder),
+            rule="A description of a frame holds known keys with allowed values",
+            remedy=REMEDY,
+        )
+        return _build(description, folder)
+
+
+def names_several(content: dict[str, Any]) -> bool:
+    """Whether the tables of a file describe a specimen of several driven degrees of freedom."""
+    specimen = content.get("specimen")
+    described_so = isinstance(specimen, dict) and bool({"degrees_of_freedom", "directions"} & specimen.keys())
+    return described_so or "kinematics" in content
+
+
+@contextmanager
+def finite_products(where: str) -> Iterator[None]:
+    """Refuse what overflows while a description is turned into matrices; `where` names the file."""
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _build(description, Path(where).parent)
+            yield
     except (FloatingPointError, OverflowError):
         raise InputError(
             "Mass, damping and stiffness of a frame must be finite numbers",
@@ -109,12 +137,9 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
 
 
 def read_frame(path: str | Path) -> FrameUnderTest:
-    """Read a tested frame from its TOML file."""
-    rule, remedy = (
-        "A frame is described in a TOML file",
-        "Compare with the frames that ship in datasets/frames",
-    )
-    return frame_of_tables(read_toml(path, rule=rule, remedy=remedy), str(path))
+    """Read a tested frame with one actuator from its TOML file."""
+    content = read_toml(path, rule="A frame is described in a TOML file", remedy=REMEDY)
+    return frame_of_tables(content, str(path))
 
 
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:

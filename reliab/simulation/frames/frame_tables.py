@@ -215,11 +215,11 @@ class FrameTable(DescribedTable):
         """M [kg] and K [N/m]."""
         if self.masses_kg is not None and self.storey_stiffnesses_n_per_m is not None:
             return shear_frame(self.masses_kg, self.storey_stiffnesses_n_per_m)
-        mass = np.diag(self.masses_kg) if self.masses_kg is not None else _matrix(self.mass_matrix_kg)
+        mass = np.diag(self.masses_kg) if self.masses_kg is not None else matrix_of_rows(self.mass_matrix_kg)
         if self.planar is not None:
             return mass, self.planar.stiffness
         if self.stiffness_matrix_n_per_m is not None:
-            return mass, _matrix(self.stiffness_matrix_n_per_m)
+            return mass, matrix_of_rows(self.stiffness_matrix_n_per_m)
         storeys = self.storey_stiffnesses_n_per_m or ()
         return mass, shear_frame([1.0] * len(storeys), storeys)[1]
 
@@ -251,7 +251,7 @@ class DampingTable(DescribedTable):
     def matrix(self, mass: Array, stiffness: Array) -> Array:
         """C [N·s/m]."""
         if self.matrix_n_s_per_m is not None:
-            return _matrix(self.matrix_n_s_per_m)
+            return matrix_of_rows(self.matrix_n_s_per_m)
         if self.rayleigh_ratios is not None and self.rayleigh_frequencies_hz is not None:
             return rayleigh_damping(mass, stiffness, self.rayleigh_ratios, self.rayleigh_frequencies_hz)
         return modal_damping(mass, stiffness, self.ratio if self.ratio is not None else self.ratios or ())
@@ -408,7 +408,7 @@ class FrameDescription(DescribedTable):
     )
 
 
-def _matrix(rows: tuple[Row, ...] | None) -> Array:
+def matrix_of_rows(rows: tuple[Row, ...] | None) -> Array:
     """Matrix of rows, which must be of one length."""
     rows = rows or ()
     if len({len(row) for row in rows}) != 1:

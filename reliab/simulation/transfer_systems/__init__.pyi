@@ -1,3 +1,4 @@
+from .actuator_matrix import ActuatorMatrix as ActuatorMatrix, invertible as invertible
 from .matlab_structure import (
     require_sound_structure as require_sound_structure,
     subsystem_of as subsystem_of,

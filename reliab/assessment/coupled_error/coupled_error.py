@@ -1,0 +1,209 @@
+"""The rebuilt error of a test with several actuators: by interface displacement, with what widens it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
+from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
+from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.structures import CoupledPartition
+from reliab.vocabulary import Metric
+
+_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
+_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset")
+_LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unknowns:
+    """Names and standard deviations of what is drawn; those of sensors end with the sensor's number."""
+
+    names: tuple[str, ...]
+    deviations: Array  # Relative, or in SI units, shape (unknowns,)
+
+    @classmethod
+    def of_test(cls, tolerances: Tolerances, starts: Array, degrees: int) -> "Unknowns":
+        """Collect what is not known; `starts`: deviations of offsets and first errors [m], shape (2, p)."""
+        stated = dict(tolerances.items())
+        deviations = {name: stated[name] for name in _OF_STRUCTURE}
+        for place in range(degrees):
+            number = place + 1
+            deviations |= {f"{name}_{number}": stated[name] for name in _AT_SENSORS[:2]}
+            deviations[f"sensor_offset_{number}"] = float(np.hypot(stated["sensor_offset"], starts[0, place]))
+            deviations[f"initial_displacement_{number}"] = float(starts[1, place])
+            deviations[f"initial_velocity_{number}"] = float(starts[1, place])
+        drawn = {name: value for name, value in deviations.items() if value > 0.0}
+        return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())))
+
+    def at_sensors(self, drawn: Mapping[str, float], measured: Array, rate: Array) -> Array | float:
+        """Return what scales, shifts in time and offsets of sensors add to x_c − x_m [m], shape (p, n)."""
+        if not any(name.startswith(_AT_SENSORS) for name in self.names):
+            return 0.0
+        numbers = range(1, measured.shape[0] + 1)
+        scale, shift, offset = (
+            np.array([[drawn.get(f"{name}_{number}", 0.0)] for number in numbers]) for name in _AT_SENSORS
+        )
+        return np.asarray(scale * measured + shift * rate + offset)
+
+    def at_first_sample(self, drawn: Mapping[str, float], recursion: CoupledRecursion) -> Array | float:
+        """State of the structure's error at the first sample where the test begins in motion."""
+        if not any(name.startswith("initial") for name in self.names):
+            return 0.0
+        numbers = range(1, recursion.output.shape[0] + 1)
+        moved, moving = (
+            np.array([drawn.get(f"initial_{name}_{number}", 0.0) for number in numbers])
+            for name in ("displacement", "velocity")
+        )
+        return np.asarray(recursion.free[0] @ moved + recursion.free[1] @ moving)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DegreeError:
+    """Error of one interface displacement."""
+
+    name: str
+    error: Array  # x_m − x_I as the sensors read x_m [m], shape (n,)
+    reference: Array  # x_I [m], shape (n,)
+    draws: Spread  # RMS^R and MTE^R of the draws
+    rms: Estimate
+    mte: Estimate
+    noise: float  # Standard deviation of x_c − x_m that noise leaves open, over the largest ideal motion [-]
+
+    @property
+    def judged(self) -> bool:
+        """Whether the displacement moves enough for its noise."""
+        return bool(self.noise < _LOST_IN_NOISE)
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R with its interval."""
+        return self.rms if Metric(metric) is Metric.RMS else self.mte
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that the error is below a threshold [-]."""
+        return self.draws.probability_below(threshold, metric)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledError:
+    """Error of a test with several actuators."""
+
+    time_step: float  # s
+    degrees: tuple[DegreeError, ...]  # In the order of the interface displacements
+    partition: CoupledPartition  # As stated
+    structure: CoupledPartition  # With which it was rebuilt: no modes far above the motion
+    noises: tuple[SensorNoise, ...]  # Of each sensor
+    starts: tuple[Start, ...]  # How each channel begins
+    unknown: Unknowns
+    drawn: Array  # What was drawn, shape (unknowns, draws)
+    histories: CoupledHistories
+
+    @property
+    def judged(self) -> tuple[DegreeError, ...]:
+        """Displacements that move enough for their noise."""
+        return tuple(degree for degree in self.degrees if degree.judged)
+
+    def governing(self, metric: Metric) -> DegreeError | None:
+        """Return the displacement with the largest error; None where all are lost in noise."""
+        return max(self.judged, key=lambda degree: degree.estimate(metric).value, default=None)
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that every judged displacement's error is below a threshold."""
+        least = (degree.probability(threshold, metric) for degree in self.judged)
+        return min(least, default=0.5)
+
+    @cached_property
+    def parts(self) -> CoupledParts:
+        """The error divided by actuator and by cause."""
+        return divide(self.histories, self.structure)
+
+    def widenings(self, metric: Metric) -> dict[str, float]:
+        """Return the standard deviation of the governing error that each unknown causes [-], largest first.
+
+        By least squares of the draws' squared errors on what was drawn, linear and squared; "sensor_noise"
+        is what is not explained.
+        """
+        governing = self.governing(metric)
+        if governing is None:
+            return {}
+        errors = governing.draws.errors(metric)
+        scaled = self.drawn / np.maximum(self.drawn.std(axis=1, keepdims=True), 1e-300)
+        columns = np.vstack([np.ones(errors.size), scaled, scaled**2])
+        coefficients = np.linalg.lstsq(columns.T, errors, rcond=None)[0]
+        count = len(self.unknown.names)
+        effects = {
+            name: float(
+                np.std(
+                    coefficients[1 + place] * scaled[place]
+                    + coefficients[1 + count + place] * scaled[place] ** 2
+                )
+            )
+            for place, name in enumerate(self.unknown.names)
+        }
+        effects["sensor_noise"] = float(np.std(errors - coefficients @ columns))
+        return dict(sorted(effects.items(), key=lambda item: -item[1]))
+
+
+def conclude(
+    *,
+    partition: CoupledPartition,
+    structure: CoupledPartition,
+    histories: CoupledHistories,
+    noises: tuple[SensorNoise, ...],
+    starts: tuple[Start, ...],
+    unknown: Unknowns,
+    as_stated: tuple[Array, Array, Array],
+    swept: tuple[Array, Array, Array],
+    raw: Array,
+    loose: Array,
+) -> CoupledError:
+    """Combine histories and draws into errors of every interface displacement."""
+    recursion = CoupledRecursion.of_partition(structure, histories.time_step)
+    reference = histories.carry @ histories.command - histories.respond(recursion, histories.fed_back)
+    strayed = histories.carry @ raw - reference
+    degrees = []
+    for place, name in enumerate(partition.names):
+        peak = float(np.abs(reference[place]).max())
+        largest = float(np.abs(reference).max())
+        moves = peak > np.finfo(float).eps * largest
+        stated, every = _spread(as_stated, place), _spread(swept, place)
+        degrees.append(
+            DegreeError(
+                name=name,
+                error=strayed[place],
+                reference=reference[place],
+                draws=every,
+                rms=every.estimate(Metric.RMS, float(np.median(stated.rms))),
+                mte=every.estimate(Metric.MTE, float(np.median(stated.mte))),
+                noise=float(loose[place] / peak) if moves else np.inf,
+            )
+        )
+    return CoupledError(
+        time_step=histories.time_step,
+        degrees=tuple(degrees),
+        partition=partition,
+        structure=structure,
+        noises=noises,
+        starts=starts,
+        unknown=unknown,
+        drawn=swept[2],
+        histories=histories,
+    )
+
+
+def _spread(swept: tuple[Array, Array, Array], place: int) -> Spread:
+    square, peak, ideal = swept[0][:, :, place].T
+    ideal = np.maximum(ideal, np.finfo(float).tiny)
+    return Spread(
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=swept[1][0, place],
+        deviation=swept[1][1, place],
+    )

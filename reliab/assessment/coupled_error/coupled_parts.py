@@ -1,0 +1,113 @@
+"""Where the error of a test with several actuators comes from: by actuator, and by cause.
+
+Each measured displacement is written by least squares as m_i = Σ_j (k_ij c_j − τ_ij c_j') + constant + rest.
+The error is linear in c − m, so that each part is rebuilt by itself ::
+
+    gain (1 − k_ii) c_i,   delay τ_ii c_i',   cross-coupling −Σ_{j≠i}(k_ij c_j − τ_ij c_j'),   the rest
+
+Together with a force that was fed back late they add up to the error.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
+from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.parts import Part
+from reliab.structures import CoupledPartition
+
+CAUSES = ("gain", "delay", "cross_coupling", "rest")
+
+FED_BACK_FORCE = "fed_back_force"
+
+_ROUNDING = 1e-12
+_DEPENDENT = 1e-10
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledParts:
+    """The error divided into parts."""
+
+    gain: Array  # k of least squares [-], shape (p, p)
+    delay: Array  # τ of least squares [s], shape (p, p)
+    histories: dict[str, Array]  # Contribution of each part to x_m − x_I [m], shape (p, n)
+    reference: Array  # x_I [m], shape (p, n)
+
+    def of_degree(self, place: int) -> dict[str, Part]:
+        """Parts of the error of one interface displacement, such as "actuator_1_gain"."""
+        whole = np.sum([history[place] for history in self.histories.values()], axis=0)
+        peak = max(float(np.abs(self.reference[place]).max()), np.finfo(float).tiny)
+        return {name: _part(history[place], whole, peak) for name, history in self.histories.items()}
+
+    def first(self, place: int) -> str:
+        """Return the part to improve first: the one whose removal leaves the smallest error."""
+        parts = self.of_degree(place)
+        return min(parts, key=lambda name: parts[name].remaining_rms)
+
+
+def divide(histories: CoupledHistories, structure: CoupledPartition) -> CoupledParts:
+    """Divide a rebuilt error into its parts."""
+    command, measured, step = histories.command, histories.measured, histories.time_step
+    velocity = np.gradient(command, step, axis=1)
+    gain, delay = _followed(command, velocity, measured)
+    recursion = CoupledRecursion.of_partition(structure, step)
+    parts = {
+        name: recursion.respond(difference) - difference
+        for name, difference in _differences(histories, velocity, gain, delay)
+    }
+    still = np.zeros_like(command)
+    parts["actuator_1_rest"] += recursion.respond(still, recursion.static @ histories.standing)
+    late = histories.fed_back - histories.difference
+    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
+        parts[FED_BACK_FORCE] = recursion.respond(late)
+    response = histories.respond(recursion, histories.fed_back)
+    return CoupledParts(
+        gain=gain, delay=delay, histories=parts, reference=histories.carry @ command - response
+    )
+
+
+def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, Array]:
+    """Gains and delays of least squares, those of actuator i in row i."""
+    rows = np.vstack([command, -velocity, np.ones((1, command.shape[1]))])
+    scale = np.maximum(np.abs(rows).max(axis=1), np.finfo(float).tiny)
+    scaled = rows / scale[:, np.newaxis]
+    solved = np.linalg.lstsq(scaled @ scaled.T, scaled @ measured.T, rcond=_DEPENDENT)[0]
+    coefficients = (solved / scale[:, np.newaxis]).T
+    size = command.shape[0]
+    return coefficients[:, :size], coefficients[:, size : 2 * size]
+
+
+def _differences(
+    histories: CoupledHistories, velocity: Array, gain: Array, delay: Array
+) -> list[tuple[str, Array]]:
+    """Parts of τ at the interface [m], by name."""
+    command, difference = histories.command, histories.command - histories.measured
+    parts = []
+    for place in range(command.shape[0]):
+        apart = np.arange(command.shape[0]) != place
+        rows = {
+            "gain": (1.0 - gain[place, place]) * command[place],
+            "delay": delay[place, place] * velocity[place],
+            "cross_coupling": delay[place, apart] @ velocity[apart] - gain[place, apart] @ command[apart],
+        }
+        rows["rest"] = difference[place] - np.sum(list(rows.values()), axis=0)
+        parts += [
+            (f"actuator_{place + 1}_{cause}", np.outer(histories.carry[:, place], rows[cause]))
+            for cause in CAUSES
+        ]
+    return parts
+
+
+def _part(piece: Array, whole: Array, ideal_peak: float) -> Part:
+    total = float(whole @ whole)
+    remaining = whole - piece
+    return Part(
+        history=piece,
+        rms=float(np.sqrt(mean_square(piece))) / ideal_peak,
+        share=float(piece @ whole) / total if total > 0.0 else 0.0,
+        remaining_rms=float(np.sqrt(mean_square(remaining))) / ideal_peak,
+        remaining_mte=float(np.abs(remaining).max()) / ideal_peak,
+    )

@@ -1,0 +1,322 @@
+"""The error of a test with several actuators, rebuilt from its commands and measured displacements.
+
+The equation is that of one actuator with vectors in place of numbers (see `rebuilt_error/rebuild.py`); it
+needs neither the ground motion nor a reference. Sensors stand at the actuators: noise, offsets and scales are
+drawn there, and a matrix carries them to the interface.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from reliab.arrays import Array
+from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
+from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
+from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.initial import Start, examine_start
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.size import fits
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.errors import InputError
+from reliab.structures import CoupledPartition
+
+DRAWS = 256
+"""Number of draws of the uncertain quantities, a power of two."""
+
+_FEWEST_SAMPLES = 64
+_FEWEST_PER_PERIOD = 10.0
+_FEWEST_SWEPT = 4096
+_IN_PERIOD_OF_BAND = 0.25
+_PER_PERIOD = 24.0  # samples of the fastest mode that takes part; what lies between is corrected
+_TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
+_ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
+_LEAST = 0.05
+_ACCURACY = 0.001  # of an error whose structure and channels are exact: 0.999 to 1.001 of the true one
+_STILL = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Channels:
+    """Histories at the sensors, without offsets, and what is known of each."""
+
+    command: Array  # command, measured: x_c and x_m as read [m], shape (p, n)
+    measured: Array
+    noises: tuple[SensorNoise, ...]
+    starts: tuple[Start, ...]
+
+    @property
+    def smoothed(self) -> Array:
+        """x_m without what lies above the band of the motion [m], shape (p, n)."""
+        rows = zip(self.noises, self.command, self.measured, strict=True)
+        return np.stack([command - noise.smooth(command - read) for noise, command, read in rows])
+
+    @property
+    def standing(self) -> Array:
+        """x_c − x_m [m] under which each actuator stood still before the first sample, shape (p,)."""
+        return np.array([-start.standing for start in self.starts])
+
+
+def rebuild_coupled(
+    command: Array,
+    measured: Array,
+    time_step: float,
+    partition: CoupledPartition,
+    *,
+    to_interface: Array | None = None,
+    feedback_lag: float = 0.0,
+    tolerances: Tolerances | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> CoupledError:
+    """Rebuild the error of every interface displacement of a test.
+
+    `command`, `measured` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`: interface
+    displacements of unit displacements of the actuators [-], shape (p, p), the identity by default.
+
+    Two actuators of which one moves 1 % too little:
+
+    >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)
+    >>> partition = CoupledPartition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
+    ...                              interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
+    >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
+    >>> error = rebuild_coupled(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
+    >>> round(error.degrees[0].rms.value, 2), error.degrees[1].rms.value < 1e-6
+    (0.07, True)
+    """
+    command, measured = _checked(command, measured, time_step, partition)
+    carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
+    channels = _examined(command, measured, time_step, partition, carry)
+    band = max(noise.band for noise in channels.noises)
+    structure = partition.below(_ABOVE_BAND * max(band, float(partition.natural_frequencies[0])))
+    every = _samples_in_step(structure, band, time_step, command.shape[1])
+    _require_fitting(command, every)
+    unknown = Unknowns.of_test(
+        tolerances or Tolerances(), _of_starts(channels, structure, carry), partition.degrees
+    )
+    differences = _draw(channels, structure, every, draws, seed)
+    histories = CoupledHistories(
+        command=channels.command,
+        measured=channels.smoothed,
+        carry=carry,
+        feedback_lag=feedback_lag,
+        time_step=time_step,
+        standing=carry @ channels.standing,
+    )
+    sweep = _Sweep(histories=histories, structure=structure, every=every, seed=seed)
+    exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
+    return conclude(
+        partition=partition,
+        structure=structure,
+        histories=histories,
+        noises=channels.noises,
+        starts=channels.starts,
+        unknown=unknown,
+        as_stated=sweep.errors(exact, differences[::2]),
+        swept=sweep.errors(unknown, differences, accuracy=_ACCURACY),
+        raw=channels.measured,
+        loose=_looseness(channels, differences, carry),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sweep:
+    """Errors of many draws of what is not known."""
+
+    histories: CoupledHistories
+    structure: CoupledPartition
+    every: int
+    seed: int
+
+    def errors(
+        self, unknown: Unknowns, differences: Array, *, accuracy: float = 0.0
+    ) -> tuple[Array, Array, Array]:
+        """Mean square, peak and largest ideal motion, and mean and deviation over the draws.
+
+        Returns shapes (draws, 3, p) and twice (p, n); and what was drawn, shape (unknowns, draws).
+        """
+        histories, every = self.histories, self.every
+        step, draws = every * histories.time_step, differences.shape[0]
+        drawn = _normal(len(unknown.names), draws, self.seed) * unknown.deviations[:, np.newaxis]
+        command = histories.carry @ histories.command[:, ::every]
+        measured = histories.measured[:, ::every]
+        late = (histories.fed_back - histories.difference)[:, ::every]
+        rate = np.gradient(measured, step, axis=1)
+        stated = CoupledRecursion.of_partition(self.structure, step)
+        statistics = np.empty((draws, 3, command.shape[0]))
+        sums = np.zeros((2, *command.shape))
+        for draw in range(draws):
+            of_draw = dict(zip(unknown.names, drawn[:, draw], strict=True))
+            recursion = self._recursion(of_draw, stated, step)
+            difference = histories.carry @ (differences[draw] + unknown.at_sensors(of_draw, measured, rate))
+            fed_back = difference + late + of_draw.get("feedback_lag", 0.0) * (histories.carry @ rate)
+            state = recursion.static @ histories.standing + unknown.at_first_sample(of_draw, recursion)
+            response = recursion.respond(fed_back, state)
+            strayed = response - difference
+            statistics[draw] = _statistics(strayed, command - response)
+            sums[0] += strayed
+            sums[1] += strayed**2
+        statistics *= self._between_samples(stated, late, command)
+        computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
+        statistics[:, 0] *= computed**2
+        statistics[:, 1] *= computed
+        mean = sums[0] / draws
+        deviation = np.sqrt(np.maximum(sums[1] / draws - mean**2, 0.0))
+        return statistics, np.stack([mean, deviation]), drawn
+
+    def _recursion(self, drawn: dict[str, float], stated: CoupledRecursion, step: float) -> CoupledRecursion:
+        names = ("frequency", "damping_ratio", "experimental_fraction")
+        f, ratio, share = (max(1.0 + drawn.get(name, 0.0), _LEAST) for name in names)
+        if f == ratio == share == 1.0:
+            return stated
+        changed = self.structure.scaled(frequency=f, damping_ratio=ratio, share=share)
+        return CoupledRecursion.of_partition(changed, step)
+
+    def _between_samples(self, coarse: CoupledRecursion, late: Array, command: Array) -> Array:
+        """Factors by which the statistics of all samples differ from those of the swept ones."""
+        histories = self.histories
+        difference = histories.difference
+        response = histories.respond(coarse, difference[:, :: self.every] + late)
+        few = _statistics(response - difference[:, :: self.every], command - response)
+        fine = CoupledRecursion.of_partition(self.structure, histories.time_step)
+        response = histories.respond(fine, histories.fed_back)
+        every = _statistics(response - difference, histories.carry @ histories.command - response)
+        return np.divide(every, few, out=np.ones_like(few), where=few > 0.0)
+
+
+def _statistics(strayed: Array, ideal: Array) -> Array:
+    """Mean square and peak of the errors, and peak of the ideal motion, shape (3, p)."""
+    squares = [mean_square(row) for row in np.ascontiguousarray(strayed)]
+    return np.stack([np.array(squares), np.abs(strayed).max(axis=1), np.abs(ideal).max(axis=1)])
+
+
+def _normal(dimensions: int, draws: int, seed: int) -> Array:
+    if dimensions == 0:
+        return np.zeros((0, draws))
+    points = scipy.stats.qmc.Sobol(dimensions, seed=seed).random(draws)
+    return np.asarray(scipy.special.ndtri(points.T))
+
+
+def _checked(
+    command: Array, measured: Array, step: float, partition: CoupledPartition
+) -> tuple[Array, Array]:
+    command, measured = (np.array(values, dtype=np.float64, order="C") for values in (command, measured))
+    if command.ndim != 2 or command.shape != measured.shape or command.shape[1] < _FEWEST_SAMPLES:  # noqa: PLR2004
+        raise InputError(
+            f"Commands and measured displacements must have one length, at least {_FEWEST_SAMPLES} samples",
+            value=f"shapes {command.shape} and {measured.shape}",
+            remedy="Give the histories of all actuators over the whole test",
+        )
+    if command.shape[0] != partition.degrees:
+        raise InputError(
+            "A test must have a command and a measured displacement for each degree of freedom of the "
+            "specimen",
+            value=f"{command.shape[0]} of {partition.degrees}",
+            remedy="Record all of them, or describe the part that was driven",
+        )
+    if not (np.isfinite(command).all() and np.isfinite(measured).all()):
+        raise InputError("Every displacement must be finite throughout", remedy="Repair the recording")
+    if not (np.ptp(command, axis=1) > 0.0).any():
+        raise InputError("Some command must move", remedy="Check that the columns are the right ones")
+    if not (np.isfinite(step) and step > 0.0):
+        raise InputError("The time step must be positive", value=f"{step} s")
+    lowest = float(partition.natural_frequencies[0])
+    if lowest * step * _FEWEST_PER_PERIOD > 1.0:
+        raise InputError(
+            f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
+            value=f"{1.0 / (lowest * step):.3g}",
+            remedy="Record at a higher rate: the error between samples is unknown",
+        )
+    return command, measured
+
+
+def _require_fitting(command: Array, every: int) -> None:
+    if not fits(command.size, every):
+        raise InputError(
+            "The draws of a test must fit in memory",
+            value=f"{command.shape[1]:,} samples of {command.shape[0]} actuators",
+            remedy="Cut it where everything stands still, and judge the parts one by one",
+        )
+
+
+def _examined(
+    command: Array, measured: Array, step: float, partition: CoupledPartition, carry: Array
+) -> Channels:
+    """Estimate noise and offset of each sensor; the offsets are taken away."""
+    share = np.linalg.solve(carry, partition.static_transfer @ carry)
+    lowest = float(partition.natural_frequencies[0])
+    noises, starts, read = [], [], []
+    for place, (c, m) in enumerate(zip(command, measured, strict=True)):
+        if not np.ptp(c) > _STILL * np.abs(m).max():
+            noises.append(_noise_at_rest(m, step))
+            starts.append(Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=0.0))
+        else:
+            noises.append(estimate_noise(c, m, step))
+            own = min(max(float(share[place, place]), 1e-6), 1.0)
+            starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
+        read.append(m - starts[-1].offset)
+    band = max(noise.band for noise in noises)
+    return Channels(
+        command=command,
+        measured=np.stack(read),
+        noises=tuple(replace(noise, band=band) for noise in noises),
+        starts=tuple(starts),
+    )
+
+
+def _noise_at_rest(measured: Array, step: float) -> SensorNoise:
+    """Noise of a sensor whose actuator is not told to move."""
+    still = np.zeros(measured.size)
+    still[1] = 1e-9 * max(float(np.ptp(measured)), np.finfo(float).tiny)
+    return estimate_noise(still, measured - measured.mean(), step)
+
+
+def _of_starts(channels: Channels, structure: CoupledPartition, carry: Array) -> Array:
+    """Deviations of offsets at the sensors and of the errors at the first sample at the interface [m]."""
+    offsets = np.array([start.offset_deviation for start in channels.starts])
+    if all(start.at_rest for start in channels.starts):
+        return np.stack([offsets, np.zeros_like(offsets)])
+    recursion = CoupledRecursion.of_partition(structure, channels.noises[0].time_step)
+    response = recursion.respond(carry @ (channels.command - channels.measured))
+    command = carry @ channels.command
+    moved = carry @ np.array([start.amplitude for start in channels.starts])
+    spread = np.sqrt(np.mean(response**2, axis=1) / np.maximum(np.mean(command**2, axis=1), 1e-300))
+    return np.stack([offsets, spread * np.abs(moved)])
+
+
+def _draw(channels: Channels, structure: CoupledPartition, every: int, draws: int, seed: int) -> Array:
+    """Draw histories of x_c − x_m at the sensors that the noise leaves open [m], shape (draws, p, m)."""
+    lowest = float(structure.natural_frequencies[0])
+    rows = []
+    for place, (c, m, noise) in enumerate(
+        zip(channels.command, channels.measured, channels.noises, strict=True)
+    ):
+        if np.ptp(c) > _STILL * np.abs(m).max():
+            rows.append(draw_differences(c, m, noise, lowest, every, draws, seed + 7919 * place))
+        else:
+            rows.append(np.tile(noise.smooth(c - m)[::every], (draws, 1)))
+    return np.stack(rows, axis=1)
+
+
+def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
+    """Return the standard deviation of τ that the noise leaves open at the interface [m], shape (p,).
+
+    Of an actuator that is not told to move, all that its sensor shows is open.
+    """
+    spread = np.einsum("ij,djt->dit", carry, differences - differences.mean(axis=0))
+    still = np.ptp(channels.command, axis=1) <= _STILL * np.abs(channels.measured).max(axis=1)
+    shown = np.where(still, np.mean((channels.command - channels.measured) ** 2, axis=1), 0.0)
+    return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ shown))
+
+
+def _samples_in_step(structure: CoupledPartition, band: float, step: float, samples: int) -> int:
+    """Return the number of samples of which one is enough while draws are swept."""
+    frequency, _, moved = structure.modes
+    share = np.diag(structure.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2
+    governing = frequency[(share > _TAKES_PART * share.sum()) & (frequency <= _ABOVE_BAND * band)]
+    fastest = float(governing.max()) if governing.size else float(frequency[0])
+    of_structure = max(int(1.0 / (_PER_PERIOD * fastest * step)), 1)
+    of_band = max(int(_IN_PERIOD_OF_BAND / (band * step)), 1)
+    return min(of_structure, max(of_band, -(-samples // _FEWEST_SWEPT)))

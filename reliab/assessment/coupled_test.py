@@ -1,0 +1,161 @@
+"""The verdict on a test with several actuators, by the error of each interface displacement."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reliab.assessment.coupled_assessment import CoupledAssessment, lost_in_noise
+from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
+from reliab.assessment.doubts import ERROR_NAMES, probability_text
+from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.plausibility import require_length, require_plausible
+from reliab.assessment.rebuilt_error import Tolerances
+from reliab.assessment.tracking_index import track
+from reliab.assessment.verdict import Verdict, Word, word_of_probability
+from reliab.errors import InputError
+from reliab.recordings import CoupledRecording, without_spikes
+from reliab.significant import percent
+from reliab.simulation.frames import CoupledFrame
+from reliab.stated_value import StatedValue
+from reliab.structures import coupled_limit
+from reliab.vocabulary import MILLI, Metric
+
+_FEW_DRAWS = 2
+_SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
+_SHARPER = {
+    "frequency": "Determine the natural frequencies more exactly: they widen the interval most.",
+    "damping_ratio": "Determine the damping ratio more exactly: it widens the interval most.",
+    "experimental_fraction": "Determine the stiffness of the specimen more exactly: it widens the interval "
+    "most.",
+    "sensor_noise": "Record with less noise: it widens the interval most.",
+}
+
+
+def assess_coupled(
+    recording: CoupledRecording,
+    frame: CoupledFrame,
+    *,
+    threshold: float = 0.05,
+    metric: Metric = Metric.RMS,
+    feedback_lag: StatedValue | None = None,
+    scale: StatedValue | None = None,
+) -> CoupledAssessment:
+    """Judge a test with several actuators by the errors computed from its displacements.
+
+    `threshold` [-]; `feedback_lag` [ms]; `scale`: of all displacement sensors [-]. Raises InputError where
+    the recording does not fit the frame or cannot be judged.
+    """
+    recording = _in_order(recording, frame)
+    if scale is not None:
+        recording = replace(recording, measured=recording.measured / scale.value)
+    recording, faults = _without_faults(recording, frame, threshold)
+    error = rebuild_coupled(
+        recording.command,
+        recording.measured,
+        recording.time_step,
+        frame.partition,
+        to_interface=frame.to_interface,
+        feedback_lag=0.0 if feedback_lag is None else feedback_lag.value / MILLI,
+        tolerances=_tolerances(frame, feedback_lag, scale),
+    )
+    gains = frame.to_interface @ error.parts.gain @ np.linalg.inv(frame.to_interface)
+    return CoupledAssessment(
+        recording=recording,
+        frame=frame,
+        error=error,
+        metric=metric,
+        threshold=threshold,
+        faults=faults,
+        verdict=_verdict(error, metric, threshold, faults),
+        limit=coupled_limit(frame.partition, gains),
+    )
+
+
+def _in_order(recording: CoupledRecording, frame: CoupledFrame) -> CoupledRecording:
+    """Put channels that have the names of the degrees of freedom into their order."""
+    names, numbers = frame.partition.names, recording.actuators
+    if len(numbers) != len(names):
+        raise InputError(
+            "A test must have a command and a measured displacement for each actuator",
+            value=f"those of {', '.join(numbers)} for {len(names)} actuators",
+            remedy="Name the columns command_1, measured_1, command_2, …",
+            where=recording.name,
+        )
+    require_length(recording.of_actuator(_most_moved(recording)), float(_slowest(frame)))
+    if frame.channels_at_interface and set(numbers) == set(names) and numbers != names:
+        order = [numbers.index(name) for name in names]
+        return replace(
+            recording, command=recording.command[order], measured=recording.measured[order], actuators=names
+        )
+    return recording
+
+
+def _most_moved(recording: CoupledRecording) -> int:
+    return int(np.argmax(np.ptp(recording.command, axis=1)))
+
+
+def _slowest(frame: CoupledFrame) -> float:
+    return float(frame.partition.natural_frequencies[0])
+
+
+def _without_faults(
+    recording: CoupledRecording, frame: CoupledFrame, threshold: float
+) -> tuple[CoupledRecording, tuple[tuple[str, Fault], ...]]:
+    """Repair what the loop cannot have felt, and name all faults; channels that hardly move have none."""
+    command, measured = recording.command.copy(), recording.measured.copy()
+    largest = np.ptp(command, axis=1).max()
+    shares = np.clip(np.diag(frame.partition.static_transfer), 1e-6, 1.0)
+    faults: list[tuple[str, Fault]] = []
+    for place, number in enumerate(recording.actuators):
+        if not np.ptp(command[place]) > _SMALL_MOTION * largest:
+            continue
+        one = recording.of_actuator(place)
+        require_plausible(one)
+        bridged, *_ = without_spikes(one)
+        of_channel = find_faults(
+            one,
+            track(bridged, draws=_FEW_DRAWS),
+            threshold=threshold,
+            experimental_fraction=float(shares[place]),
+        )
+        sound = repaired(one, [fault for fault in of_channel if fault.in_loop is False])
+        command[place], measured[place] = sound.command, sound.measured
+        faults += [(number, fault) for fault in of_channel]
+    return replace(recording, command=command, measured=measured), tuple(faults)
+
+
+def _tolerances(
+    frame: CoupledFrame, feedback_lag: StatedValue | None, scale: StatedValue | None
+) -> Tolerances:
+    stated = frame.tolerances
+    return Tolerances(
+        frequency=stated.of_frequency,
+        damping_ratio=stated.damping_ratio,
+        experimental_fraction=stated.specimen_stiffness,
+        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / MILLI,
+        sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
+    )
+
+
+def _verdict(
+    error: CoupledError, metric: Metric, threshold: float, faults: tuple[tuple[str, Fault], ...]
+) -> Verdict:
+    governing = error.governing(metric)
+    if governing is None:
+        return Verdict(
+            word=Word.UNDECIDED,
+            reasons=tuple(lost_in_noise(degree) for degree in error.degrees),
+            would_decide=("Record with less noise, or drive the specimen further.",),
+        )
+    size, probability = governing.estimate(metric), error.probability(threshold, metric)
+    word = word_of_probability(probability)
+    reason = (
+        f"{ERROR_NAMES[metric]} of {governing.name}, the largest, is {percent(size.value, decimals=2)}, 90 % "
+        f"interval {percent(size.low, decimals=2)} to {percent(size.high, decimals=2)}, against a threshold "
+        f"of {percent(threshold)}: probability {probability_text(probability)} of staying below it."
+    )
+    sharper = next(iter(error.widenings(metric)))
+    remedy = _SHARPER.get(sharper, "Calibrate the displacement sensors: they widen the interval most.")
+    verdict = Verdict(word=word, reasons=(reason,), would_decide=(remedy,) if word is Word.UNDECIDED else ())
+    doubts = [f"Actuator {number}: {fault.finding}" for number, fault in faults if fault.in_loop is None]
+    return verdict.doubted(doubts, ["Repair the channel: the verdict may depend on it."] if doubts else [])

@@ -1,0 +1,143 @@
+"""A test with several actuators: commands and measured displacements at equal steps, checked."""
+
+import math
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from reliab.arrays import Array
+from reliab.errors import InputError
+from reliab.recordings.channel import DISPLACEMENTS, Channel, Part
+from reliab.recordings.channels_file import StatedChannels
+from reliab.recordings.readers import read_frame
+from reliab.recordings.reading import Histories, histories_of, read_test
+from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledRecording:
+    """Commands and measured displacements of the actuators of a test, or of its interface.
+
+    Raises InputError if histories differ in length, are too short, hold a value that is no number, or none of
+    the commands moves.
+
+    >>> time = np.arange(0.0, 20.0, 0.01)
+    >>> command = np.stack([np.sin(6.0 * time), np.cos(6.0 * time)])
+    >>> CoupledRecording(command=command, measured=0.99 * command, time_step=0.01).actuators
+    ('1', '2')
+    """
+
+    command: Array  # command, measured: Displacements [m, or rad of a rotation], shape (p, n)
+    measured: Array
+    time_step: float  # s
+    actuators: tuple[str, ...] = ()  # Numbers of the channels in the file; "1" to "p" by default
+    name: str = "test"
+    notes: tuple[str, ...] = ()  # What was assumed when the test was read, in sentences
+    channels: tuple[Channel, ...] = ()  # Which columns of the file were taken as what
+
+    def __post_init__(self) -> None:
+        shape = np.shape(self.command)
+        if len(shape) != 2 or shape != np.shape(self.measured) or shape[1] < FEWEST_SAMPLES:  # noqa: PLR2004
+            raise InputError(
+                f"Commands and measured displacements must have one length, at least {FEWEST_SAMPLES}",
+                value=f"shapes {shape} and {np.shape(self.measured)}",
+                remedy="Give the whole test",
+                where=self.name,
+            )
+        require_few_samples(shape[1], self.name)
+        if not (np.isfinite(self.time_step) and self.time_step > 0.0):
+            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+        actuators = tuple(self.actuators) or tuple(str(place + 1) for place in range(shape[0]))
+        object.__setattr__(self, "actuators", actuators)
+        for what, rows in (("command", self.command), ("measured displacement", self.measured)):
+            for number, values in zip(actuators, rows, strict=True):
+                self._check_finite(f"{what} {number}", values)
+        if not (np.ptp(self.command, axis=1) > 0.0).any():
+            raise InputError("Some command must move", remedy="Check the columns", where=self.name)
+
+    def _check_finite(self, what: str, values: Array) -> None:
+        wrong = ~(np.abs(values) < LARGEST_READING)
+        if wrong.any():
+            row = int(np.flatnonzero(wrong)[0])
+            raise InputError(
+                f"Every value must be a finite number below {LARGEST_READING:g}",
+                value=f"{values[row]} in the {what}, sample {row + 1}",
+                remedy="Repair the recording; a gap cannot be left empty",
+                where=self.name,
+            )
+
+    @property
+    def duration(self) -> float:
+        """Time between the first and the last sample [s]."""
+        return float((self.command.shape[1] - 1) * self.time_step)
+
+    def of_actuator(self, place: int) -> Recording:
+        """Return the recording of one actuator, which must move."""
+        return Recording(
+            command=self.command[place],
+            measured=self.measured[place],
+            time_step=self.time_step,
+            name=f"{self.name}, actuator {self.actuators[place]}",
+        )
+
+
+_NAMED_SO: Final = re.compile(
+    r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
+)
+_OF_RECORD: Final = "the record says so"
+_ROTATIONS: Final = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}
+
+
+def read_coupled_recording(
+    path: str | Path | pd.DataFrame, laboratory: StatedChannels, **reading: str | None
+) -> CoupledRecording:
+    """Read a test with several actuators: columns command_1, measured_1, command_2, … or as recognised.
+
+    Keyword arguments are `delimiter` and `test` of :func:`read_test`, and `time_units`. Rotations are in
+    radians where their column states no other unit: command_2_mrad.
+    """
+    time_units = reading.pop("time_units", None)
+    columns = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, **reading)
+    matches = {name: match for name in columns.values if (match := _NAMED_SO.match(name))}
+    parts = {name: (match[1], match[2]) for name, match in matches.items()}
+    if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
+        columns = replace(columns, parts={**columns.parts, **parts})
+    recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
+    factors = {
+        (match[1], match[2]): _ROTATIONS[match[3]] for match in matches.values() if match[3] in _ROTATIONS
+    }
+    command, measured = (
+        np.array([factors.get((part, number), 1.0) for number in recording.actuators])
+        for part in (Part.COMMAND, Part.MEASURED)
+    )
+    return replace(
+        recording,
+        command=command[:, np.newaxis] * recording.command,
+        measured=measured[:, np.newaxis] * recording.measured,
+    )
+
+
+def coupled_recording_of(histories: Histories) -> CoupledRecording:
+    """Take commands and measured displacements of all actuators of a test, in the order of their numbers."""
+    commands = {
+        channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.COMMAND
+    }
+    measured = {
+        channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.MEASURED
+    }
+    numbers = sorted(commands.keys() & measured.keys(), key=lambda number: (len(number), number))
+    columns, channels = histories.columns, histories.channels.values()
+    named = (replace(channel, reason=channel.reason.replace(_OF_RECORD, "its name")) for channel in channels)
+    return CoupledRecording(
+        command=np.stack([histories.values[commands[number]] for number in numbers]),
+        measured=np.stack([histories.values[measured[number]] for number in numbers]),
+        time_step=histories.time_step,
+        actuators=tuple(number or "1" for number in numbers),
+        name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
+        notes=tuple(dict.fromkeys(histories.notes)),
+        channels=tuple(named),
+    )

@@ -1,0 +1,61 @@
+"""Matrices of a description that stand in files beside it."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Final
+
+from reliab.errors import InputError
+from reliab.files import require_small
+from reliab.received import named_within
+
+_MATRICES: Final = frozenset(
+    [
+        "mass_matrix_kg",
+        "stiffness_matrix_n_per_m",
+        "damping_matrix_n_s_per_m",
+        "matrix_n_s_per_m",
+    ]
+)
+_MOST_BYTES: Final = 20_000_000
+_REMEDY: Final = "Write rows of numbers, separated by commas or spaces"
+
+
+def with_matrices(content: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Put the rows of a file in the place of its name, wherever a matrix is described."""
+    return {key: _read(key, value, folder) for key, value in content.items()}
+
+
+def _read(key: str, value: Any, folder: Path) -> Any:  # noqa: ANN401 - TOML holds anything
+    if isinstance(value, dict):
+        if key == "kinematics" and isinstance(value.get("matrix"), str):
+            value = {**value, "matrix": _rows(value["matrix"], folder)}
+        return with_matrices(value, folder)
+    if key in _MATRICES and isinstance(value, str):
+        return _rows(value, folder)
+    return value
+
+
+def _rows(name: str, folder: Path) -> list[list[float]]:
+    path = named_within(folder, name, where="")
+    require_small(path, _MOST_BYTES, remedy=_REMEDY)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or "bytes that are no text"
+        raise InputError(
+            "The file of a matrix must be readable text", value=reason, remedy=_REMEDY, where=name
+        ) from None
+    return list(_numbers(lines, name))
+
+
+def _numbers(lines: Iterable[str], name: str) -> Iterable[list[float]]:
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#")[0].replace(",", " ").replace(";", " ").split()
+        try:
+            row = [float(word) for word in text]
+        except ValueError:
+            raise InputError(
+                "A matrix holds numbers only", value=f"line {number}", remedy=_REMEDY, where=name
+            ) from None
+        if row:
+            yield row

@@ -1,0 +1,123 @@
+"""The error of several interface displacements, rebuilt from tests that an exact simulation made."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment.coupled_error import rebuild_coupled
+from reliab.assessment.rebuilt_error import Tolerances, rebuild
+from reliab.shipped import shipped
+from reliab.simulation.frames import coupled_response, read_structure
+from reliab.structures import CoupledPartition, Partition, Structure
+from reliab.vocabulary import Metric
+
+STEP = 1.0 / 256.0
+
+
+def ground(seed, duration=20.0):
+    """Motion of a random phase in each band, smooth between samples."""
+    generator = np.random.default_rng(seed)
+    time = np.arange(0.0, duration, STEP)
+    waves = sum(
+        np.sin(2.0 * np.pi * f * time + phase)
+        for f, phase in zip(np.linspace(0.5, 6.0, 23), generator.uniform(0.0, 6.28, 23), strict=True)
+    )
+    return waves * np.minimum(time / 3.0, 1.0) ** 3 * np.exp(-(((time - 8.0) / 6.0) ** 2))
+
+
+@pytest.fixture(scope="module")
+def frame():
+    return read_structure(shipped("datasets", "frames/two_actuators.toml"))
+
+
+@pytest.fixture(scope="module")
+def run(frame):
+    return coupled_response(frame.partition, frame.actuators, ground(1), STEP)
+
+
+def true_errors(run):
+    strayed = run.measured - run.reference
+    peak = np.abs(run.reference).max(axis=1)
+    return np.sqrt(np.mean(strayed**2, axis=1)) / peak, np.abs(strayed).max(axis=1) / peak
+
+
+def rebuilt(frame, run, noise=0.0, seed=0, draws=32, **options):
+    command, measured = frame.kinematics @ run.command, frame.kinematics @ run.measured
+    generator = np.random.default_rng(seed)
+    measured = measured + noise * measured.std(axis=1, keepdims=True) * generator.normal(size=measured.shape)
+    return rebuild_coupled(
+        command, measured, STEP, frame.partition, to_interface=frame.to_interface, draws=draws, **options
+    )
+
+
+def test_without_noise_it_is_the_true_error(frame, run):
+    error = rebuilt(frame, run, draws=4)
+    rms, mte = true_errors(run)
+    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=2e-4)
+    np.testing.assert_allclose([degree.mte.value for degree in error.degrees], mte, rtol=1e-3)
+
+
+def test_parts_of_actuators_and_causes_add_up(frame, run):
+    error = rebuilt(frame, run, draws=4)
+    for place in range(2):
+        parts = error.parts.of_degree(place)
+        assert sum(part.share for part in parts.values()) == pytest.approx(1.0, abs=1e-9)
+    whole = np.sum(list(error.parts.histories.values()), axis=0)
+    measured = frame.to_interface @ error.histories.measured
+    np.testing.assert_allclose(whole, measured - error.parts.reference, atol=1e-9 * np.abs(measured).max())
+
+
+def test_with_noise_it_stays_near_the_true_error(frame, run):
+    error = rebuilt(frame, run, noise=0.01)
+    rms, _ = true_errors(run)
+    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.02)
+
+
+def test_stated_tolerances_widen_the_interval(frame, run):
+    widths = [
+        rebuilt(frame, run, noise=0.01, tolerances=tolerances).degrees[0].rms
+        for tolerances in (Tolerances(), Tolerances(frequency=0.02))
+    ]
+    assert widths[1].high - widths[1].low > 2.0 * (widths[0].high - widths[0].low)
+
+
+def test_a_degree_that_does_not_move_is_not_judged(run):
+    command, measured = run.command.copy(), run.measured.copy()
+    command[1], measured[1] = 0.0, 1e-9 * np.random.default_rng(0).normal(size=command.shape[1])
+    scarcely = np.diag([1.0, 1.0])
+    partition = CoupledPartition(
+        mass=np.diag([4000.0, 40.0]),
+        damping=np.diag([4000.0, 100.0]),
+        stiffness=np.diag([2e6, 9e5]),
+        interface=scarcely,
+        specimen_stiffness=np.diag([1.4e6, 4e5]),
+        names=("x", "theta"),
+    )
+    error = rebuild_coupled(command, measured, STEP, partition, draws=8)
+    assert [degree.judged for degree in error.degrees] == [True, False]
+    assert error.governing(Metric.RMS).name == "x"
+
+
+def test_one_interface_displacement_is_the_case_of_one_actuator():
+    structure = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.8)
+    partition = CoupledPartition.of_partition(Partition.from_structure(structure, 1000.0))
+    time = np.arange(0.0, 20.0, STEP)
+    command = np.sin(2.0 * np.pi * time) * np.minimum(time / 5.0, 1.0) ** 3
+    measured = np.interp(time - 0.003, time, 0.99 * command)
+    coupled = rebuild_coupled(command[np.newaxis], measured[np.newaxis], STEP, partition, draws=32)
+    scalar = rebuild(command, measured, STEP, structure, draws=32)
+    assert coupled.degrees[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
+    assert coupled.degrees[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_true_error_in_nine_of_ten_tests(frame):
+    """60 tests under other ground motions, noise at 40 dB; both displacements of each."""
+    ratios, held = [], []
+    for seed in range(100, 160):
+        run = coupled_response(frame.partition, frame.actuators, ground(seed), STEP)
+        error = rebuilt(frame, run, noise=0.01, seed=seed, draws=128)
+        for degree, true in zip(error.degrees, true_errors(run)[0], strict=True):
+            ratios.append(degree.rms.value / true)
+            held.append(degree.rms.low <= true <= degree.rms.high)
+    assert np.mean((np.array(ratios) > 0.98) & (np.array(ratios) < 1.02)) >= 0.95
+    assert np.mean(held) >= 0.8

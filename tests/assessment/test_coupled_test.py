@@ -1,0 +1,107 @@
+"""`reliab.assess` of a test with several actuators: its summary, its warnings and what it refuses."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import reliab
+from reliab.errors import InputError
+from reliab.recordings import CoupledRecording
+from reliab.shipped import shipped
+from reliab.simulation.frames import coupled_response, read_frame, read_structure
+
+STEP = 1.0 / 256.0
+FRAME = "frames/two_actuators.toml"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A test's file, and the frame's."""
+    path = shipped("datasets", FRAME)
+    frame = read_structure(path)
+    time = np.arange(0.0, 20.0, STEP)
+    motion = np.sin(9.0 * time) * np.sin(2.0 * time) * np.minimum(time / 4.0, 1.0) ** 3
+    run = coupled_response(
+        frame.partition, frame.actuators, motion * np.exp(-(((time - 9.0) / 6.0) ** 2)), STEP
+    )
+    moved = {"command": frame.kinematics @ run.command, "measured": frame.kinematics @ run.measured}
+    noise = 1e-6 * np.random.default_rng(0).normal(size=(2, time.size))
+    moved["measured"] = moved["measured"] + noise
+    table = {"time_s": time} | {
+        f"{name}_{place + 1}": history[place] for place in range(2) for name, history in moved.items()
+    }
+    file = tmp_path_factory.mktemp("test") / "test.csv"
+    pd.DataFrame(table).to_csv(file, index=False)
+    strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    return file, path, np.sqrt(np.mean(strayed**2, axis=1)) / peak
+
+
+def test_json_holds_each_degree_and_the_governing_one(recorded):
+    file, frame, true = recorded
+    answer = reliab.assess(file, frame).to_dict()
+    json.dumps(answer, allow_nan=False)
+    degrees = answer["error"]["degrees_of_freedom"]
+    assert set(degrees) == {"x", "theta"}
+    for name, error in zip(("x", "theta"), true, strict=True):
+        rms = degrees[name]["rms"]
+        assert rms["low"] <= rms["value"] <= rms["high"]
+        assert rms["value"] == pytest.approx(error, rel=0.02)
+    governing = answer["error"]["governing"]
+    assert next(iter(degrees)) == governing
+    assert answer["error"]["rms"] == degrees[governing]["rms"]
+    assert 0.0 < answer["stability_margin"] < 1.0
+
+
+def test_a_recording_and_interface_coordinates_give_the_same(recorded, tmp_path):
+    file, path, _ = recorded
+    frame, table = read_structure(path), pd.read_csv(file)
+    at_actuators = [table[[f"{name}_1", f"{name}_2"]].to_numpy().T for name in ("command", "measured")]
+    text = path.read_text(encoding="utf-8").replace('channels = "actuators"', 'channels = "interface"')
+    (tmp_path / "interface.toml").write_text(text, encoding="utf-8")
+    command, measured = (frame.to_interface @ history for history in at_actuators)
+    recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
+    found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
+    same = reliab.assess(file, path)
+    for one, another in zip(found.error.degrees, same.error.degrees, strict=True):
+        assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
+
+
+def test_matrices_may_stand_in_files(tmp_path):
+    text = shipped("datasets", FRAME).read_text(encoding="utf-8")
+    frame = read_structure(shipped("datasets", FRAME))
+    np.savetxt(tmp_path / "K.csv", frame.partition.stiffness, delimiter=",")
+    begin, end = text.index("stiffness_matrix_n_per_m"), text.index("influence")
+    (tmp_path / "frame.toml").write_text(
+        text[:begin] + 'stiffness_matrix_n_per_m = "K.csv"\n' + text[end:], encoding="utf-8"
+    )
+    again = read_structure(tmp_path / "frame.toml")
+    np.testing.assert_allclose(again.partition.stiffness, frame.partition.stiffness, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("[1.0, -0.25]", "[1.0, 0.25]", "must not be singular"),
+        ("    [1.0, -0.25],", "    [1.0, -0.25],\n    [1.0, 0.0],", "more actuators than degrees"),
+        ("[1.4e6, -3.0e5]", "[9.4e6, -3.0e5]", "must be part of the frame"),
+        ('["x", "theta"]\n# Rows', '["x", "y"]\n# Rows', "must be one of the frame"),
+        ("    [-4.0e5, 9.0e5, 2.0e5],\n", "    [-4.0e5, 9.0e5],\n", "rows of a matrix"),
+    ],
+)
+def test_a_bad_description_ends_in_a_sentence(recorded, tmp_path, old, new, sentence):
+    text = recorded[1].read_text(encoding="utf-8")
+    assert old in text
+    bad = tmp_path / "bad.toml"
+    bad.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=sentence):
+        read_structure(bad)
+
+
+def test_what_takes_one_actuator_refuses_several(recorded):
+    file, path, _ = recorded
+    with pytest.raises(InputError, match="Only `reliab assess` takes a frame"):
+        read_frame(path)
+    with pytest.raises(InputError, match="skew"):
+        reliab.assess(file, path, skew="0.1")

@@ -1,0 +1,168 @@
+"""Coupled hybrid tests against an integrator that shares no code, and the two engines against each other."""
+
+import numpy as np
+import pytest
+import scipy
+
+from reliab.errors import InputError
+from reliab.simulation.frames import coupled_response, responses_over_frequency
+from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
+from reliab.structures import CoupledPartition
+
+STEP = 1.0 / 256.0
+
+
+def lag(gain, corner):
+    return TransferFunction(numerator=(gain * corner**2,), denominator=(1.0, 1.4 * corner, corner**2))
+
+
+def coupled_lags(size, seed):
+    generator = np.random.default_rng(seed)
+    return tuple(
+        tuple(
+            lag(1.0 + 0.02 * generator.normal() if i == j else 0.03 * generator.normal(), 1500.0 + 100.0 * j)
+            for j in range(size)
+        )
+        for i in range(size)
+    )
+
+
+def two_storeys():
+    """Both storeys of a shear frame are driven."""
+    stiffness = np.array([[3e6, -1e6], [-1e6, 1e6]])
+    mass = np.diag([1200.0, 900.0])
+    specimen = np.array([[1.2e6, -4e5], [-4e5, 4e5]])
+    return mass, stiffness, np.eye(2), specimen, np.diag([30.0, 20.0]), np.ones(2), np.eye(2)
+
+
+def node():
+    """A node with two translations and a rotation, on three inclined actuators, below a floor."""
+    stiffness = np.array(
+        [[4e6, 2e5, 1e5, -1e6], [2e5, 6e6, -3e5, 0.0], [1e5, -3e5, 1.2e6, 1e5], [-1e6, 0.0, 1e5, 1e6]]
+    )
+    mass = np.diag([2000.0, 2000.0, 150.0, 1500.0])
+    specimen = np.array([[1.5e6, 1e5, 5e4], [1e5, 2e6, -1e5], [5e4, -1e5, 4e5]])
+    kinematics = np.array([[0.8, 0.6, 0.2], [-0.8, 0.6, 0.2], [0.0, 1.0, -0.3]])
+    influence = np.array([1.0, 0.3, 0.0, 1.0])
+    return mass, stiffness, np.eye(4)[:, :3], specimen, np.diag([40.0, 40.0, 3.0]), influence, kinematics
+
+
+def plate():
+    """Four actuators at the corners of a plate that moves up, bends, and turns about two axes."""
+    generator = np.random.default_rng(7)
+    root = generator.normal(size=(4, 4))
+    stiffness = 2e6 * np.eye(4) + 2e5 * (root @ root.T)
+    mass = np.diag([1500.0, 300.0, 300.0, 100.0])
+    specimen = 0.4 * stiffness
+    corners = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    kinematics = np.column_stack([np.ones(4), corners, corners.prod(axis=1)])
+    return mass, stiffness, np.eye(4), specimen, 0.02 * mass, np.array([1.0, 0.2, 0.1, 0.0]), kinematics
+
+
+def described(structure):
+    mass, stiffness, interface, specimen, specimen_mass, influence, kinematics = structure()
+    partition = CoupledPartition(
+        mass=mass,
+        damping=1.5 * mass + 3e-4 * stiffness,
+        stiffness=stiffness,
+        interface=interface,
+        specimen_stiffness=specimen,
+        specimen_damping=1e-4 * specimen,
+        specimen_mass=specimen_mass,
+        influence=influence,
+    )
+    actuators = ActuatorMatrix(kinematics=kinematics, transfer=coupled_lags(len(kinematics), 3))
+    return partition, actuators
+
+
+def ground(duration):
+    time = np.arange(0.0, duration, STEP)
+    return np.sin(5.0 * time) * np.sin(1.3 * time) + 0.4 * np.sin(23.0 * time)
+
+
+def integrated(partition, actuators, record):
+    """Command and measured displacements by Runge-Kutta steps, with each command filtered by itself."""
+    size, degrees = partition.size, partition.degrees
+    gamma, t_inverse = partition.interface, np.linalg.inv(actuators.kinematics)
+    k, c, m = partition.specimen_stiffness, partition.specimen_damping, partition.specimen_mass
+    mass = partition.mass - gamma @ m @ gamma.T
+    inverse = np.linalg.inv(mass)
+    damping = partition.damping - gamma @ c @ gamma.T
+    stiffness = partition.stiffness - gamma @ k @ gamma.T
+    corners = np.array([np.sqrt(entry.denominator[-1]) for entry in actuators.transfer[0]])
+    gains = np.array(
+        [[entry.numerator[0] / entry.denominator[-1] for entry in row] for row in actuators.transfer]
+    )
+    times = STEP * np.arange(record.size)
+
+    def rates(t, state):
+        x, v = state[:size], state[size : 2 * size]
+        # each command's own second-order filter, whose outputs the gains mix
+        q, r = state[2 * size : 2 * size + degrees], state[2 * size + degrees :]
+        sent = actuators.kinematics @ (gamma.T @ x)
+        s = corners**2 * (sent - q) - 1.4 * corners * r
+        mixed = t_inverse @ gains
+        force = k @ (mixed @ q) + c @ (mixed @ r) + m @ (mixed @ s)
+        load = -partition.mass @ partition.influence * np.interp(t, times, record)
+        a = inverse @ (load - damping @ v - stiffness @ x - gamma @ force)
+        return np.concatenate([v, a, r, s])
+
+    solution = scipy.integrate.solve_ivp(
+        rates,
+        (0.0, times[-1]),
+        np.zeros(2 * size + 2 * degrees),
+        t_eval=times,
+        method="DOP853",
+        rtol=1e-9,
+        atol=1e-14,
+        max_step=STEP,
+    )
+    command = gamma.T @ solution.y[:size]
+    return command, t_inverse @ gains @ solution.y[2 * size : 2 * size + degrees]
+
+
+@pytest.mark.parametrize("structure", [two_storeys, node, plate])
+def test_exact_steps_agree_with_an_integrator(structure):
+    partition, actuators = described(structure)
+    record = ground(0.4)
+    response = coupled_response(partition, actuators, record, STEP)
+    command, measured = integrated(partition, actuators, record)
+    np.testing.assert_allclose(response.command, command, atol=1e-6 * np.abs(command).max())
+    np.testing.assert_allclose(response.measured, measured, atol=1e-6 * np.abs(measured).max())
+
+
+@pytest.mark.parametrize("structure", [two_storeys, node, plate])
+def test_state_and_frequency_give_one_steady_motion(structure):
+    partition, actuators = described(structure)
+    omega = 9.0
+    time = np.arange(0.0, 12.0, STEP)
+    response = coupled_response(partition, actuators, np.sin(omega * time), STEP)
+    of_command, of_measured = responses_over_frequency(partition, actuators, np.array([1j * omega]))
+    late = time > 9.0
+    for history, transfer in ((response.command, of_command[0]), (response.measured, of_measured[0])):
+        steady = np.imag(np.outer(transfer, np.exp(1j * omega * time)))
+        np.testing.assert_allclose(history[:, late], steady[:, late], atol=2e-3 * np.abs(steady).max())
+
+
+def test_unstable_tests_and_pure_delays_are_refused():
+    partition, _ = described(two_storeys)
+    slow = ActuatorMatrix(kinematics=np.eye(2), transfer=((lag(1.0, 40.0), None), (None, lag(1.0, 40.0))))
+    with pytest.raises(InputError, match="must be stable"):
+        coupled_response(partition, slow, ground(1.0), STEP)
+    late = TransferFunction(numerator=(1.0,), denominator=(1.0,), delay=0.01)
+    delayed = ActuatorMatrix(kinematics=np.eye(2), transfer=((late, None), (None, late)))
+    with pytest.raises(InputError, match="pure delays"):
+        coupled_response(partition, delayed, ground(1.0), STEP)
+
+
+@pytest.mark.parametrize(
+    ("kinematics", "sentence"),
+    [
+        ([[1.0, 0.2], [2.0, 0.4]], "must not be singular"),
+        ([[1.0, 0.2], [1.0, -0.2], [0.5, 0.1]], "more actuators than degrees"),
+        ([[1.0, 0.2]], "needs an actuator"),
+    ],
+)
+def test_kinematics_that_cannot_drive_the_specimen_are_refused(kinematics, sentence):
+    with pytest.raises(InputError, match=sentence):
+        ActuatorMatrix(kinematics=np.array(kinematics), transfer=coupled_lags(2, 1))
