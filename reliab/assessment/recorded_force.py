@@ -103,7 +103,10 @@ def require_restoring_force(
 
 
 def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
-    """Refuse a test whose force follows the command, and comes too late for the measured displacement.
+    """Refuse a test whose force follows the command, and whose measured displacement is ahead of it.
+
+    A force that follows the command alone is no proof: a displacement sensor that drifts hides the motion
+    that the specimen follows, but it does not know what will be commanded.
 
     `command`, `measured`, `force` [m]; `time_step` [s].
     """
@@ -111,13 +114,19 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     if kernel is None:
         return
     by_command, by_measured = (_left_over(moved, force, kernel) for moved in (command, measured))
-    if by_command < _EXCHANGED * by_measured:
+    if by_command < _EXCHANGED * by_measured and _leads(measured, command, kernel):
         raise InputError(
             "The recorded force must follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
             remedy="Exchange the columns, or name them with `command` and `measured`",
             where=where,
         )
+
+
+def _leads(first: Array, second: Array, kernel: Kernel) -> bool:
+    """Whether one history is ahead of another, to first order in the time between them."""
+    ahead = scipy.signal.detrend(kernel.seen(first, 0))
+    return bool(ahead @ kernel.seen(second, 1) > 0.0)
 
 
 def unexamined_unit(recording: Recording, structure: Structure) -> str:

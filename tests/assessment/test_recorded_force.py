@@ -152,3 +152,13 @@ def test_a_force_of_nothing_is_refused(moved, force, words):
     test = recorded(moved, "spring")
     with pytest.raises(InputError, match=words):
         require_plausible(replace(test, force=force(test)))
+
+
+def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(moved):
+    """The force follows the motion of the piston, of which the command knows more than such a sensor."""
+    test = recorded(moved, "spring", late=0.003)
+    time = np.arange(test.force.size) / RATE
+    drifting = test.measured + 0.1 * np.abs(test.measured).max() * time / time[-1]
+    require_plausible(replace(test, measured=drifting))
+    with pytest.raises(InputError, match="exchanged"):
+        require_plausible(replace(test, command=test.measured, measured=test.command))

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -24,6 +25,7 @@ from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
 
 from reliab.discrepancy import add, diagnose, read_campaign  # noqa: E402
+from reliab.errors import InputError  # noqa: E402
 
 LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""
@@ -42,18 +44,27 @@ def evaluate(seed: int, folder: Path, *, with_rivals: bool, variant: str | None 
             return
         if variant is not None:
             VARIANTS[variant](campaign)
-        begin, worked = time.perf_counter(), time.process_time()
-        found = diagnose(read_campaign(campaign))
-        result = found.to_dict()
-        result["seconds"] = time.perf_counter() - begin
-        add(found)
-        result["seconds_with_posterior"] = time.perf_counter() - begin
-        result["processor_seconds"] = time.process_time() - worked
+        result = answer(campaign)
         shutil.rmtree(campaign)
     (folder / "results" / f"{name}.json").write_text(json.dumps(result), encoding="utf-8")
     write_label(label, folder / "labels")
     names = [effect["name"] for effect in result["effects"]]
     print(f"{name} {label.kind} {sorted(label.names)}: {result['verdict']} {names}", flush=True)
+
+
+def answer(folder: Path) -> dict[str, Any]:
+    """Diagnose a campaign; a campaign that is refused has the verdict `refused`."""
+    begin, worked = time.perf_counter(), time.process_time()
+    try:
+        found = diagnose(read_campaign(folder))
+    except InputError as refusal:
+        return {"verdict": "refused", "effects": [], "refusal": str(refusal)}
+    result = found.to_dict()
+    result["seconds"] = time.perf_counter() - begin
+    add(found)
+    result["seconds_with_posterior"] = time.perf_counter() - begin
+    result["processor_seconds"] = time.process_time() - worked
+    return result
 
 
 def show_times(folder: Path) -> None:
