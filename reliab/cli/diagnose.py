@@ -11,7 +11,7 @@ from reliab.cli.completion import campaigns
 from reliab.cli.demand import takes
 from reliab.cli.options import OF_REPORT, JsonTarget, Reported
 from reliab.cli.output import console, progress_bar, table, write_json
-from reliab.significant import percent, significant
+from reliab.significant import percent
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
@@ -98,7 +98,7 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
         names = table("What is missing", _EFFECTS)
         for effect in effects:
             for estimate in effect.estimates:
-                value, spread = f"{estimate.value:.4g} {estimate.units}", significant(estimate.sd, 2)
+                value, spread = estimate.words
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
                 name = f"{estimate.name}{mark}"
                 names.add_row(effect.name, f"{effect.probability:.3f}", name, value, spread)
@@ -117,7 +117,14 @@ def _proved(block: "BlockDiagnosis") -> str:
         "" if gap.stated_share is None else f", {percent(gap.stated_share, decimals=1)} of the gap closed"
     )
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
+    worst = next(iter(gap.by_test), None)
+    least = (
+        f" Least is explained of {worst.files[0]} ({worst.kind}): {worst.before:.4f} before,"
+        f" {worst.after:.4f} after."
+        if worst is not None and len(gap.tests_after) > 1
+        else ""
+    )
     return (
         f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"
-        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}."
+        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}.{least}"
     )

@@ -146,17 +146,31 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
     advance()
-    if is_model_error(searched.problem, searched.best):
-        searched = searched.tempered()
+    searched = _refined(_judged(searched))
     advance()
-    searched.settle()
-    searched.refine()
-    searched.settle()
+    finally_judged = _judged(searched)  # refinement may have uncovered an error of the model
+    if finally_judged is not searched:
+        searched = _refined(finally_judged)
     advance()
     searched.sharpen()
     diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
     advance()
     return diagnosed
+
+
+def _judged(search: Search) -> Search:
+    """Judge models by their errors where the best one leaves an error, else by noise as before."""
+    if search.problem.flat or not is_model_error(search.problem, search.best):
+        return search
+    return search.tempered()
+
+
+def _refined(search: Search) -> Search:
+    """Reject what does not matter, before and after special forms of effects are tried."""
+    search.settle()
+    search.refine()
+    search.settle()
+    return search
 
 
 def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stretch]) -> Problem:

@@ -6,7 +6,7 @@ from enum import StrEnum
 from itertools import combinations
 
 import numpy as np
-from scipy import fft, signal
+from scipy import fft, signal, stats
 
 from reliab.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
@@ -21,6 +21,10 @@ _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range
 _SHORTEST_REST = 0.25  # s
 _FEWEST_SAMPLES = 64
+_LINE = 0.1  # of a sine's frequency to either side
+_NEARLY_ALL = 0.9  # of the power
+_FEWEST_CROSSINGS, _ORDERED = 8, 0.9  # of zero, and the rank correlation of their distances with time
+_CLEAR = 0.2  # standard deviations from zero that noise does not cross
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
@@ -62,7 +66,42 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Ga
         floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in noise_floors},
         tests_before=errors_by_test(proof, before),
         tests_after=errors_by_test(proof, after),
+        sizes={block.tests[test].file: float(np.sqrt(_mean_square(proof, test) / unit)) for test in tests},
+        kinds={
+            block.tests[test].file: kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate)
+            for test in tests
+        },
     )
+
+
+def _mean_square(proof: Problem, test: int) -> float:
+    """Mean square of the channel over the held-out stretches of a test."""
+    parts = [_cut(s, proof.block.measured(test)) for s in proof.segments if s.test == test]
+    return max(float(np.mean(np.concatenate(parts) ** 2)), 1e-300)
+
+
+def kind_of_motion(driven: Array, rate: float) -> str:
+    """Tell a sine, a sweep and an irregular motion, such as an earthquake's, from each other.
+
+    `rate` [Hz].
+
+    >>> time = np.arange(0.0, 30.0, 0.005)
+    >>> [kind_of_motion(np.sin(w * time), 200.0) for w in (5.0, 0.5 * time)]
+    ['sine', 'sweep']
+    """
+    centred = signal.detrend(driven, type="constant")
+    frequency, power = signal.periodogram(centred, fs=rate, window="hann")
+    main = float(frequency[np.argmax(power)])
+    near = np.abs(frequency - main) <= max(_LINE * main, 3.0 * float(frequency[1]))
+    if power[near].sum() > _NEARLY_ALL * power.sum():
+        return "sine"
+    clear = np.flatnonzero(np.abs(centred) > _CLEAR * centred.std())
+    crossings = clear[1:][np.diff(np.signbit(centred[clear]))]
+    if crossings.size >= _FEWEST_CROSSINGS:
+        order = stats.spearmanr(np.arange(crossings.size - 1), np.diff(crossings)).statistic
+        if abs(float(order)) > _ORDERED:
+            return "sweep"
+    return "irregular motion"
 
 
 def _cut(segment: Segment, values: Array) -> Array:

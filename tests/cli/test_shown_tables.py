@@ -11,6 +11,7 @@ from reliab.assessment.rebuilt_error import Monitor
 from reliab.cli.diagnose import _show_effects
 from reliab.cli.monitor.shown import _table
 from reliab.cli.validate import shown_cases, shown_rates
+from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
@@ -48,7 +49,7 @@ def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
 
 def test_missing_effects_are_shown_with_their_parameters_and_bounds(capsys):
     estimates = [
-        SimpleNamespace(name=name, value=value, units="N", sd=0.5)
+        Estimate(name=name, value=value, units="N", sd=0.5)
         for name, value in (("force_n", 12.3456), ("other_n", 7.0))
     ]
     effect = SimpleNamespace(

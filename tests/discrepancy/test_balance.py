@@ -7,10 +7,46 @@ from blind_campaigns.campaign import Options, generate
 
 from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
+from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.result.missing_effect import calibration
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
+
+
+def searched(campaign):
+    """The best model of a campaign's numerical substructure, and its calibrated values by name."""
+    block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    segments = cut_segments(campaign.training, campaign.rate, block.highest_of)
+    best = Search(Problem(block=block, segments=segments)).whole()
+    return best, {e.name: e for e in calibration(best)}
+
+
+def with_force(campaign, changed):
+    """The same campaign with another recorded force."""
+    tests = (
+        replace(test, channels={**test.channels, Channel.FORCE: changed(test.channels[Channel.FORCE])})
+        for test in campaign.tests
+    )
+    return replace(campaign, tests=tuple(tests))
+
+
+def test_an_offset_of_the_recorded_force_that_the_loop_did_not_feel_is_no_integration_error(sample_campaigns):
+    campaign = read_campaign(sample_campaigns / "rig_c")
+    best, calibrated = searched(with_force(campaign, lambda force: force + 0.5))
+    assert best.space.names == ()
+    offset = calibrated["force_not_fed_back_n"]
+    assert offset.value == pytest.approx(0.5, abs=3.0 * offset.sd)
+
+
+def test_a_mass_that_is_stated_wrongly_is_calibrated(sample_campaigns):
+    campaign = read_campaign(sample_campaigns / "rig_c")
+    best, calibrated = searched(with_force(campaign, lambda force: 1.03 * force))
+    assert best.space.names == ()
+    mass = calibrated["structure_mass"]
+    assert mass.value == pytest.approx(1.03, abs=3.0 * mass.sd)
+    assert abs(mass.value - 1.0) > 3.0 * mass.sd
 
 
 @pytest.mark.parametrize("seed", [pytest.param(710001, marks=pytest.mark.slow), 710010])
@@ -23,7 +59,7 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ("integration_error",)
-    _curvature, _frequency, _ratio, damping, step = best.space.values(best.coordinates)
+    *_calibrated, damping, step = best.space.values(best.coordinates)
     truth = label.effects[0]
     # The curvature of the ground between samples is calibrated beside it and takes a part of it: 11 % here.
     assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.15)
@@ -38,10 +74,12 @@ def test_ground_thinned_to_every_second_sample_is_no_integration_error(sample_ca
     search = Search(Problem(block=block, segments=segments))
     best = search.whole()
     assert best.space.names == ()
-    curvature, frequency, ratio = best.space.values(best.coordinates)
+    curvature, frequency, ratio, mass, offset = best.space.values(best.coordinates)
     assert frequency == pytest.approx(1.0, abs=0.002)
     assert ratio == pytest.approx(1.0, abs=0.02)
     assert curvature == pytest.approx(0.75, abs=0.05)
+    assert mass == pytest.approx(1.0, abs=0.002)
+    assert abs(offset) < 0.002 * block.scales.force
 
 
 def test_a_structure_that_is_stated_wrongly_is_calibrated_and_no_integration_error(sample_campaigns):
@@ -53,7 +91,7 @@ def test_a_structure_that_is_stated_wrongly_is_calibrated_and_no_integration_err
     search = Search(Problem(block=block, segments=cut_segments(wrong.training, wrong.rate, block.highest_of)))
     best = search.whole()
     assert best.space.names == ()
-    _, frequency, ratio = best.space.values(best.coordinates)
+    _, frequency, ratio, _mass, _offset = best.space.values(best.coordinates)
     assert frequency * 1.02 == pytest.approx(1.0, abs=0.004)
     assert ratio * frequency * 1.2 * 1.02 == pytest.approx(1.0, abs=0.03)  # the damping coefficient
 

@@ -71,8 +71,13 @@ class Judged(Search):
             )
         self.null = self.fitted[frozenset()]
         self.problem = SimpleNamespace(
-            flat=False, whitened=lambda space, *_: np.array([np.sqrt(space.energy)])
+            flat=False,
+            whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
         )
+
+    @staticmethod
+    def _acts(_candidate, _kind):
+        return True
 
     def error(self, candidate):
         return errors([self.left[candidate.space.effects]])
@@ -87,12 +92,30 @@ class Judged(Search):
         return self._matters(self.with_effects(*larger), self.with_effects(*smaller))
 
 
-@pytest.mark.parametrize(("growth", "supported"), [(1.015, True), (1.025, False)])
-def test_an_effect_beside_others_may_predict_worse_by_what_noise_brings_about(growth, supported):
+@pytest.mark.parametrize(("growth", "matters"), [(1.015, True), (1.025, False)])
+def test_an_effect_beside_others_is_tried_though_it_predicts_worse_by_what_noise_brings_about(
+    growth, matters
+):
     """It closes two hundredths of the gap, and the error on left-out tests grows."""
     training = {(): 1000.0, (CUBIC,): 120.0, (VISCOUS,): 900.0, (CUBIC, VISCOUS): 102.0}
     left_out = {(CUBIC,): 1.0, (VISCOUS,): 9.0, (CUBIC, VISCOUS): growth}
+    assert Judged(training, left_out).matters((CUBIC, VISCOUS), (CUBIC,)) is matters
+
+
+@pytest.mark.parametrize(("left", "supported"), [(0.997, True), (0.9995, False)])
+def test_no_effect_is_named_without_which_tests_are_predicted_as_well(left, supported):
+    """Evidence praises it; the error on left-out tests is the same to a thousandth of its RMS."""
+    training = {(): 1000.0, (CUBIC,): 120.0, (VISCOUS,): 900.0, (CUBIC, VISCOUS): 60.0}
+    left_out = {(): 1.0, (CUBIC,): left, (VISCOUS,): 9.0, (CUBIC, VISCOUS): left * left}
+    assert Judged(training, left_out).supports(CUBIC) is supported
     assert Judged(training, left_out).supports(CUBIC, VISCOUS) is supported
+
+
+def test_no_effect_is_named_whose_parameters_are_within_their_uncertainty_of_none():
+    models = Judged({(): 1000.0, (CUBIC,): 120.0}, {(): 1.0, (CUBIC,): 0.1})
+    assert models.supports(CUBIC)
+    models._acts = lambda _candidate, _kind: False  # noqa: SLF001 - what is replaced
+    assert not models.supports(CUBIC)
 
 
 @pytest.mark.parametrize(("predicted", "supported"), [(0.80, True), (0.82, False)])

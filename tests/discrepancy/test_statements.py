@@ -1,6 +1,7 @@
 """No sentence on a diagnosis contradicts the numbers that stand beside it, whatever these are."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -9,8 +10,9 @@ from hypothesis import given, strategies as st
 from reliab.cli.diagnose import _proved
 from reliab.discrepancy import Gap, Verdict
 from reliab.discrepancy.naming import unexplained
-from reliab.discrepancy.result.diagnosis import remainder_statement, statement
+from reliab.discrepancy.result.diagnosis import contradiction, remainder_statement, statement
 from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy.report import _closed, _floor
 from reliab.vocabulary import Block
 
@@ -43,6 +45,7 @@ def blocks(draw):
         gap=draw(gaps()),
         leaves_noise=draw(st.booleans()),
         structured_share=draw(st.floats(0.02, 1.0)),
+        misstated=(),
         block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"),
     )
 
@@ -121,3 +124,88 @@ def test_three_times_the_noise_is_something_missing(times, missing):
     model = SimpleNamespace(space=SimpleNamespace(effects=()))
     found = unexplained._remainder(problem, model, gap)  # noqa: SLF001 - what is tested
     assert (found is not None) is missing
+
+
+def a_gap(**errors):
+    """A gap of held-out tests, by file: kind, error before and after."""
+    return Gap(
+        held_out=tuple(errors),
+        channel="force_n",
+        before=0.5,
+        after=0.1,
+        floors={},
+        tests_before={file: before for file, (_, before, _) in errors.items()},
+        tests_after={file: after for file, (_, _, after) in errors.items()},
+        kinds={file: kind for file, (kind, _, _) in errors.items()},
+    )
+
+
+def test_the_least_explained_kind_of_test_and_the_least_explained_test_come_first():
+    gap = a_gap(a=("sine", 0.5, 0.05), b=("sine", 0.5, 0.2), c=("irregular motion", 0.4, 0.3))
+    assert [kind.kind for kind in gap.by_kind] == ["irregular motion", "sine"]
+    assert [test.files for test in gap.by_test] == [("c",), ("b",), ("a",)]
+    assert gap.by_test[0].unexplained_share == pytest.approx(0.3**2 / 0.4**2)
+    assert gap.by_kind[1].unexplained_share == pytest.approx((0.05**2 + 0.2**2) / (2.0 * 0.5**2))
+    written = gap.to_dict()
+    assert list(written["tests"]) == ["c", "b", "a"]
+    assert written["kinds"][0]["tests"] == ["c"]
+
+
+def test_a_floor_is_a_larger_share_of_a_weaker_test():
+    gap = replace(a_gap(a=("sine", 0.5, 0.1), b=("sine", 0.5, 0.1)), floors={"rest": 0.02})
+    weak = replace(gap, sizes={"a": 1.0, "b": 0.25}).by_test
+    assert {test.files[0]: test.noise for test in weak} == pytest.approx({"a": 0.02, "b": 0.08})
+
+
+@pytest.mark.parametrize(("after", "named"), [(0.21, True), (0.24, False)])
+def test_effects_are_the_answer_where_they_explain_four_fifths_of_every_kind_of_test(after, named):
+    """An earthquake stands at 0.21 or 0.24 of the signal, of 0.5, where sines are explained wholly."""
+    gap = a_gap(a=("sine", 0.5, 0.01), b=("sine", 0.5, 0.01), c=("irregular motion", 0.5, after))
+    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
+    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
+    assert (unexplained._remainder(problem, model, gap) is None) is named  # noqa: SLF001 - what is tested
+
+
+def test_a_remainder_is_described_by_what_it_looks_like():
+    left = [
+        SimpleNamespace(kind="frequency_band", detail="In force_n of the specimen X.", share_of_residual=0.9),
+        SimpleNamespace(kind="velocity", detail="In force_n of the specimen Y.", share_of_residual=0.42),
+    ]
+    gap = a_gap(a=("sine", 0.5, 0.4))
+    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
+    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
+    found = unexplained._remainder(problem, model, gap, left)  # noqa: SLF001 - what is tested
+    assert found.description.endswith("; 42 % of it: In force_n of the specimen Y")
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_what_contradicts_the_campaign_is_said_first(verdict):
+    mass = Estimate(name="structure_mass", value=1.0312, sd=0.0003, units="-", signed=True)
+    gap = Gap(
+        held_out=("a",),
+        channel="force_n",
+        before=0.01,
+        after=0.01,
+        floors={},
+        tests_before={},
+        tests_after={},
+    )
+    block = SimpleNamespace(gap=gap, leaves_noise=True, misstated=(mass,))
+    assert statement(verdict, [block]).startswith(
+        "The tests did not run with what was stated (mass 1.031 times). "
+    )
+    assert "1.031 ± 0.0003 times the stated one: check the table [structure]" in contradiction(mass)
+
+
+@pytest.mark.parametrize(
+    ("sd", "signed", "words"),
+    [
+        (580_611.0, False, ("not determined", "")),
+        (580_611.0, True, ("8933 N/m", "580611")),
+        (40.0, False, ("8933 N/m", "40")),
+    ],
+)
+def test_a_parameter_that_may_be_anything_is_not_shown_as_a_number(sd, signed, words):
+    estimate = Estimate(name="stiffness_n_per_m", value=8933.0, sd=sd, units="N/m", signed=signed)
+    assert estimate.words == words
+    assert estimate.to_dict()["determined"] is (words[1] != "")

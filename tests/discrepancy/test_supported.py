@@ -38,6 +38,10 @@ class Known(Search):
             whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
         )
 
+    @staticmethod
+    def _acts(_candidate, _kind):
+        return True
+
     def error(self, candidate):
         one = np.ones(1)
         return LeftOut(energies=candidate.space.energy * one, signals=one, units=one, foretold=one > 0.0)

@@ -6,9 +6,9 @@ transfer function from the demanded to the command's acceleration, which is inve
 controller's rate the command contains no information on the demanded acceleration; there the nominal specimen
 is used. Below, whatever was demanded above is folded onto it at the controller's instants, so that models
 with such an error are judged only up to the frequency to which the command explains the force. The last
-demands of a record are answered after its end, which is left out. Natural frequency and damping ratio are
-calibrated, because an operator may state them wrongly; a wrong value would otherwise look like an error of
-the integration.
+demands of a record are answered after its end, which is left out. Natural frequency, damping ratio and mass
+are calibrated, because an operator may state them wrongly; a wrong value would otherwise look like an error
+of the integration, and so would an offset of the recorded force that the controller did not feel.
 """
 
 from copy import copy
@@ -20,10 +20,16 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.arrays import Array, Spectrum
-from reliab.discrepancy.blocks.calibration import Calibration, structure_damping, structure_frequency
+from reliab.discrepancy.blocks.calibration import (
+    Calibration,
+    force_not_fed_back,
+    structure_damping,
+    structure_frequency,
+    structure_mass,
+)
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.effects import IntegrationError, Parameter, RecordEffect, Role, Scales, library
+from reliab.effects import ForceBias, IntegrationError, Parameter, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
 
@@ -44,7 +50,13 @@ class BalanceBlock(ObservedBlock):
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
-        self.calibrations = (curvature_between_samples(), structure_frequency(), structure_damping())
+        self.calibrations = (
+            curvature_between_samples(),
+            structure_frequency(),
+            structure_damping(),
+            structure_mass(),
+            force_not_fed_back(),
+        )
         self.offsets = ()
         roles = (Role.RECORD, Role.INTEGRATION)
         self.candidates = tuple(effect for effect in library().values() if effect.role in roles)
@@ -89,7 +101,8 @@ class BalanceBlock(ObservedBlock):
                 likely = -ground.spectrum - (structure.stiffness + self._spring) * moved[0].spectrum
                 likely -= structure.damping * moved[1].spectrum + lead * moved[2].spectrum
                 acceleration = self._demanded(effect, moved[2], likely)
-        return np.asarray(-model.mass * (returned + acceleration))
+        offset = sum(effect.bias_n for effect in model.effects if isinstance(effect, ForceBias))
+        return np.asarray(offset - model.mass * (returned + acceleration))
 
     def _demanded(self, effect: IntegrationError, moved: "ClosedSignal", likely: Spectrum) -> Array:
         """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.effects import ExcitationScale, Parameter
+from reliab.effects import ExcitationScale, ForceBias, Parameter
 from reliab.simulation import Actuator
 from reliab.simulation.hybrid_test import HybridTest
 
@@ -146,6 +146,36 @@ def structure_damping() -> Calibration:
         nominal=lambda _model: 1.0,
         apply=lambda model, value: _with_structure(model, damping=value),
     )  # fmt: skip
+
+
+def structure_mass() -> Calibration:
+    """Mass that scales the force of the controller's structure, over its nominal value.
+
+    The scale of a load cell that is off looks the same.
+    """
+    return Calibration(
+        parameter=Parameter(
+            name="structure_mass", units="-", meaning="mass over its nominal value",
+            signed=True, neutral=1.0, typical=0.02, lower=0.8, upper=1.25, starts=(1.0,),
+        ),
+        nominal=lambda _model: 1.0,
+        apply=lambda model, value: replace(model, mass=value * model.mass),
+    )  # fmt: skip
+
+
+def force_not_fed_back() -> Calibration:
+    """Offset of the recorded force that the controller did not feel [N].
+
+    An offset that it did feel moves the command with it and balances the equation of motion.
+    """
+    offset = ForceBias.parameters[0]
+    return Calibration(
+        parameter=replace(
+            offset, name="force_not_fed_back_n", meaning="offset of the recorded force that was not fed back"
+        ),
+        nominal=lambda _model: 0.0,
+        apply=lambda model, value: model.adding(ForceBias(bias_n=value)),
+    )
 
 
 def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:

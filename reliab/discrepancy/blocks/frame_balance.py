@@ -18,9 +18,10 @@ from scipy.linalg import null_space
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.discrepancy.blocks.balance import curvature_between_samples, motion_of_command
+from reliab.discrepancy.blocks.calibration import force_not_fed_back
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.effects import RecordEffect, Role, Scales, library
+from reliab.effects import ForceBias, RecordEffect, Role, Scales, library
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Partition
@@ -113,7 +114,7 @@ class FrameBalanceBlock(ObservedBlock):
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
-        self.calibrations = (curvature_between_samples(),)
+        self.calibrations = (curvature_between_samples(), force_not_fed_back())
         self.offsets = ()
         self.candidates = tuple(effect for effect in library().values() if effect.role is Role.RECORD)
         self.outside = ()
@@ -132,4 +133,5 @@ class FrameBalanceBlock(ObservedBlock):
             if isinstance(effect, RecordEffect):
                 ground = effect.applied(ground, 1.0 / self.rate)
         still = np.zeros((3, ground.size))
-        return self._of_command(test) + self._inner.force(ground, still)
+        offset = sum(effect.bias_n for effect in model.effects if isinstance(effect, ForceBias))
+        return offset + self._of_command(test) + self._inner.force(ground, still)

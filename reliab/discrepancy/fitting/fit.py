@@ -11,6 +11,7 @@ from scipy import optimize
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.effects import Effect
 from reliab.signals import NoiseModel
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
@@ -60,6 +61,18 @@ class Fit:
         """Logarithm of the marginal likelihood, by Laplace's approximation."""
         prior = -0.5 * float(self.coordinates @ self.coordinates)
         return self.log_likelihood + prior - 0.5 * float(np.linalg.slogdet(self.precision)[1])
+
+
+def acts(fitted: Fit, effect: type[Effect], deviations: float) -> bool:
+    """Whether an effect is so many standard deviations from none, where its parameters can say so."""
+    if not all(parameter.signed for parameter in effect.parameters):
+        return True
+    place = fitted.space.places(effect)
+    none = fitted.coordinates.copy()
+    none[place] = 0.0
+    distance = np.abs(fitted.space.values(fitted.coordinates) - fitted.space.values(none))[place]
+    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
+    return bool((distance > deviations * spread).any())
 
 
 def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:

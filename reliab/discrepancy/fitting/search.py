@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
+from reliab.discrepancy.fitting.fit import Fit, acts, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
@@ -49,6 +49,11 @@ be a part of the model's error that happens to resemble it."""
 _LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
 # shares of the whole gap's energy that an effect beside others, and a term outside the library, must close
 _NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
+NOTICEABLE = 0.002
+"""Share of the error's energy on left-out tests, a thousandth of its RMS in the channel's unit, that every
+effect must remove: evidence alone may praise one that changes no prediction."""
+
+_AWAY = 2.0  # standard deviations between a parameter and its value without effect
 
 
 MOST_EFFECTS = 3
@@ -175,9 +180,13 @@ class Search:
         one for a limiting case must predict left-out tests better than that one.
         """
         effects = candidate.space.effects
-        smaller = (self.without(candidate, kind) for kind in effects)
-        if not all(self._matters(candidate, fitted, beside=BESIDE) for fitted in smaller):
+        if not all(self._acts(candidate, kind) for kind in effects):
             return False
+        for smaller in [self.without(candidate, kind) for kind in effects]:
+            if not self._matters(candidate, smaller, beside=BESIDE):
+                return False
+            if not self._predicts(candidate, smaller, 1.0 - NOTICEABLE):
+                return False
         if not self.problem.flat:
             return True
         known = self._best_known()
@@ -185,6 +194,11 @@ class Search:
         limits = [(known, BESIDE)] if outside else []
         limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
+
+    @staticmethod
+    def _acts(candidate: Fit, kind: type[Effect]) -> bool:
+        """Whether an effect's parameters are beyond their own uncertainty of no effect."""
+        return acts(candidate, kind, _AWAY)
 
     def _best_known(self) -> Fit:
         """Return the most credible model of members of the library alone."""

@@ -2,14 +2,15 @@
 
 The whitened spectrum of a residual that is noise is a sequence of independent complex normal numbers, and so
 is its transform over any band to instants within that band. The energy in each cell of such a division is
-exponentially distributed, whatever the size of the cells. The error of a model lies where the motion was: in
+exponentially distributed, whatever the size of the cells; each test has a level of its own, because a load
+cell is noisier on another day and in another range. The error of a model lies where the motion was: in
 lines under a sine, on a ridge under a sweep, in the strong phase under an earthquake; cells there hold far
 more energy than noise would. The share of the energy in such cells is what this test measures.
 """
 
 import numpy as np
 
-from reliab.arrays import Spectrum
+from reliab.arrays import Array, Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.signals import near_mains
@@ -50,25 +51,30 @@ def _within_steps(problem: Problem, fitted: Fit) -> bool:
     return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in residual.items())
 
 
-def _spectra(problem: Problem, fitted: Fit) -> list[Spectrum]:
-    """Whitened complex spectra of the segments without zero frequency and pickup."""
-    spectra, begin = [], 0
+def _spectra(problem: Problem, fitted: Fit) -> list[list[Spectrum]]:
+    """Whitened complex spectra of the segments of each test, without zero frequency and pickup."""
+    spectra: dict[int, list[Spectrum]] = {}
+    begin = 0
     for segment in problem.segments:
         rows = fitted.residual[begin : begin + 2 * segment.bins - 1]
         begin += rows.size
         spectrum = (rows[1 : segment.bins] + 1j * rows[segment.bins :]) / np.sqrt(2.0)
         clean = ~near_mains(segment.frequency[1:], 0.5 * problem.block.rate)
-        spectra.append(np.asarray(spectrum[clean], dtype=np.complex128))
-    return spectra
+        spectra.setdefault(segment.test, []).append(np.asarray(spectrum[clean], dtype=np.complex128))
+    return list(spectra.values())
 
 
-def _share(spectra: list[Spectrum], size: int) -> float:
-    cells = [np.zeros(0)]
-    for spectrum in spectra:
-        bands = spectrum[: spectrum.size // size * size].reshape(-1, size)
-        cells.append(np.abs(np.fft.ifft(bands, axis=1) * np.sqrt(size)).ravel() ** 2)
-    power = np.concatenate(cells)
-    whole = float(power.sum())
-    if not whole > 0.0:
-        return 0.0
-    return float(np.maximum(power - _ABOVE * power.mean(), 0.0).sum()) / whole
+def _share(spectra: list[list[Spectrum]], size: int) -> float:
+    whole = concentrated = 0.0
+    for of_test in spectra:
+        power = np.concatenate([np.zeros(0), *(_cells(spectrum, size) for spectrum in of_test)])
+        if power.size:
+            whole += float(power.sum())
+            concentrated += float(np.maximum(power - _ABOVE * power.mean(), 0.0).sum())
+    return concentrated / whole if whole > 0.0 else 0.0
+
+
+def _cells(spectrum: Spectrum, size: int) -> Array:
+    """Energy of a spectrum in bands of a size and instants within them."""
+    bands = spectrum[: spectrum.size // size * size].reshape(-1, size)
+    return np.asarray(np.abs(np.fft.ifft(bands, axis=1) * np.sqrt(size)).ravel() ** 2)

@@ -14,7 +14,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.locating.locate import locate
+from reliab.discrepancy.locating.locate import Finding, locate
 from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, is_noise, structured_share
 from reliab.discrepancy.naming.ranking import SURE, believed, probability, ranking
 from reliab.discrepancy.naming.unexplained import unexplained
@@ -64,8 +64,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
-        unknown=unexplained(judged, best, proved, noise=noise),
-        findings=locate(judged[0], _as_judged(problem, calibrated, *judged), judged[1].noise),
+        unknown=unexplained(judged, best, proved, () if noise else _located(problem, best, judged)),
+        findings=_located(problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=proved,
@@ -85,10 +85,15 @@ def _judged_by_noise(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
     return plain, transferred(plain, replace(best, noise=noise))
 
 
-def _as_judged(problem: Problem, calibrated: Fit, plain: Problem, best: Fit) -> Fit:
-    """Return the calibrated model with derivatives whitened as noise judges them."""
-    factors = np.sqrt(problem.densities(calibrated.noise) / plain.densities(best.noise))
-    return replace(calibrated, jacobian=factors[:, np.newaxis] * calibrated.jacobian)
+def _located(problem: Problem, fitted: Fit, judged: tuple[Problem, Fit]) -> tuple[Finding, ...]:
+    """Find what the residual of a model varies with, as noise judges it."""
+    return locate(judged[0], _as_judged(problem, fitted, *judged), judged[1].noise)
+
+
+def _as_judged(problem: Problem, fitted: Fit, plain: Problem, best: Fit) -> Fit:
+    """Return a fitted model with derivatives whitened as noise judges them."""
+    factors = np.sqrt(problem.densities(fitted.noise) / plain.densities(best.noise))
+    return replace(fitted, jacobian=factors[:, np.newaxis] * fitted.jacobian)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,20 +10,26 @@ from reliab.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.locating.locate import Finding
+from reliab.discrepancy.locating.noise_test import is_noise
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
 from reliab.signals import NoiseModel, near_mains
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import Block
 
 LARGEST_REMAINDER = 0.2
-"""Share of the gap's energy that may remain unexplained where the effects are `named`.
+"""Share of the gap's energy that may remain unexplained where the effects are `named`, in the kind of
+held-out test of which they explain least.
 
 What remains is then at most half of what the effects explain, in RMS. Beyond it the verdict is
 `unknown_effect`."""
+
+SMALLEST_REMAINDER = 0.03
+"""RMS of a remainder beside named effects, over that of the signal, below which it is no effect."""
 
 _ABOVE_FLOOR = 2.0
 """Times the noise floor from which a remainder is called an effect where no effect was found: three quarters
@@ -44,8 +50,13 @@ _SHARE = 0.01  # of the channel's RMS
 _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
-def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: bool) -> Unknown | None:
-    """Return an effect outside the library, or a remainder that is too large beside the found effects."""
+def unexplained(
+    judged: tuple[Problem, Fit], best: Fit, proved: Gap, remaining: Sequence[Finding]
+) -> Unknown | None:
+    """Return an effect outside the library, or a remainder that is too large beside the found effects.
+
+    `remaining` holds what the remainder varies with, where it is not noise.
+    """
     problem = judged[0]
     outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
     interrupted = _interrupted(problem, judged[1], proved.after)
@@ -56,10 +67,10 @@ def unexplained(judged: tuple[Problem, Fit], best: Fit, proved: Gap, *, noise: b
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    return None if noise else _remainder(judged[0], best, proved)
+    return None if is_noise(*judged) else _remainder(judged[0], best, proved, remaining)
 
 
-def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
+def _remainder(problem: Problem, best: Fit, proved: Gap, remaining: Sequence[Finding] = ()) -> Unknown | None:
     """Return an error of the model that is large beside the found effects, or beside the signal.
 
     The force that balances a command is computed from derivatives of the command. Where these are rough, at
@@ -67,19 +78,29 @@ def _remainder(problem: Problem, best: Fit, proved: Gap) -> Unknown | None:
     """
     if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
         return None
-    large = proved.model_error > SMALLEST_GAP
-    if best.space.effects:
-        large = large and proved.unexplained_share > LARGEST_REMAINDER
-    elif proved.floor is not None:
-        large = large or proved.after > _ABOVE_FLOOR * proved.floor
+    worst = next(iter(proved.by_kind), None)
+    if best.space.effects and worst is not None:
+        large = worst.model_error > SMALLEST_REMAINDER and worst.unexplained_share > LARGEST_REMAINDER
+    else:
+        large = proved.model_error > SMALLEST_GAP
+        large = large or (proved.floor is not None and proved.after > _ABOVE_FLOOR * proved.floor)
     if not large:
         return None
     return Unknown(
         block=str(problem.block.block),
         expression="",
-        description="the remainder follows the motion, and no effect or term that was tried explains it",
+        description="the remainder follows the motion, and no effect or term that was tried explains it"
+        + _looks(remaining),
         held_out_nrmse=proved.after,
     )
+
+
+def _looks(remaining: Sequence[Finding]) -> str:
+    """Say what a remainder looks like, by what it varies with most."""
+    telling = [finding for finding in remaining if finding.kind != "frequency_band"] or list(remaining)
+    if not telling:
+        return ""
+    return f"; {percent(telling[0].share_of_residual, decimals=0)} of it: {telling[0].detail.rstrip('.')}"
 
 
 def _is_balanced(problem: Problem) -> bool:

@@ -17,19 +17,32 @@ from reliab.renamed import renamed_method
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
 
 
+_SMALLEST_OFFSET = 0.005  # of the force's RMS in the strongest test
+
+
 @dataclass(frozen=True)
 class NominalValue:
-    """A value of the structure that a campaign states, and how far it may be off without a remark."""
+    """A value that a campaign states, how far it may be off without a remark, and what to check if it is."""
 
     meaning: str
     tolerance: float
+    check: str
 
 
-STRUCTURE = {
-    "structure_frequency": NominalValue("natural frequency", 0.005),
-    "structure_damping": NominalValue("damping ratio", 0.05),
+_TABLE = "check the table [structure] of the campaign"
+NOMINAL_VALUES = {
+    "structure_mass": NominalValue(
+        "mass", 0.01, f"{_TABLE}, and the scale of the load cell, which looks the same"
+    ),
+    "structure_frequency": NominalValue("natural frequency", 0.005, _TABLE),
+    "structure_damping": NominalValue("damping ratio", 0.05, _TABLE),
+    "stiffness": NominalValue(
+        "stiffness of the specimen",
+        0.01,
+        "check what is stated of the specimen or, where it is the structure's own spring, frequency and mass",
+    ),
 }
-"""What is calibrated of the structure, relative to the nominal values."""
+"""What is calibrated relative to values that the campaign states."""
 
 
 class Verdict(StrEnum):
@@ -132,12 +145,26 @@ class BlockDiagnosis:
 
     @property
     def misstated(self) -> tuple[Estimate, ...]:
-        """Values of the structure, over the nominal ones, with which the tests clearly did not run."""
+        """Values of structure and specimen, over the stated ones, with which the tests did not run."""
         return tuple(
             item
             for item in self.calibration
-            if item.name in STRUCTURE
-            and abs(item.value - 1.0) > max(STRUCTURE[item.name].tolerance, _CLEAR * item.sd)
+            if item.name in NOMINAL_VALUES
+            and abs(item.value - 1.0) > max(NOMINAL_VALUES[item.name].tolerance, _CLEAR * item.sd)
+        )
+
+    @property
+    def not_fed_back(self) -> Estimate | None:
+        """Offset of the recorded force that the controller clearly did not feel, None without one."""
+        usual = max(float(self.block.measured(segment.test).std()) for segment in self.problem.segments)
+        return next(
+            (
+                item
+                for item in self.calibration
+                if item.name == "force_not_fed_back_n"
+                and abs(item.value) > max(_CLEAR * item.sd, _SMALLEST_OFFSET * usual)
+            ),
+            None,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -149,6 +176,7 @@ class BlockDiagnosis:
             "unknown": None if self.unknown is None else self.unknown.to_dict(),
             "gap": self.gap.to_dict(),
             "unexplained_share": self.gap.unexplained_share,
+            "worst_unexplained_share": max((g.unexplained_share for g in self.gap.by_kind), default=0.0),
             "residual_is_noise": self.leaves_noise,
             "structured_share": self.structured_share,
             "calibration": {estimate.name: estimate.to_dict() for estimate in self.calibration},

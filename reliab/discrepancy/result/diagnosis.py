@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.locating.locate import Finding
-from reliab.discrepancy.result.block_diagnosis import STRUCTURE, BlockDiagnosis, Verdict
+from reliab.discrepancy.result.block_diagnosis import NOMINAL_VALUES, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap, Remainder
-from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.html_table import html_table
 from reliab.renamed import renamed_method
 from reliab.significant import percent, significant
@@ -98,7 +98,8 @@ class Diagnosis:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
-        remarks = [*self.faults, *(effect.remark for effect in self.doubtful)]
+        contradicted = (contradiction(item) for block in self.blocks for item in block.misstated)
+        remarks = [*self.faults, *contradicted, *(effect.remark for effect in self.doubtful)]
         for block in self.blocks:
             remarks += _limits_of(block)
         remarks += [
@@ -145,12 +146,11 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         for effect in (*block.effects, *block.doubtful)
         for parameter in effect.on_bounds
     ]
-    remarks += [
-        f"The tests ran with a {STRUCTURE[item.name].meaning} of {significant(item.value)} ± "
-        f"{significant(item.sd, 1)} times the"
-        " nominal one: check the table [structure] of the campaign."
-        for item in block.misstated
-    ]
+    if block.not_fed_back is not None:
+        remarks.append(
+            f"The recorded force holds an offset of {significant(block.not_fed_back.value)} ± "
+            f"{significant(block.not_fed_back.sd, 1)} N that the controller did not feel."
+        )
     remarks += [offset.remark for offset in block.uncertain_offsets]
     effects = {effect.name for effect in (*block.effects, *block.doubtful)}
     if block.block.inputs == (Channel.GROUND,) and effects & _LIKE_A_STRUCTURE:
@@ -225,19 +225,39 @@ def is_explained(block: BlockDiagnosis) -> bool:
     )
 
 
-def statement(verdict: Verdict, blocks: Iterable[BlockDiagnosis]) -> str:
+def contradiction(item: Estimate) -> str:
+    """Say with which value, other than the stated one, the tests ran."""
+    nominal = NOMINAL_VALUES[item.name]
+    return (
+        f"The tests ran with a {nominal.meaning} of {significant(item.value, 4)} ± {significant(item.sd, 1)} "
+        f"times the stated one: {nominal.check}."
+    )
+
+
+def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
     """Say what a verdict means.
 
-    Returns one sentence. That nothing is missing is said only where every block is explained.
+    Returns a sentence or two: what contradicts the campaign comes first. That nothing is missing is said only
+    where every block is explained.
     """
+    misstated = [item for block in blocks for item in block.misstated]
+    first = ""
+    if misstated:
+        values = [
+            f"{NOMINAL_VALUES[item.name].meaning} {significant(item.value, 4)} times" for item in misstated
+        ]
+        first = f"The tests did not run with what was stated ({'; '.join(values)}). "
     if verdict is not Verdict.NO_MISSING_EFFECT:
-        return _VERDICTS[verdict]
+        return f"{first}{_VERDICTS[verdict]}"
     open_ones = [str(block.block.channel) for block in blocks if not is_explained(block)]
-    if not open_ones:
-        return "Calibration alone explains the tests: nothing is missing."
-    return (
-        f"Calibration explains the tests but for a remainder in {', '.join(open_ones)} that may not be noise."
-    )
+    if open_ones:
+        channels = ", ".join(open_ones)
+        return (
+            f"{first}Calibration explains the tests but for a remainder in {channels} that may not be noise."
+        )
+    if misstated:
+        return f"{first}With the calibrated values nothing is missing."
+    return "Calibration alone explains the tests: nothing is missing."
 
 
 def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:

@@ -1,7 +1,7 @@
 """The gap between model and measurement on held-out tests, and the error to expect on a further test."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -43,6 +43,10 @@ class Gap:
         count.
     tests_before, tests_after : mapping of str to float
         `before` and `after` of each held-out test, by file.
+    sizes : mapping of str to float, optional
+        RMS of the signal of each held-out test over that of all of them, by file; alike unless given.
+    kinds : mapping of str to str, optional
+        Kind of motion of each held-out test ("sine"), by file; one kind unless given.
     """
 
     held_out: tuple[str, ...]
@@ -52,6 +56,8 @@ class Gap:
     floors: Mapping[str, float]
     tests_before: Mapping[str, float]
     tests_after: Mapping[str, float]
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def source(self) -> str | None:
@@ -105,9 +111,36 @@ class Gap:
 
         Zero where nothing remains above the floor; one where the effects took nothing away.
         """
-        remaining = self.model_error**2
-        closed = max(self.before**2 - self.after**2, 0.0)
-        return remaining / (remaining + closed) if remaining > 0.0 else 0.0
+        return _unexplained(self.before**2, self.after**2, self.model_error**2)
+
+    @property
+    def by_kind(self) -> tuple["GapOfKind", ...]:
+        """The gap in each kind of held-out test, the least explained first."""
+        kinds: dict[str, list[str]] = {}
+        for file in self.tests_after:
+            kinds.setdefault(self.kinds.get(file, ""), []).append(file)
+        return _worst_first(self._over(kind, files) for kind, files in kinds.items())
+
+    @property
+    def by_test(self) -> tuple["GapOfKind", ...]:
+        """The gap in each held-out test, the least explained first."""
+        return _worst_first(self._over(self.kinds.get(file, ""), [file]) for file in self.tests_after)
+
+    def _over(self, kind: str, files: Sequence[str]) -> "GapOfKind":
+        """Gap over some tests, which count alike; in a weak one a floor is a larger share of the signal."""
+        floor = 0.0 if self.floor is None else self.floor
+        floors = [
+            min(floor / max(self.sizes.get(file, 1.0), 1e-300), self.tests_after[file]) for file in files
+        ]
+        before, after, noise = (
+            float(np.sqrt(np.mean(np.square(values))))
+            for values in (
+                [self.tests_before[file] for file in files],
+                [self.tests_after[file] for file in files],
+                floors,
+            )
+        )
+        return GapOfKind(kind=kind, files=tuple(files), before=before, after=after, noise=noise)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
@@ -121,11 +154,47 @@ class Gap:
             "noise_floors": dict(self.floors),
             "model_error": self.model_error,
             "closed_fraction": self.closed_fraction,
-            "tests": {
-                file: {"nrmse_before": self.tests_before[file], "nrmse_after": self.tests_after[file]}
-                for file in self.tests_after
-            },
+            "tests": {gap.files[0]: {"kind": gap.kind, **gap.to_dict()} for gap in self.by_test},
+            "kinds": [{"kind": gap.kind, "tests": list(gap.files), **gap.to_dict()} for gap in self.by_kind],
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class GapOfKind:
+    """Gap in the held-out tests of one kind, or in one of them: RMS of each over that of its signal."""
+
+    kind: str  # Of motion
+    files: tuple[str, ...]  # The tests
+    before: float  # before, after: Error of the calibrated model, and with the effects
+    after: float
+    noise: float  # What no model could explain, zero where it is not known
+
+    @property
+    def model_error(self) -> float:
+        """What remains above the noise."""
+        return float(np.sqrt(max(self.after**2 - self.noise**2, 0.0)))
+
+    @property
+    def unexplained_share(self) -> float:
+        """Share of the gap's energy above the noise that remains with the effects, in [0, 1]."""
+        return _unexplained(self.before**2, self.after**2, self.model_error**2)
+
+    def to_dict(self) -> dict[str, float]:
+        """Return its sizes, as they stand in `gap`."""
+        return {
+            "nrmse_before": self.before,
+            "nrmse_after": self.after,
+            "unexplained_share": self.unexplained_share,
+        }
+
+
+def _unexplained(before: float, after: float, remaining: float) -> float:
+    closed = max(before - after, 0.0)
+    return remaining / (remaining + closed) if remaining > 0.0 else 0.0
+
+
+def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:
+    return tuple(sorted(gaps, key=lambda gap: (-gap.unexplained_share, -gap.after)))
 
 
 @renamed_method("0.4", "as_dict", "to_dict")

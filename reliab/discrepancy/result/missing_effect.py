@@ -6,7 +6,7 @@ from typing import Any
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.effects import Effect
 from reliab.renamed import renamed_method
-from reliab.significant import percent
+from reliab.significant import percent, significant
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
@@ -42,11 +42,30 @@ class Estimate:
     sd: float
     units: str
     interval: tuple[float, float] | None = None
+    signed: bool = False  # Whether it may be negative, so that zero is a value like any other
+
+    @property
+    def determined(self) -> bool:
+        """Whether the tests say how large it is: its deviation is below it where it is positive."""
+        return self.signed or self.sd < self.value
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """Value with its unit and standard deviation, as they are shown."""
+        if not self.determined:
+            return "not determined", ""
+        return f"{self.value:.4g} {self.units}".strip(), significant(self.sd, 2)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
         sampled = {} if self.interval is None else {"interval_90": list(self.interval)}
-        return {"value": self.value, "sd": self.sd, "units": self.units, **sampled}
+        return {
+            "value": self.value,
+            "sd": self.sd,
+            "units": self.units,
+            "determined": self.determined,
+            **sampled,
+        }
 
 
 @renamed_method("0.4", "as_dict", "to_dict")
@@ -170,7 +189,11 @@ def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
     spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
     return tuple(
         Estimate(
-            name=parameter.name, value=value if abs(value) > _NOTHING else 0.0, sd=sd, units=parameter.units
+            name=parameter.name,
+            value=value if abs(value) > _NOTHING else 0.0,
+            sd=sd,
+            units=parameter.units,
+            signed=parameter.signed,
         )
         for parameter, value, sd in zip(effect.parameters, values.tolist(), spread.tolist(), strict=True)
     )
@@ -181,6 +204,12 @@ def calibration(fitted: Fit) -> tuple[Estimate, ...]:
     values = fitted.space.values(fitted.coordinates)
     spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
     return tuple(
-        Estimate(name=c.parameter.name, value=float(values[k]), sd=float(spread[k]), units=c.parameter.units)
+        Estimate(
+            name=c.parameter.name,
+            value=float(values[k]),
+            sd=float(spread[k]),
+            units=c.parameter.units,
+            signed=c.parameter.signed,
+        )
         for k, c in enumerate(fitted.space.block.calibrations)
     )

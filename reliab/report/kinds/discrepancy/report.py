@@ -61,10 +61,20 @@ def discrepancy_report(
         title=diagnosis.campaign.name,
         verdict=_verdict(diagnosis),
         tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT and diagnosis.is_explained else "plain",
-        facts={**_facts(diagnosis), "To do next": _NEXT[diagnosis.verdict]},
+        facts={**_facts(diagnosis), "To do next": _next(diagnosis)},
         blocks=(*sections, _method(remarks)),
         provenance=provenance_of(provenance),
     )
+
+
+def _next(diagnosis: Diagnosis) -> str:
+    """Advise what to do, which is no use of a model whose parameters are not known."""
+    if diagnosis.verdict is Verdict.NAMED and any(b.converged is False for b in diagnosis.blocks):
+        return (
+            "measure a further test before model.toml is used: the posterior of its parameters has not "
+            "converged, so that they are not known as well as they may seem"
+        )
+    return _NEXT[diagnosis.verdict]
 
 
 def _verdict(diagnosis: Diagnosis) -> Prose:
@@ -129,9 +139,12 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
 
 def _shift(ratios: Mapping[str, float]) -> Section:
     text = prose(
-        "With the effects, the ellipse parameters of the criterion for 5 % error are {a:.2f} ($a$) and "
-        "{b:.2f} ($b$) of what they are without. The gain and the delay of the criterion are those of the "
-        "actuator alone; what the specimen does belongs to the behaviour under test.",
+        "With the effects, the actuator may err for 5 % error by {gain:.2f} times the amplitude and "
+        "{delay:.2f} times the delay of before (the half axes of the criterion's ellipse; its parameters "
+        "$a$ and $b$ are their squares, {a:.2f} and {b:.2f} times). Gain and delay are those of the actuator "
+        "alone; what the specimen does belongs to the behaviour under test.",
+        gain=np.sqrt(ratios["a"]),
+        delay=np.sqrt(ratios["b"]),
         a=ratios["a"],
         b=ratios["b"],
     )
@@ -148,7 +161,8 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "error of the model: candidates are then compared by their error on tests that are left out one at "
         "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
         "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
-        "the choice. The verdict is “named” where at most {share} of the energy of the gap remains."
+        "the choice. The verdict is “named” where at most {share} of the energy of the gap remains in the "
+        "kind of held-out test (sine, sweep, irregular motion) of which least is explained."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]
@@ -218,15 +232,17 @@ def _parameters(diagnosis: Diagnosis) -> Table:
     for diagnosed in diagnosis.blocks:
         for effect in (*diagnosed.effects, *diagnosed.doubtful):
             for estimate in effect.estimates:
-                low, high = estimate.interval or (np.nan, np.nan)
+                shown = estimate.determined
+                low, high = (estimate.interval if shown else None) or (np.nan, np.nan)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
+                mark += "" if shown else " (not determined)"
                 rows.append(
                     {
                         "effect": spelled_out(effect.name),
                         "probability": effect.probability,
                         "parameter": f"{estimate.name} [{estimate.units}]{mark}",
-                        "value": estimate.value,
-                        "sd": estimate.sd,
+                        "value": estimate.value if shown else np.nan,
+                        "sd": estimate.sd if shown else np.nan,
                         "low": low,
                         "high": high,
                     }
@@ -375,19 +391,23 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
     rows = [
         {
             "channel": diagnosed.gap.channel,
-            "test": file,
-            "before": diagnosed.gap.tests_before[file],
-            "after": after,
+            "test": gap.files[0],
+            "kind": gap.kind,
+            "before": gap.before,
+            "after": gap.after,
+            "left": gap.unexplained_share,
         }
         for diagnosed in diagnosis.blocks
-        for file, after in diagnosed.gap.tests_after.items()
+        for gap in diagnosed.gap.by_test
     ]
     size = Significant(digits=3)
     columns = (
         Column(key="channel", heading="Channel"),
         Column(key="test", heading="Held-out test"),
+        Column(key="kind", heading="Motion"),
         Column(key="before", heading="Before", number=size),
         Column(key="after", heading="After", number=size),
+        Column(key="left", heading="Unexplained", unit="%", number=Fixed(decimals=1, factor=100.0)),
     )
-    caption = "The same for each held-out test by itself."
+    caption = "The same for each held-out test by itself, the least explained first."
     return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
