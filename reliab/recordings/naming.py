@@ -169,7 +169,7 @@ def _described(column: str, stated: Unit | None) -> Named:
     unit = stated or written
     return Named(
         column=column,
-        quantity=_with_unit(quantity, unit),
+        quantity=_with_unit(quantity, unit, words),
         role=role,
         weak=weak,
         altered=bool(_ALTERED & {*words, *around}) or bool(_FLAG.match(last)),
@@ -178,11 +178,13 @@ def _described(column: str, stated: Unit | None) -> Named:
     )
 
 
-def _with_unit(quantity: Quantity | None, unit: Unit | None) -> Quantity | None:
+def _with_unit(quantity: Quantity | None, unit: Unit | None, words: Sequence[str]) -> Quantity | None:
     """Take what the unit says, but for errors, valves and states, which any unit may have."""
-    if unit is None or quantity in {Quantity.ERROR, Quantity.VALVE, Quantity.STATE}:
+    if unit is None or quantity in {Quantity.ERROR, Quantity.VALVE}:
         return quantity
-    return unit.quantity
+    if quantity is Quantity.STATE and unit.quantity is Quantity.TIME:  # "Time, default sample rate [s]"
+        return Quantity.TIME if any(_QUANTITY_OF.get(word) is Quantity.TIME for word in words) else quantity
+    return quantity if quantity is Quantity.STATE else unit.quantity
 
 
 def _quantity(words: Sequence[str]) -> Quantity | None:

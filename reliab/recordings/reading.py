@@ -235,7 +235,8 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
                 continue
             if channel.part is Part.COMMAND:
                 notes.append(
-                    "Neither displacement states a unit: they were taken to share one, and to be in metres."
+                    "Neither displacement states a unit of length: they were taken to share one, and to be "
+                    "in metres."
                 )
         elif channel.part in {Part.FORCE, Part.GROUND} and not channel.unit:
             unit_name = "N" if channel.part is Part.FORCE else "m/s²"

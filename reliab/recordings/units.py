@@ -17,7 +17,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         ),
         **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
-        "ns": 1e-9,
+        **dict.fromkeys(("ns", "nanoseconds"), 1e-9),
         "min": 60.0,
     },
     Quantity.DISPLACEMENT: {
@@ -125,7 +125,7 @@ def unit_of(text: str) -> Unit | None:
     >>> unit_of("[kN]").factor, unit_of("MN").factor, unit_of("furlong")
     (1000.0, 1000000.0, None)
     """
-    plain = text.strip().translate(_SIGNS).strip()
+    plain = text.partition(" since ")[0].strip().translate(_SIGNS).strip()  # "seconds since 2026-01-01"
     known = _BY_NAME.get(plain) or _BY_NAME.get(plain.lower())
     if known is None or plain in {"mN", "mn"}:
         return None

@@ -9,6 +9,7 @@ import warnings
 import h5py
 import numpy as np
 import pandas as pd
+import xarray as xr
 from scipy.io import netcdf_file, savemat
 
 RATE = 256.0
@@ -483,6 +484,69 @@ def signal_express(folder):
     return folder / "t.tdms"
 
 
+def names_in_a_comment_with_a_title(folder):
+    header = "# RTHS test 12\n# date: 2026-11-01\n# columns: time[s] x_ref[mm] x_act[mm] F[kN]"
+    return _text(folder / "t.dat", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE], " ")
+
+
+def catman_with_names_below_the_units(folder):
+    header = (
+        "HBM_CATMAN_DATAFILE_40\nnoname\nCHANNELCOUNT=4\n\nTime  1 - default sample rate\tMX840_0_CH 1\t"
+        "MX840_0_CH 2\tMX840_0_CH 3\ns\tmm\tmm\tkN\nSollweg\tIstweg\tKraft"
+    )
+    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
+    return _text(folder / "t.asc", header, columns, "\t", decimal=",", end="\r\n")
+
+
+def structures_of_values_beside_their_time(folder):
+    channels = (("cmd", 1e3 * COMMAND, "mm"), ("fbk", 1e3 * MEASURED, "mm"), ("force", FORCE, "N"))
+    logged = {name: {"values": values, "unit": unit} for name, values, unit in channels}
+    savemat(folder / "t.mat", {"rec": {"time": TIME, **logged}})
+    return folder / "t.mat"
+
+
+def simulink_output_beside_its_time(folder):
+    names = np.array(["xd (m)", "xm (m)", "Fm (N)"], dtype=object)
+    savemat(
+        folder / "t.mat", {"tout": TIME, "yout": np.column_stack([COMMAND, MEASURED, FORCE]), "labels": names}
+    )
+    return folder / "t.mat"
+
+
+def hdf5_table(folder):
+    with h5py.File(folder / "t.h5", "w") as file:
+        file["data"] = np.rec.fromarrays(
+            [TIME, COMMAND, MEASURED, FORCE], names="time_s,u_cmd_m,u_meas_m,f_N"
+        )
+    return folder / "t.h5"
+
+
+def hdf5_matrix_with_names_as_attributes(folder):
+    with h5py.File(folder / "t.h5", "w") as file:
+        matrix = np.column_stack([TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE])
+        data = file.create_dataset("daq", data=matrix)
+        data.attrs["columns"] = ["time", "disp_cmd", "disp_fbk", "load"]
+        data.attrs["units"] = ["s", "mm", "mm", "kN"]
+    return folder / "t.h5"
+
+
+def xarray_with_dates(folder):
+    times = pd.date_range("2026-11-24 09:00", periods=SIZE, freq="3906250ns")
+    channels = {"command": 1e3 * COMMAND, "measured": 1e3 * MEASURED}
+    variables = {name: ("time", values, {"units": "mm"}) for name, values in channels.items()}
+    xr.Dataset(variables, coords={"time": times}).to_netcdf(folder / "t.nc", engine="h5netcdf")
+    return folder / "t.nc"
+
+
+def xarray_with_a_dimension_of_channels(folder):
+    displacement = (("channel", "time"), np.stack([COMMAND, MEASURED]), {"units": "m"})
+    coordinates = {"channel": ["command", "measured"], "time": ("time", TIME, {"units": "s"})}
+    xr.Dataset({"displacement": displacement}, coords=coordinates).to_netcdf(
+        folder / "t.nc", engine="h5netcdf"
+    )
+    return folder / "t.nc"
+
+
 LAYOUTS = (
     *(
         csv_with_units_in_brackets,
@@ -531,6 +595,18 @@ LAYOUTS = (
         logged_signals_as_structures,
         logged_data_set,
         signal_express,
+    ),
+    *(
+        names_in_a_comment_with_a_title,
+        catman_with_names_below_the_units,
+        structures_of_values_beside_their_time,
+        simulink_output_beside_its_time,
+    ),
+    *(
+        hdf5_table,
+        hdf5_matrix_with_names_as_attributes,
+        xarray_with_dates,
+        xarray_with_a_dimension_of_channels,
     ),
     record,
 )

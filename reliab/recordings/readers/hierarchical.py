@@ -123,13 +123,12 @@ class _Contents:
         ]
 
     def _dataset(self, item: "h5py.Dataset", depth: int) -> Tree:
-        import h5py
 
         self._require_shallow(depth)
         kind = item.attrs.get("MATLAB_class", b"")
         if "MATLAB_empty" in item.attrs:
             return np.zeros(0)
-        if item.dtype == h5py.ref_dtype:
+        if _refers(item):
             return self._referred(item, depth)
         require_few_samples(
             max(item.shape, default=0), f"{self._path.name}, {item.name.strip('/').replace('/', '.')}"
@@ -143,19 +142,14 @@ class _Contents:
                 where=self._path.name,
             )
         values = item[()]
+        if item.dtype.names:
+            return {name: np.asarray(values[name]) for name in item.dtype.names}
         if kind == b"char":
             return _characters(np.asarray(values))
         if item.dtype.kind in "SOU":
             texts = [text_of(value) for value in np.asarray(values).reshape(-1)]
             return texts[0] if len(texts) == 1 else texts
-        return self._with_unit(item, np.asarray(values))
-
-    def _with_unit(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
-        unit = next((text_of(item.attrs[name]) for name in _UNIT_NAMES if name in item.attrs), "")
-        flat = values.squeeze()
-        if unit and flat.ndim == 1 and flat.size > 1 and np.issubdtype(flat.dtype, np.number):
-            return Series(values=np.asarray(flat, dtype=np.float64), unit=unit)
-        return values
+        return _with_names(item, np.asarray(values))
 
     def _referred(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
         import h5py
@@ -188,6 +182,43 @@ class _Contents:
             )
 
 
+def _refers(item: "h5py.Dataset") -> bool:
+    """Whether a dataset holds references to other parts of the file; texts have the same type for NumPy."""
+    import h5py
+
+    return h5py.check_ref_dtype(item.dtype) is not None
+
+
+def _with_names(item: "h5py.Dataset", values: np.ndarray) -> Tree:
+    """Take the unit of a vector, or names and units of the columns of a matrix, that stand beside it."""
+    if not np.issubdtype(values.dtype, np.number):
+        return values
+    stated = {name: _texts(item.attrs[name]) for name in item.attrs}
+    units = next((stated[name] for name in _UNIT_NAMES if name in stated), [])
+    if values.squeeze().ndim == 1 and values.size > 1 and units:
+        return Series(values=np.asarray(values.squeeze(), dtype=np.float64), unit=units[0])
+    if values.ndim != 2:  # noqa: PLR2004 - a matrix
+        return values
+    labels = [_texts(scale[()]) for axis in item.dims for scale in axis.values() if scale.dtype.kind in "SOU"]
+    for names in (*(texts for texts in stated.values() if texts is not units), *labels):
+        if len(names) in values.shape and len(set(names)) == len(names) > 1:
+            columns = values if len(names) == values.shape[1] else values.T
+            of_columns = units * len(names) if len(units) == 1 else units
+            of_columns = of_columns if len(of_columns) == len(names) else [""] * len(names)
+            return {
+                name: Series(values=np.asarray(column, dtype=np.float64), unit=unit)
+                for name, column, unit in zip(names, columns.T, of_columns, strict=True)
+            }
+    return values
+
+
+def _texts(value: object) -> list[str]:
+    """Texts of an attribute or of a vector; none where it holds anything else."""
+    items = np.asarray(value).reshape(-1)
+    plain = items.dtype.kind in "SU" or all(isinstance(item, str | bytes) for item in items)
+    return [text_of(item).strip() for item in items] if plain and items.size <= _MOST_ITEMS else []
+
+
 def _require_single_references(file: "h5py.File") -> None:
     """Refuse what is referred to twice and large or refers further: it would multiply in memory."""
     import h5py
@@ -197,14 +228,12 @@ def _require_single_references(file: "h5py.File") -> None:
         if not isinstance(item, h5py.Dataset):
             continue
         total += int(item.nbytes)
-        if item.dtype != h5py.ref_dtype:
+        if not _refers(item):
             continue
         for reference in np.asarray(item[()]).reshape(-1):
             target = file[reference]
             place = h5py.h5o.get_info(target.id).addr
-            small = (
-                isinstance(target, h5py.Dataset) and target.dtype != h5py.ref_dtype and target.nbytes < _LARGE
-            )
+            small = isinstance(target, h5py.Dataset) and not _refers(target) and target.nbytes < _LARGE
             if place in seen and not small:
                 raise ValueError("a part that is referred to twice")
             seen.add(place)

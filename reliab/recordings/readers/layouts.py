@@ -173,10 +173,15 @@ def _values(tree: Mapping[str, Tree]) -> _Histories | None:
     if "values" in tree and "signals" not in tree:
         return _of_signals([tree], tree.get("time", tree.get("t")))
     held = {name: _as_list(item) for name, item in tree.items() if _are_values(_as_list(item))}
-    if len(held) != 1:
+    time = tree.get("time", tree.get("t", tree.get("tout")))
+    if len(held) == 1:
+        ((name, signals),) = held.items()
+        return _of_signals(signals, time, name)
+    if time is None or any(len(items) != 1 or _vector(items[0]["values"]) is None for items in held.values()):
         return None
-    ((name, signals),) = held.items()
-    return _of_signals(signals, tree.get("time", tree.get("t", tree.get("tout"))), name)
+    return _of_signals(
+        [{**items[0], "label": _text(items[0].get("label")) or name} for name, items in held.items()], time
+    )
 
 
 def _are_values(items: Sequence[Tree]) -> bool:
@@ -282,6 +287,10 @@ def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
             histories.add(
                 name or f"column {place + 1}", Series(values=values, unit=units[place] if units else "")
             )
+        for key, item in tree.items():
+            beside = _vector(item)  # such as Simulink's `tout`
+            if beside is not None and beside.size == columns[0].size:
+                histories.add(key, Series(values=beside))
         return histories
     return None
 

@@ -37,6 +37,9 @@ _RATE_UNITS = {"khz": 1e3, "ms": 1e-3}
 _DELIMITERS: Final = (";", "\t", ",", "")
 _BETWEEN_NAMES: Final = ("\t", ";", ",", "  ", "")
 _DECIMAL_COMMA = re.compile(r"^[+-]?\d*,\d+(?:[eE][+-]?\d+)?$|^[+-]?\d+,(?:[eE][+-]?\d+)?$")
+_TITLE = re.compile(
+    r"^(?:columns?|channels?|fields?|variables?|signals?|names?|header)\s*[:=]\s*", re.IGNORECASE
+)
 _LABEL = re.compile(r"^(?!(?:nan|null|none|inf)$)[a-z][a-z _]{2,}:?$", re.IGNORECASE)  # of a setting
 _CLOCK_TIME = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"}
@@ -204,7 +207,7 @@ def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
     if len(as_written) == width and as_written[0] == "%" and _is_units(as_written):
         return as_written  # per cent, the unit of the first column, begins no comment
     if plain.strip().startswith(COMMENTS):
-        plain = plain.strip().lstrip("".join(COMMENTS)).strip()
+        plain = _TITLE.sub("", plain.strip().lstrip("".join(COMMENTS)).strip())
     for sign in (delimiter, *_BETWEEN_NAMES):
         parts = re.split(r"\s{2,}", plain.strip()) if sign == "  " else cells_of(plain, sign)
         cells = tuple(part.strip().strip('"').strip() for part in parts)
