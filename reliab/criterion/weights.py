@@ -2,7 +2,9 @@
 
 A target is a table in CSV with the columns `quantity`, `low`, `high` and `share`: for each quantity its
 classes, low < value ≤ high, and the share of motions that is expected in each. Quantities are `magnitude`,
-`length` [s] and `significant_duration` (5 to 95 % of the Arias intensity) [s]. Weights are raked: motions of
+`distance` from the rupture [km], `length` [s] and `significant_duration` (5 to 95 % of the Arias intensity)
+[s]. Of the motions that ship only the set is known, far field (more than 10 km, FEMA P-695) or near field, so
+that classes of distance end at 10 km. Weights are raked: motions of
 a class share its weight, one quantity after the other, until all shares are met (Deming and Stephan 1940).
 
 Motions with weights w are worth (Σw)²/Σw² equal ones (Kish 1965). The population is drawn again with that
@@ -17,7 +19,7 @@ Kish, L. (1965). *Survey Sampling*, section 11.7.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 import pandas as pd
@@ -30,7 +32,9 @@ from reliab.errors import InputError
 from reliab.shipped import shipped
 
 _COLUMNS: Final = ("quantity", "low", "high", "share")
-_QUANTITIES: Final = ("magnitude", "length", "significant_duration")
+_QUANTITIES: Final = ("magnitude", "distance", "length", "significant_duration")
+_SETS: Final = "real_suite/sets.csv"
+_NEAR: Final = 10.0  # km, to which near-field records reach (FEMA P-695, Appendix A)
 _MEASURES: Final = "real_suite/measures.csv"
 _ROUNDING: Final = 0.01  # by which shares may miss 1
 _ROUNDS: Final = 1000
@@ -109,6 +113,13 @@ def _read(path: str | Path) -> dict[str, pd.DataFrame]:
         if (rows["share"] < 0.0).any() or abs(total - 1.0) > _ROUNDING:
             raise _wrong("The shares of a quantity must be positive and add up to 1", f"{total:g}", path)
         ordered = rows.sort_values("low")
+        if name == "distance" and not ((ordered["high"] == _NEAR) | (ordered["low"] == _NEAR)).all():
+            raise InputError(
+                f"Classes of distance must end or begin at {_NEAR:g} km: no more is known of the motions",
+                value=", ".join(f"{row.low:g} to {row.high:g}" for row in ordered.itertuples()),
+                remedy=f"Write two lines, distance,0,{_NEAR:g},0.3 and distance,{_NEAR:g},1000,0.7",
+                where=str(path),
+            )
         if (ordered["low"].to_numpy()[1:] < ordered["high"].to_numpy()[:-1]).any():
             raise _wrong("The classes of a quantity must not overlap", str(name), path)
         found[str(name)] = ordered
@@ -127,10 +138,11 @@ def _values_of(name: str, ellipses: xr.Dataset, path: str) -> Array:
     elif name == "magnitude":
         magnitudes = magnitudes_of(ellipses["event"].values.tolist())
         values = None if magnitudes is None else np.array(magnitudes)
+    elif name == "distance":
+        sets = _of_motions(_SETS, "set", ellipses)
+        values = None if sets is None else np.where(sets == "near_field", _NEAR, np.nextafter(_NEAR, np.inf))
     elif name == "significant_duration":
-        table = pd.read_csv(shipped("datasets", _MEASURES)).set_index("motion")["significant_duration"]
-        motions = ellipses["motion"].values.tolist()
-        values = table.loc[motions].to_numpy() if set(motions) <= set(table.index) else None
+        values = _of_motions(_MEASURES, "significant_duration", ellipses)
     if values is None:
         raise InputError(
             f"To weigh by {name.replace('_', ' ')}, that of every motion must be known",
@@ -139,6 +151,13 @@ def _values_of(name: str, ellipses: xr.Dataset, path: str) -> Array:
             where=path,
         )
     return values
+
+
+def _of_motions(file: str, column: str, ellipses: xr.Dataset) -> NDArray[Any] | None:
+    """Look up a column of a shipped table for each motion; None unless it holds all of them."""
+    table = pd.read_csv(shipped("datasets", file)).set_index("motion")[column]
+    motions = ellipses["motion"].values.tolist()
+    return table.loc[motions].to_numpy() if set(motions) <= set(table.index) else None
 
 
 def _members(values: Array, table: pd.DataFrame, path: str) -> NDArray[np.bool_]:

@@ -38,6 +38,13 @@ def test_two_quantities_are_met_at_once(population, written):
     assert weights.quantities == ("magnitude", "length")
 
 
+def test_sites_near_the_rupture_are_weighed_by_the_sets_of_the_records(population, written):
+    weights = Weights.from_table(population, written("distance,0,10,0.8", "distance,10,1000,0.2"))
+    near = population["motion"].values[weights.values > weights.values.mean()]
+    assert near.size == 56  # near-field records in Table 2 of the paper
+    assert weights.values[np.isin(population["motion"].values, near)].sum() == pytest.approx(0.8)
+
+
 def test_equal_weights_leave_motions_and_limits(population, written):
     weights = Weights.from_table(population, written("length,0,200,1"))
     assert weights.motions == pytest.approx(100.0)
@@ -72,7 +79,8 @@ def test_shares_of_the_drawn_motions_are_near_the_weights(population, written):
         (["magnitude,5,6,1"], "hold motions"),
         (["magnitude,6,7,0.7"], "add up to 1"),
         (["magnitude,6,7,0.7", "magnitude,6.5,8,0.3"], "overlap"),
-        (["distance,0,10,1"], "A quantity is one of"),
+        (["depth,0,10,1"], "A quantity is one of"),
+        (["distance,0,5,0.2", "distance,5,1000,0.8"], "end or begin at 10 km"),
         (["magnitude,7,6,1"], "greater high end"),
         (["magnitude,six,7,1"], "greater high end"),
         ([], "greater high end"),

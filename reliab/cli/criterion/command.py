@@ -75,8 +75,8 @@ class CriterionDemand(Demand):
         typer.Option(
             "--weights",
             metavar="FILE.csv",
-            help="Magnitudes, lengths or significant durations that a site expects, by which the motions are "
-            "weighted; columns quantity, low, high, share.",
+            help="Magnitudes, distances, lengths or significant durations that a site expects, by which the "
+            "motions are weighted; columns quantity, low, high, share.",
         ),
     ] = None
     model: ModelFile = None
