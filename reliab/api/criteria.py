@@ -113,8 +113,8 @@ def derive_criteria(
     suite : str, pathlib.Path or sequence of these, optional
         A few records of the earthquakes that are expected, with which the population is pooled.
     weights : str or pathlib.Path, optional
-        Table of the magnitudes, distances, lengths or significant durations that a site expects (columns quantity, low,
-        high, share), by which the motions behind the criterion are weighted.
+        Table of the magnitudes, distances, lengths or significant durations that a site expects (columns
+        quantity, low, high, share), by which the motions behind the criterion are weighted.
     model, structure : str or pathlib.Path, optional
         Model with effects, or frame with its part in the laboratory, in place of structures.
     method, law : str, optional
