@@ -2,6 +2,7 @@ from .api import (
     assess as assess,
     calibrate as calibrate,
     calibrate_probabilities as calibrate_probabilities,
+    compare as compare,
     derive_criteria as derive_criteria,
     design_test as design_test,
     diagnose_campaign as diagnose_campaign,

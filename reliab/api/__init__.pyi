@@ -1,13 +1,16 @@
 from .arguments import unused as unused
 from .assessment import assess as assess
 from .assessment_files import (
+    draw_comparison as draw_comparison,
     draw_design as draw_design,
     file_report as file_report,
     write_corrected as write_corrected,
+    write_ranking as write_ranking,
     write_verdicts as write_verdicts,
 )
 from .boundaries import ellipses as ellipses
 from .calibration import calibrate as calibrate
+from .comparison import compare as compare, compare_assessments as compare_assessments
 from .criteria import derive_criteria as derive_criteria
 from .derived_criteria import Criteria as Criteria
 from .design import Design as Design, design_test as design_test

@@ -10,6 +10,7 @@ from reliab.api.arguments import unused
 from reliab.api.design import Design
 from reliab.assessment import (
     Assessment,
+    Comparison,
     CoupledAssessment,
     FrameAssessment,
     corrected_response,
@@ -21,6 +22,8 @@ from reliab.files import refuse_unwritable, written_whole
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from reliab.report import Setting
 
 
@@ -96,6 +99,26 @@ def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> No
         rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
 
+def write_ranking(comparison: Comparison, out: str | Path) -> None:
+    """Write the table of ranked tests, one row for each.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What :func:`reliab.compare` answered.
+    out : str or pathlib.Path
+        The CSV file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
+        rows = comparison.to_frame()
+        rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
+
+
 def draw_design(design: Design, figure: str | Path) -> None:
     """Draw the chart of tolerable errors over the frequency.
 
@@ -111,10 +134,35 @@ def draw_design(design: Design, figure: str | Path) -> None:
     InputError
         If the file cannot be written or ends otherwise.
     """
-    from reliab.report import picture
     from reliab.report.figures import tolerable_errors_over_frequency
 
-    drawn = tolerable_errors_over_frequency(design.chart)
+    _draw(tolerable_errors_over_frequency(design.chart), figure)
+
+
+def draw_comparison(comparison: Comparison, figure: str | Path) -> None:
+    """Draw the chart of ranked tests.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What :func:`reliab.compare` answered.
+    figure : str or pathlib.Path
+        The file, which ends in .svg, .png or .pdf.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written or ends otherwise.
+    """
+    from reliab.report.figures import ranked_tests
+
+    _draw(ranked_tests(comparison), figure)
+
+
+def _draw(drawn: "Figure", figure: str | Path) -> None:
+    """Write a figure to a file."""
+    from reliab.report import picture
+
     try:
         with written_whole(figure) as file:
             file.write_bytes(picture(drawn, Path(figure).suffix.lower()))

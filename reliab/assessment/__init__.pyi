@@ -10,6 +10,7 @@ from .budget import (
     read_equipment as read_equipment,
     stated_of_filters as stated_of_filters,
 )
+from .comparison import Comparison as Comparison, RankedTest as RankedTest, rank_tests as rank_tests
 from .corrected_response import corrected_response as corrected_response
 from .coupled_assessment import (
     CoupledAssessment as CoupledAssessment,

@@ -17,6 +17,7 @@ import typer
 from reliab.cli import (
     assess,
     calibrate,
+    compare,
     criterion,
     diagnose,
     ellipses,
@@ -58,6 +59,7 @@ app.command("simulate", epilog=example_of("simulate"))(simulate.simulate)
 app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
 app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
 app.command("assess", epilog=example_of("assess"))(assess.assess)
+app.command("compare", epilog=example_of("compare"))(compare.compare)
 app.command("record", epilog=example_of("record"))(record.record)
 app.command("calibrate", epilog=example_of("calibrate"))(calibrate.calibrate)
 app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)

@@ -7,6 +7,7 @@ EXAMPLES: Final = {
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
     "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
+    "compare": "reliab compare none.csv adaptive.csv --f 1 --xi 0.02 --figure ranking.svg",
     "record": "reliab record sample_test --out test.nc",
     "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
     "monitor": "reliab monitor sample_test --f 1 --xi 0.02",

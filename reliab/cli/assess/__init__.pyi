@@ -1,1 +1,1 @@
-from .command import assess as assess
+from .command import AssessDemand as AssessDemand, assess as assess, only_value as only_value

@@ -281,8 +281,8 @@ def _answer_tests(demand: AssessDemand) -> bool:
             *("tests", "out", "corrected", "details", "check", "json_target", "report"),
             *(OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
-            f=_only_value(demand.f, "f"),
-            confidence=_only_value(demand.confidence, "confidence"),
+            f=only_value(demand.f, "f"),
+            confidence=only_value(demand.confidence, "confidence"),
             progress=progress,
         )
     if several:
@@ -347,7 +347,7 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
         )
 
 
-def _only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
+def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
     """Take the value of an option that may be repeated for a design, but not for a test."""
     if not values:
         return None

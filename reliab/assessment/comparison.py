@@ -1,0 +1,250 @@
+"""Tests of one structure and rig ranked by their errors, such as one test with each compensator.
+
+What is not known of structure and sensors is the same in all of them, so that draws of it are paired: errors
+that rise and fall together leave their difference certain even where neither of them is.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.plain_error import plain_estimate
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.rebuilt_error.spread import LEVEL
+from reliab.errors import InputError
+from reliab.significant import significant
+from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_FEWEST: Final = 2
+_LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
+_OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
+_WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the same
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RankedTest:
+    """A test in its place among others.
+
+    Attributes
+    ----------
+    file : str
+        The test.
+    assessment : Assessment or FrameAssessment
+        What is found about it.
+    error : Estimate
+        Its error with the 90 % interval [-].
+    difference : Estimate or None
+        By how much its error is larger than that of the first test, with the 90 % interval [-]; None for the
+        first.
+    probability_larger : float or None
+        Probability that its error is larger than that of the first test; None for the first.
+    """
+
+    file: str
+    assessment: Assessment | FrameAssessment
+    error: Estimate
+    difference: Estimate | None
+    probability_larger: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison:
+    """Tests ranked by their errors.
+
+    Attributes
+    ----------
+    metric : Metric
+        Which error.
+    threshold : float
+        Error with which each test is compared [-].
+    tests : tuple of RankedTest
+        The smallest error first.
+    faults : mapping of str to str
+        By file, why others could not be judged.
+    notes : tuple of str
+        What limits the comparison, in sentences.
+    """
+
+    metric: Metric
+    threshold: float
+    tests: tuple[RankedTest, ...]
+    faults: Mapping[str, str]
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put what is found into plain numbers."""
+        return {
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            "tests": [_plain(rank, test) for rank, test in enumerate(self.tests, start=1)],
+            "faults": dict(self.faults),
+            "notes": list(self.notes),
+        }
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Put the ranking into a table, one row for each test."""
+        import pandas as pd
+
+        rows = []
+        for test in self.to_dict()["tests"]:
+            ends = {f"{name}_{end}": test[name][end] for name in ("rms", "mte") for end in ("low", "high")}
+            values = {name: test[name]["value"] for name in ("rms", "mte")}
+            difference = test["difference"] or {}
+            beyond = {f"difference_{end}": difference.get(end) for end in ("value", "low", "high")}
+            plain = {name: value for name, value in test.items() if not isinstance(value, dict | None)}
+            rows.append(
+                {**plain, **values, **ends, **beyond, "probability_larger": test["probability_larger"]}
+            )
+        return pd.DataFrame(rows)
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        return str(self.to_frame().set_index("rank").to_html(na_rep="", float_format="{:.4g}".format))
+
+
+def rank_tests(
+    judged: Mapping[str, Assessment | FrameAssessment], faults: Mapping[str, str] | None = None
+) -> Comparison:
+    """Rank tests of one structure and rig by their errors.
+
+    Parameters
+    ----------
+    judged : mapping of str to Assessment or FrameAssessment
+        By file, what was found about each test, with the same metric and threshold.
+    faults : mapping of str to str, optional
+        By file, why others could not be judged.
+
+    Returns
+    -------
+    Comparison
+        The smallest error first, each with its difference from it.
+
+    Raises
+    ------
+    InputError
+        If fewer than two tests were judged.
+    """
+    if len(judged) < _FEWEST:
+        raise InputError(
+            "A comparison needs two tests that can be judged",
+            value=len(judged),
+            remedy="; ".join((faults or {}).values()) or "Name another test",
+        )
+    metric, threshold = next(
+        (assessment.error.metric, assessment.error.threshold) for assessment in judged.values()
+    )
+    order = sorted(judged, key=lambda file: judged[file].error.estimate(metric).value)
+    first = judged[order[0]].error
+    tests = tuple(_ranked(file, judged[file], first, metric) for file in order)
+    return Comparison(
+        metric=metric,
+        threshold=threshold,
+        tests=tests,
+        faults=dict(faults or {}),
+        notes=tuple(_notes(tests)),
+    )
+
+
+def _ranked(
+    file: str, assessment: Assessment | FrameAssessment, first: ErrorOfTest, metric: Metric
+) -> RankedTest:
+    error = assessment.error
+    estimate = error.estimate(metric)
+    if error is first:
+        return RankedTest(
+            file=file, assessment=assessment, error=estimate, difference=None, probability_larger=None
+        )
+    differences, weights = paired_differences(error, first, metric)
+    low, high = _quantiles(differences, weights)
+    value = estimate.value - first.estimate(metric).value
+    larger = (float(weights[differences > 0.0].sum()) + 0.5) / (weights.size + 1.0)
+    return RankedTest(
+        file=file,
+        assessment=assessment,
+        error=estimate,
+        difference=Estimate(value=value, low=min(low, value), high=max(high, value)),
+        probability_larger=min(max(larger, 1.0 - _LARGEST_PROBABILITY), _LARGEST_PROBABILITY),
+    )
+
+
+def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> tuple[Array, Array]:
+    """Subtract two errors in draws of what is unknown; return that with its weights, each shape (draws,).
+
+    Draws are paired where the same quantities are unknown in both tests; else one of them is shuffled, as if
+    they had nothing in common.
+    """
+    errors, firsts = (test.rebuilt.draws.errors(metric) for test in (error, first))
+    weights, first_weights = (test.rebuilt.draws.weights() for test in (error, first))
+    count = min(errors.size, firsts.size)
+    order = np.arange(count)
+    unknown = [list(test.rebuilt.unknown.deviations()) for test in (error, first)]
+    if unknown[0] != unknown[1] or error.rebuilt.seed != first.rebuilt.seed:
+        order = np.random.default_rng(0).permutation(count)
+    joint = weights[:count] * first_weights[order]
+    return errors[:count] - firsts[order], joint / joint.mean()
+
+
+def _quantiles(values: Array, weights: Array) -> tuple[float, float]:
+    """Return the ends of the 90 % interval of weighted draws."""
+    order = np.argsort(values)
+    places = (np.cumsum(weights[order]) - 0.5 * weights[order]) / weights.sum()
+    low, high = np.interp([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], places, values[order])
+    return float(low), float(high)
+
+
+def _notes(tests: Sequence[RankedTest]) -> list[str]:
+    """Say where tests differ in more than their errors."""
+    reference = tests[0].assessment.error.reference
+    step = tests[0].assessment.recording.time_step
+    others = [
+        test.file
+        for test in tests[1:]
+        if abs(test.assessment.recording.time_step / step - 1.0) > _WIDER_STEP
+        or _differs(test.assessment.error.reference, reference)
+    ]
+    notes = []
+    if others:
+        notes.append(
+            f"The exact responses of {', '.join(others)} and of {tests[0].file} differ: these tests were of "
+            "other motions or scales, and the order of their errors is not that of their compensators alone."
+        )
+    second = tests[1]
+    if second.probability_larger is not None and second.probability_larger < 0.5 + 0.5 * LEVEL:
+        notes.append(
+            f"{tests[0].file} and {second.file} cannot be told apart: the probability that the first has the "
+            f"smaller error is {significant(second.probability_larger, 2)}."
+        )
+    return notes
+
+
+def _differs(response: Array, reference: Array) -> bool:
+    """Whether two responses are those of different motions, whenever their recordings began [m]."""
+    size = 2 * max(response.size, reference.size)
+    products = np.fft.irfft(np.conj(np.fft.rfft(reference, size)) * np.fft.rfft(response, size))
+    squares = float(np.sum(reference**2)), float(np.sum(response**2))
+    left = squares[0] + squares[1] - 2.0 * float(products.max())
+    return left > _OTHER_MOTION**2 * min(squares)
+
+
+def _plain(rank: int, test: RankedTest) -> dict[str, Any]:
+    content = test.assessment.to_dict()
+    return {
+        "rank": rank,
+        "file": test.file,
+        **{name: content["error"][name] for name in ("rms", "mte")},
+        "difference": None if test.difference is None else plain_estimate(test.difference),
+        "probability_larger": test.probability_larger,
+        "A": content["A"],
+        "d_ms": content["d_ms"],
+        "verdict": content["verdict"],
+        "probability": content["probability"],
+    }

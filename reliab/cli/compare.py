@@ -1,0 +1,110 @@
+"""`reliab compare`: tests ranked by their errors, such as one with each compensator."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import typer
+
+from reliab.cli.assess import AssessDemand, only_value
+from reliab.cli.completion import samples
+from reliab.cli.demand import takes
+from reliab.cli.options import OF_REPORT, JsonTarget
+from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.significant import percent, significant
+from reliab.vocabulary import PERCENT
+
+_COLUMNS = {
+    "": "right",
+    "test": "left",
+    "error": "right",
+    "90 % interval": "right",
+    "more than the first, 90 %": "right",
+    "probability": "right",
+    "A": "right",
+    "d, ms": "right",
+    "verdict": "left",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareDemand(AssessDemand):
+    """Options of `reliab compare`: those of a verdict, and where the ranking goes."""
+
+    tests: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="TEST TEST...",
+            autocompletion=samples,
+            help="Tests of one structure and rig, such as one motion with each compensator.",
+        ),
+    ] = None
+    figure: Annotated[
+        Path | None,
+        typer.Option("--figure", metavar="FILE.svg|png|pdf", help="Chart of the ranked errors."),
+    ] = None
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.csv", help="Write the ranking as a table.")
+    ] = None
+    json_target: JsonTarget = None
+
+    belongs_to: ClassVar[Mapping[str, str]] = {}
+    omits: ClassVar[Collection[str]] = ("design", "corrected", "report", "details", "check", *OF_REPORT)
+
+
+@takes(CompareDemand)
+def compare(demand: CompareDemand) -> None:
+    """Rank tests by their errors, with the certainty of the order."""
+    from reliab import api
+
+    files = demand.files
+    with progress_bar("tests") as progress:
+        verdicts: Any = demand.ask(
+            api.assess,
+            *("tests", "out", "figure", "json_target"),
+            test=files[0] if len(files) == 1 and demand.test_name == "all" else files,
+            f=only_value(demand.f, "f"),
+            confidence=only_value(demand.confidence, "confidence"),
+            progress=progress,
+        )
+    comparison = api.compare_assessments(verdicts)
+    if demand.out is not None:
+        api.write_ranking(comparison, demand.out)
+    content = comparison.to_dict()
+    content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, demand.json_target):
+        _show(content)
+    if demand.figure is not None:
+        api.draw_comparison(comparison, demand.figure)
+
+
+def _show(content: dict[str, Any]) -> None:
+    """Print the ranking, and below it what limits it."""
+    asked = f"{content['metric'].upper()}, threshold {percent(content['threshold'])}"
+    shown = table(f"{len(content['tests'])} tests by {asked}", _COLUMNS)
+    for test in content["tests"]:
+        shown.add_row(*_row(test, content["metric"]))
+    terminal = console()
+    terminal.print(shown)
+    for sentence in (*content["notes"], *(f"{file}: {why}" for file, why in content["faults"].items())):
+        terminal.print(sentence, highlight=False, markup=False)
+
+
+def _row(test: dict[str, Any], metric: str) -> list[str]:
+    error, difference = test[metric], test["difference"]
+    return [
+        str(test["rank"]),
+        test["file"],
+        percent(error["value"], decimals=2),
+        _interval(error),
+        _interval(difference) if difference else "",
+        significant(test["probability_larger"], 3) if difference else "",
+        f"{test['A']:.4f}",
+        f"{test['d_ms']:.3f}",
+        test["verdict"].replace("_", " "),
+    ]
+
+
+def _interval(estimate: dict[str, float]) -> str:
+    return f"{PERCENT * estimate['low']:.2f} … {percent(estimate['high'], decimals=2)}"

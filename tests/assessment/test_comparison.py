@@ -1,0 +1,67 @@
+"""Tests that differ in their compensators only are ranked rightly, and more surely than each is judged."""
+
+import numpy as np
+import pytest
+from assessment.late_runs import runs_of
+
+import reliab
+from reliab.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def compared():
+    frames, errors = runs_of(3)
+    return reliab.compare(frames, f=1, xi=0.05), errors
+
+
+def test_the_smaller_error_comes_first(compared):
+    comparison, errors = compared
+    assert [test.file for test in comparison.tests] == ["data frame 2", "data frame 1"]
+    second = comparison.tests[1]
+    assert second.difference.low < errors[0] - errors[1] < second.difference.high
+    assert second.probability_larger == 0.99
+    assert comparison.tests[0].difference is None
+    assert comparison.notes == ()
+
+
+def test_what_is_unknown_in_both_makes_the_difference_no_less_certain(compared):
+    first, second = compared[0].tests
+    width = second.difference.high - second.difference.low
+    apart = np.hypot(*(test.error.high - test.error.low for test in (first, second)))
+    assert width < 0.8 * apart
+
+
+def test_numbers_are_those_of_the_verdicts(compared):
+    comparison, _ = compared
+    content = comparison.to_dict()["tests"][0]
+    alone = reliab.assess(runs_of(3)[0][1], f=1, xi=0.05).to_dict()
+    assert content["rms"] == alone["error"]["rms"]
+    assert (content["verdict"], content["A"]) == (alone["verdict"], alone["A"])
+    assert list(comparison.to_frame()["rank"]) == [1, 2]
+
+
+def test_runs_of_other_motions_and_of_one_kind_are_told():
+    frames = [runs_of(seed, delays=(0.004,))[0][0] for seed in (3, 4)]
+    (note, *_) = reliab.compare(frames, f=1, xi=0.05).notes
+    assert "other motions or scales" in note
+    frames = [*runs_of(3, delays=(0.004,))[0], *runs_of(5, delays=(0.004,))[0]]
+    frames[1] = frames[0].assign(measured_m=frames[0]["measured_m"] * 1.00001)
+    assert "cannot be told apart" in reliab.compare(frames, f=1, xi=0.05).notes[-1]
+
+
+def test_one_test_is_no_comparison():
+    with pytest.raises(InputError, match="needs two tests that can be judged; found 1"):
+        reliab.compare(runs_of(3, delays=(0.004,))[0], f=1, xi=0.05)
+
+
+@pytest.mark.slow
+def test_intervals_of_differences_hold_the_true_ones_where_the_frequency_is_not_exact():
+    held = 0
+    for seed in range(40):
+        f = 1.0 + 0.02 * np.random.default_rng(1000 + seed).normal()
+        frames, errors = runs_of(100 + seed, f=f)
+        tests = {test.file: test for test in reliab.compare(frames, f="1±0.02", xi=0.05).tests}
+        later = next(test for test in tests.values() if test.difference is not None)
+        sign = 1.0 if later.file == "data frame 1" else -1.0
+        held += later.difference.low <= sign * (errors[0] - errors[1]) <= later.difference.high
+    assert held >= 32  # 90 % of 40, less two standard deviations

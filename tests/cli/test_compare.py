@@ -1,0 +1,36 @@
+"""`reliab compare` prints, writes and draws the ranking of what `reliab assess` finds."""
+
+import json
+
+import pandas as pd
+import pytest
+from assessment.late_runs import runs_of
+
+from reliab.cli import run
+
+
+@pytest.fixture
+def files(tmp_path):
+    for name, frame in zip(("none.csv", "inverse.csv"), runs_of(3)[0], strict=True):
+        frame.to_csv(tmp_path / name, index=False)
+    return [str(tmp_path / name) for name in ("none.csv", "inverse.csv")]
+
+
+def test_the_ranking_is_printed_written_and_drawn(tmp_path, files, capsys):
+    out, figure = tmp_path / "ranking.csv", tmp_path / "ranking.svg"
+    asked = ["compare", *files, "--f", "1", "--xi", "0.05"]
+    assert run([*asked, "--out", str(out), "--figure", str(figure)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.index("inverse.csv") < printed.index("none.csv")
+    assert list(pd.read_csv(out)["rank"]) == [1, 2]
+    assert figure.read_text(encoding="utf-8").count("<svg") == 1
+    assert run([*asked, "--json", "-"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert [test["file"] for test in content["tests"]] == files[::-1]
+
+
+def test_what_only_a_verdict_has_is_no_option(files, capsys):
+    assert run(["compare", *files, "--f", "1", "--check"]) == 2
+    assert "--check" in capsys.readouterr().err
+    assert run(["compare", files[0], "--f", "1", "--xi", "0.05"]) == 2
+    assert "needs two tests" in capsys.readouterr().err
