@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from assessment.late_runs import runs_of
+from late_runs import runs_of
 
 import reliab
 from reliab.errors import InputError

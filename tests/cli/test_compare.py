@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 import pytest
-from assessment.late_runs import runs_of
+from late_runs import runs_of
 
 from reliab.cli import run
 
