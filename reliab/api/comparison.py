@@ -5,7 +5,8 @@ from typing import Unpack
 
 from reliab.api.assessment import Stated, assess
 from reliab.api.channels import Test
-from reliab.assessment import Assessments, Comparison, rank_tests
+from reliab.assessment import Assessments, Comparison, CoupledAssessment, rank_tests
+from reliab.errors import InputError
 from reliab.simulation.frames import FrameUnderTest
 from reliab.structures import Structure
 
@@ -68,6 +69,15 @@ def compare_assessments(assessments: Assessments) -> Comparison:
     Raises
     ------
     InputError
-        If fewer than two tests could be judged.
+        If fewer than two tests could be judged, or they are of several actuators.
     """
-    return rank_tests(assessments.judged, assessments.faults)
+    judged = {
+        file: found for file, found in assessments.judged.items() if not isinstance(found, CoupledAssessment)
+    }
+    if len(judged) < len(assessments.judged):
+        raise InputError(
+            "Tests of one actuator are compared",
+            value="a frame with several",
+            remedy="Judge each with `reliab assess`: its governing displacement stands first",
+        )
+    return rank_tests(judged, assessments.faults)
