@@ -10,6 +10,7 @@ import numba
 from numpy.typing import NDArray
 
 _Kernel = TypeVar("_Kernel", bound=Callable[..., object])
+_Made = TypeVar("_Made")
 
 # Reordering and fused multiply-add are allowed; NaN and infinity keep their meaning, because an
 # unstable loop overflows and must be seen to.
@@ -23,11 +24,26 @@ def _compiled(function: _Kernel, *, cache: bool) -> _Kernel:
 
 def compiled(function: _Kernel) -> _Kernel:
     """Compile a numerical kernel with Numba, free of the interpreter lock, cached where a disk allows it."""
+    return _kept_where_possible(lambda cache: _compiled(function, cache=cache))
+
+
+def compiled_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
+    """Compile a function that other kernels call by its address, cached where a disk allows it."""
+
+    def compile_callback(cache: bool) -> Any:  # noqa: ANN401, FBT001
+        options = {"cache": cache, "nopython": True, "error_model": "numpy"}
+        return cast("Any", numba.cfunc)(signature, **options)(function)
+
+    return _kept_where_possible(compile_callback)
+
+
+def _kept_where_possible(compile_kernel: Callable[[bool], _Made]) -> _Made:
+    """Compile with a cache on disk, and without one where no folder for it can be written."""
     try:
-        return _compiled(function, cache=True)
-    except RuntimeError:  # no folder for compiled kernels can be written
+        return compile_kernel(True)  # noqa: FBT003
+    except RuntimeError:
         _say_that_none_are_kept()
-        return _compiled(function, cache=False)
+        return compile_kernel(False)  # noqa: FBT003
 
 
 @cache

@@ -1,15 +1,36 @@
 """Kernels are compiled also where no folder can be written."""
 
+import ast
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 
-def test_kernels_need_no_folder_for_their_cache(tmp_path):
-    (tmp_path / "kernel.py").write_text(
-        "from reliab.compiled import compiled\n@compiled\ndef half(x):\n    return x / 2\nprint(half(3.0))\n"
-    )
+COMPILERS = {"njit", "jit", "cfunc", "vectorize", "guvectorize"}
+PACKAGE = Path(__file__).resolve().parents[1] / "reliab"
+
+
+KERNEL = """
+from reliab.compiled import compiled
+@compiled
+def half(x):
+    return x / 2
+print(half(3.0))
+"""
+CALLED_BY_ADDRESS = """
+from numba import types
+from reliab.compiled import compiled_callback
+def half(x):
+    return x / 2
+print(compiled_callback(types.float64(types.float64), half).ctypes(3.0))
+"""
+
+
+@pytest.mark.parametrize("source", [KERNEL, CALLED_BY_ADDRESS])
+def test_kernels_need_no_folder_for_their_cache(tmp_path, source):
+    (tmp_path / "kernel.py").write_text(source)
     (tmp_path / "__pycache__").touch()
     nowhere = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null", "NUMBA_CACHE_DIR": ""}
     done = subprocess.run(  # noqa: S603 - this very package
@@ -20,3 +41,15 @@ def test_kernels_need_no_folder_for_their_cache(tmp_path):
         check=False,
     )
     assert done.stdout == "1.5\n", done.stderr
+    assert done.stderr.count("Compiled code cannot be kept") == 1
+
+
+def test_numba_is_told_to_compile_in_one_place_only():
+    elsewhere = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if getattr(node, "attr", getattr(node, "name", ""))
+        in {"njit", "jit", "cfunc", "vectorize", "guvectorize"}
+    }
+    assert elsewhere == {"compiled.py"}

@@ -92,3 +92,10 @@ def test_python_recipe_runs(block, capsys):
 def test_each_shipped_folder_says_where_it_came_from():
     for room in ("datasets", "studies", "reports"):
         assert (ROOT / room / "README.md").exists()
+
+
+def test_every_report_of_the_folder_is_listed_with_what_makes_it():
+    listed = (ROOT / "reports/README.md").read_text(encoding="utf-8")
+    for path in (ROOT / "reports").iterdir():
+        if path.suffix in {".pdf", ".svg", ".png"}:
+            assert f"`{path.name}`" in listed

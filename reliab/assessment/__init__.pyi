@@ -34,6 +34,7 @@ from .faults import plain_faults as plain_faults
 from .frame_assessment import FrameAssessment as FrameAssessment, ModeOfTest as ModeOfTest
 from .frame_test import assess_frame as assess_frame, whole_structure as whole_structure
 from .moving_windows import Windows as Windows
+from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plausibility import require_plausible as require_plausible
 from .recorded_force import require_restoring_force as require_restoring_force

@@ -110,6 +110,13 @@ def examine_equation(
     )
 
 
+def doubts_of_ground(recording: Recording, structure: Structure, mass: float) -> tuple[str, ...]:
+    """Say whether the recorded ground acceleration is reversed, or not this test's; `mass` [kg]."""
+    if recording.ground is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
+        return ()
+    return _identified(recording, structure, {"mass": StatedValue(mass)}, 0.0)[1]
+
+
 def _identified(
     recording: Recording, structure: Structure, stated: Mapping[str, StatedValue], lag: float
 ) -> tuple[Identification | None, tuple[str, ...]]:

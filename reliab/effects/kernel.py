@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, cast
 
-import numba
 from llvmlite import ir
 from numba import types
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
+
+from reliab.compiled import compiled_callback
 
 
 class Numbers(Protocol):
@@ -63,9 +64,7 @@ class Kernel:
 
     @cached_property
     def _compiled(self) -> Any:  # noqa: ANN401 - Numba states no type
-        return cast("Any", numba.cfunc)(_SIGNATURE, cache=True, nopython=True, error_model="numpy")(
-            self.function
-        )
+        return compiled_callback(_SIGNATURE, self.function)
 
     @property
     def address(self) -> int:

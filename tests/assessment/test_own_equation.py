@@ -55,7 +55,10 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
     assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
 
 
-@pytest.mark.parametrize(("sign", "words"), [(-1.0, "opposite sign"), (0.1, "does not belong to this test")])
+@pytest.mark.parametrize(
+    ("sign", "words"),
+    [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (0.1, 9.81, -9.81, 1e6))],
+)
 def test_another_ground_acceleration_is_said(judged, sign, words):
     _, found = judged(sign=sign)
     assert any(words in warning for warning in found.warnings)

@@ -1,7 +1,7 @@
 """Many changes tried in copies of one process that has collected the tests of a room.
 
-A change within a function that is not compiled replaces the function's code in the copy, so that nothing is
-imported or collected again.
+A change within a function replaces the function's code in the copy, so that nothing is imported or collected
+again; where the function is compiled, the copy compiles it anew, and whatever calls it.
 """
 
 import gc
@@ -16,7 +16,10 @@ from types import CodeType, FunctionType
 import pytest
 from benchmarks.mutant_places import ROOT, Mutant, home, mutated
 from benchmarks.mutant_process import in_fresh_process
-from benchmarks.mutant_tests import OPTIONS, Chosen, judged, module_of, stale
+from benchmarks.mutant_tests import OPTIONS, Chosen, forget_kernels, judged, module_of, stale
+from numba.core.dispatcher import Dispatcher
+
+from reliab.effects.kernel import Kernel
 
 Work = tuple[Mutant, list[str], float]
 """A change, the names of the tests that try it, and the processor time that they may take [s]."""
@@ -42,7 +45,7 @@ class _Session:
             code = _changed_code(mutant)
             targets = functions.get(_key(code), []) if code is not None and names else []
             if targets:
-                run = partial(_run, session, targets, code)
+                run = partial(_run, session, targets, code, {str(ROOT / file) for file in stale(mutant)})
                 self.note(mutant, judged(names, run, seconds))
         return True
 
@@ -61,9 +64,9 @@ def _key(code: CodeType) -> tuple[str, int, str]:
 
 
 def _changed_code(mutant: Mutant) -> CodeType | None:
-    """Code of the changed function; None where the change is elsewhere or in compiled code."""
+    """Code of the changed function; None where the change is outside functions."""
     place = home(mutant)
-    if not place.in_body or stale(mutant):
+    if not place.in_body:
         return None
     first = min([place.function.lineno, *(mark.lineno for mark in place.function.decorator_list)])
     waiting = [compile(mutated(mutant), str(ROOT / mutant.file), "exec")]
@@ -79,14 +82,17 @@ def _run(
     session: pytest.Session,
     targets: list[FunctionType],
     code: CodeType,
+    sources: set[str],
     names: list[str],
     note: Path,
     *,
     changed: bool,
 ) -> int:
-    """Run tests until the first fails, with changed code."""
-    for function in targets if changed else []:
-        function.__code__ = code
+    """Run tests until the first fails, with changed code; kernels of some sources are compiled anew."""
+    if changed:
+        for function in targets:
+            function.__code__ = code
+        _compile_anew(sources)
     items = list(session.items)
     Chosen(names).pytest_collection_modifyitems(items)
     for item, following in zip(items, [*items[1:], None], strict=True):
@@ -96,3 +102,15 @@ def _run(
             return 1
     sys.stdout.flush()
     return 0
+
+
+def _compile_anew(sources: set[str]) -> None:
+    """Forget what was compiled from some files, in memory and on disk."""
+    if not sources:
+        return
+    forget_kernels(sources)
+    for thing in gc.get_objects():
+        if isinstance(thing, Dispatcher) and thing.py_func.__code__.co_filename in sources:
+            getattr(thing, "_reset_overloads")()  # noqa: B009 - Numba has no other way, and states no type
+        elif isinstance(thing, Kernel) and thing.function.__code__.co_filename in sources:
+            vars(thing).pop("_compiled", None)

@@ -250,7 +250,7 @@ def judged(names: list[str], run: Run, seconds: float) -> str:
 
 def _try(mutant: Mutant, names: list[str], note: Path, *, changed: bool) -> int:
     sys.meta_path.insert(0, _Changed(mutant, mutated(mutant) if changed else parsed(mutant.file)))
-    _forget_kernels({str(ROOT / file) for file in stale(mutant)})
+    forget_kernels({str(ROOT / file) for file in stale(mutant)})
     importlib.import_module(module_of(mutant.file))
     files = list(dict.fromkeys(map(file_of, names)))
     return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(names, note)]))
@@ -260,7 +260,7 @@ def module_of(file: str) -> str:
     return ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
 
 
-def _forget_kernels(sources: set[str]) -> None:
+def forget_kernels(sources: set[str]) -> None:
     """Compile the kernels of some files anew, and keep none of them on disk."""
     from numba.core.caching import Cache
 

@@ -5,7 +5,7 @@
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
 tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
-has collected them; where code is compiled or stands outside functions, in a process that imports it anew.
+has collected them; where code stands outside functions, in a process that imports it anew.
 Code that is compiled is reached by whatever names it, tests too. Nothing on disk is changed.
 A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
 that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
@@ -40,7 +40,7 @@ def main() -> None:
     room = "" if options.room == "all" else options.room
     everything = mutants(room, options.kind)
     shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
-    chosen = shuffled[: options.count]
+    chosen = shuffled[: options.count][options.part - 1 :: options.parts]
     tests = options.tests or [f"tests/{room.partition('/')[0]}", f"reliab/{room}"]
     reach = Reach(_record(options.room, tests, options.reach), options.budget)
     _try(chosen, tests, reach, options.out)
@@ -80,6 +80,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--kind", choices=KINDS, default=KINDS[0], help="what is changed")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=17)
+    parser.add_argument("--part", type=int, default=1, help="which of several parts, each with its --out")
+    parser.add_argument("--parts", type=int, default=1, help="in how many processes, one on each processor")
     parser.add_argument("--out", type=Path, default=Path("mutants.jsonl"))
     parser.add_argument("--budget", type=float, default=60.0, help="processor time of a change's tests [s]")
     parser.add_argument(

@@ -72,6 +72,26 @@ def test_a_blunder_in_every_run_is_refused_as_in_an_assessment(name, channel, fa
     assert refused.value.where == RIGS[name].tests[0].file
 
 
+@pytest.mark.parametrize("places", [{1}, {0, 1, 2}])
+@pytest.mark.parametrize("unit", [9.80665, 1.0 / 9.80665])
+@pytest.mark.parametrize("name", RIGS)
+def test_a_ground_acceleration_in_another_unit_is_said_of_each_test(name, unit, places):
+    said = require_consistent(spoiled(RIGS[name], GROUND, unit, places))
+    assert len(said) == len(places)
+    for place, sentence in zip(sorted(places), said, strict=True):
+        assert sentence.startswith(
+            f"{RIGS[name].tests[place].file}: The recorded ground acceleration does not"
+        )
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_a_reversed_ground_acceleration_is_said_of_each_test(name):
+    said = require_consistent(spoiled(RIGS[name], GROUND, -1.0))
+    assert said == tuple(
+        f"{test.file}: The ground acceleration has the opposite sign." for test in RIGS[name].tests
+    )
+
+
 @pytest.mark.parametrize(
     "channels", [(MEASURED, FORCE), (COMMAND, MEASURED), (GROUND, MEASURED), (GROUND, COMMAND, FORCE)]
 )

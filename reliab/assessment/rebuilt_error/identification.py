@@ -33,6 +33,7 @@ from reliab.significant import significant
 from reliab.structures import Structure
 
 _FEWEST_PERIODS = 4.0
+_LEAST_STIFFNESS = 1e-6  # of the stated ω₀², where an equation finds none, or less
 _SIGNIFICANT = 3.0  # standard errors
 _MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
 
@@ -125,7 +126,8 @@ def _with_force(
     spring = fit_spring(measured, force, kernel)
     square, spread = values[1] + spring.stiffness, spring.stiffness_deviation**2
     square_variance = covariance[1, 1] + spread
-    w0 = float(np.sqrt(max(square, np.finfo(float).tiny)))
+    square = max(square, _LEAST_STIFFNESS * structure.circular_frequency**2)
+    w0 = float(np.sqrt(square))
     ratio = values[0] / (2.0 * w0)
     share = spring.stiffness / square
     damped = target - 2.0 * structure.damping_ratio * w0 * moved[1]
@@ -166,7 +168,7 @@ def _without_force(
     sprung = share * late + (1.0 - share) * moved[0]
     columns = np.stack([moved[1], sprung, np.ones(sprung.size)])
     values, covariance, residual = fit_equation(columns, -(shaken + moved[2]), kernel)
-    w0 = float(np.sqrt(max(values[1], np.finfo(float).tiny)))
+    w0 = float(np.sqrt(max(values[1], _LEAST_STIFFNESS * structure.circular_frequency**2)))
     ratio = values[0] / (2.0 * w0)
     return Identification(
         frequency=_frequency(w0, covariance[1, 1], structure),

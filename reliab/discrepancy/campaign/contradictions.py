@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Spectrum
-from reliab.assessment import plain_faults, require_plausible, require_restoring_force
+from reliab.assessment import doubts_of_ground, plain_faults, require_plausible, require_restoring_force
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
 from reliab.recordings import Recording
@@ -46,8 +46,9 @@ def require_consistent(campaign: Campaign) -> tuple[str, ...]:
 def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     """Examine one test by itself."""
     yield from (f"{test.file}: {note}" for note in test.notes)
-    command, measured, force = (
-        test.channels.get(channel) for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE)
+    command, measured, force, ground = (
+        test.channels.get(channel)
+        for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE, Channel.GROUND)
     )
     specimen = campaign.nominal.specimen
     stiffness = None if specimen is None else specimen.stiffness
@@ -61,6 +62,10 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             expected = replace(recording, command=campaign.nominal.actuator.gain * command)
             require_plausible(expected, stiffness=stiffness)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
+            if campaign.structure is not None and force is not None:
+                shaken = replace(recording, ground=ground)
+                doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
+                yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
             require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
     except InputError as error:

@@ -68,7 +68,6 @@ def criterion_report(
         verdict=_verdict(reported, population),
         facts={
             **_facts(reported, coverage),
-            "For ground motions like these": criterion.provenance.population,
             **_real(real_motions),
             "Purpose": purpose,
             "To do next": _NEXT,
@@ -114,7 +113,7 @@ def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[st
     together = "for both limits together" if criterion.joint else "for each limit separately"
     meaning = meaning_of_confidence(criterion.method)
     facts: dict[str, Prose] = {
-        "Ground motions": f"{source.n_motions} of {source.n_events} earthquakes",
+        "Ground motions": source.population or f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(
             "$f$ = {f}, $xi$ = {xi}, $alpha$ = {alpha:g} of the stiffness in the laboratory",
             f=values(reported.frequencies.tolist(), "Hz"),
