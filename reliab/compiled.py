@@ -10,7 +10,7 @@ import numba
 from numpy.typing import NDArray
 
 _Kernel = TypeVar("_Kernel", bound=Callable[..., object])
-_Made = TypeVar("_Made")
+_Compiled = TypeVar("_Compiled")
 
 # Reordering and fused multiply-add are allowed; NaN and infinity keep their meaning, because an
 # unstable loop overflows and must be seen to.
@@ -37,7 +37,7 @@ def compiled_callback(signature: object, function: Callable[..., float]) -> Any:
     return _kept_where_possible(compile_callback)
 
 
-def _kept_where_possible(compile_kernel: Callable[[bool], _Made]) -> _Made:
+def _kept_where_possible(compile_kernel: Callable[[bool], _Compiled]) -> _Compiled:
     """Compile with a cache on disk, and without one where no folder for it can be written."""
     try:
         return compile_kernel(True)  # noqa: FBT003
