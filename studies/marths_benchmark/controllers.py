@@ -137,7 +137,7 @@ def _feedforward(name: str) -> Controller:
     and small: large ones would raise the noise, which the specimen feeds back.
     """
     frequency = np.linspace(0.1, _HIGHEST, 240)
-    s = 2j * np.pi * frequency
+    s = np.asarray(2j * np.pi * frequency, dtype=np.complex128)
     transfer = nominal_plant().transfer(s) * np.exp(-0.5 * s / RATE)[:, np.newaxis, np.newaxis]
     lags = np.exp(-np.outer(s, np.arange(_TAPS)) / RATE)
     rows = []
@@ -147,8 +147,8 @@ def _feedforward(name: str) -> Controller:
         stacked = np.vstack([columns.real, columns.imag, small])
         goal = np.concatenate([np.ones(s.size), np.zeros(s.size + _TAPS)])
         rows.append(np.linalg.lstsq(stacked, goal, rcond=None)[0])
-    taps = np.array(rows)
-    shift = np.kron(np.eye(_TAPS - 1, k=-1), np.eye(2))
+    taps = np.array(rows, dtype=np.float64)
+    shift = np.asarray(np.kron(np.eye(_TAPS - 1, k=-1), np.eye(2)), dtype=np.float64)
     entry = np.vstack([np.eye(2), np.zeros((2 * (_TAPS - 2), 2))])
     states = np.hstack([np.diag(taps[:, tap]) for tap in range(1, _TAPS)])
     return _linear(name, shift, entry, states, np.diag(taps[:, 0]))

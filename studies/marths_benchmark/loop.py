@@ -109,7 +109,7 @@ def _newmark() -> tuple[Array, Array, Array, Array]:
 def _coefficients(mass: Array, damping: Array, stiffness: Array) -> tuple[Array, Array, Array, Array]:
     """K₊⁻¹, K₊⁻¹K₀, K₊⁻¹K₋ and K₊⁻¹Mι."""
     per_step = 2.0 * RATE
-    later = np.linalg.inv(per_step**2 * mass + per_step * damping + stiffness)
+    later = np.asarray(np.linalg.inv(per_step**2 * mass + per_step * damping + stiffness), dtype=np.float64)
     now = later @ (2.0 * stiffness - 2.0 * per_step**2 * mass)
     before = later @ (per_step**2 * mass - per_step * damping + stiffness)
     load = later @ (mass @ substructures().influence)

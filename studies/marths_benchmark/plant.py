@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 
 NOMINAL: Final = "nominal"
 """What the plant of the benchmark is called in results; others by their number."""
@@ -25,7 +25,7 @@ class CoupledPlant:
     numerators: tuple[tuple[Array, Array], tuple[Array, Array]]  # By actuator that moves, then command
     denominators: tuple[Array, Array]  # By command
 
-    def transfer(self, s: Array) -> Array:
+    def transfer(self, s: Spectrum) -> Spectrum:
         """H(s), shape (…, 2, 2)."""
         rows = [
             [
@@ -87,7 +87,7 @@ def _plant(name: str, factors: Array, *, rescaled: bool) -> CoupledPlant:
     frame = np.real(np.poly([factors[8] * _FRAME_POLE, factors[8] * np.conj(_FRAME_POLE)]))
     zeros = np.array([240.0, 180.0, 6.0, 10.0]) * _PI * factors[[0, 1, 4, 5]]
     poles = np.array([5.3, 80.0, 7.0, 37.0]) * _PI * factors[[2, 3, 6, 7]]
-    shared = np.poly(-zeros[:2])
+    shared = np.asarray(np.poly(-zeros[:2]), dtype=np.float64)
     numerators = (
         (2165.2 * shared, 4.5394e6 * np.array([1.0, zeros[2]])),
         (349.95 * shared, 1.9238e7 * np.array([1.0, zeros[3]])),
