@@ -38,7 +38,12 @@ from .rebuilt_errors import (
     validate_rebuilt_error as validate_rebuilt_error,
 )
 from .records import Record as Record, check_records as check_records, record as record
-from .rig_answers import RigPrediction as RigPrediction, predict_rig as predict_rig
+from .rig_answers import (
+    RigPrediction as RigPrediction,
+    compare_rigs as compare_rigs,
+    plan_rig as plan_rig,
+    predict_rig as predict_rig,
+)
 from .rig_tests import AddedTests as AddedTests, add_to_rig as add_to_rig
 from .rigs import (
     RigList as RigList,

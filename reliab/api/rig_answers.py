@@ -1,4 +1,4 @@
-"""What a rig's tests answer: the next test predicted."""
+"""What a rig's tests answer: the next test predicted, what to change, and whether it became better."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,9 +15,13 @@ from reliab.errors import InputError
 from reliab.motions import load_motions, read_motion
 from reliab.rig import (
     NextTest,
+    Plan,
     Prediction,
+    RigComparison,
     RigFolder,
     RigTable,
+    compare_tables,
+    plan_tests,
     predict_next,
     predict_under_motion,
     predict_under_suite,
@@ -103,6 +107,84 @@ def predict_rig(
     else:
         prediction = _of_structure(table, _structure(f, xi, alpha), asked, limit, motion, suite)
     return RigPrediction(rig=Path(rig), prediction=prediction)
+
+
+def plan_rig(
+    rig: str | Path,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    threshold: float | None = None,
+    share: float = 0.95,
+) -> Plan:
+    """Search what to change so that a share of the coming tests is good.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder.
+    f, xi, alpha, threshold
+        As for :func:`predict_rig`.
+    share : float, optional
+        Share of the coming tests whose error shall stay below the threshold.
+
+    Returns
+    -------
+    Plan
+        Each remedy alone (share in the laboratory, damping, frequency, compensation, scale of the motion)
+        with the least change that suffices, and Sobol indices of the error.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three tests, or an argument cannot be used.
+    """
+    if not 0.0 < share < 1.0:
+        raise InputError("The value of `share` must lie in (0, 1)", value=share, remedy="Give 0.95")
+    table = RigFolder.opened(rig).table()
+    return plan_tests(
+        table, _structure(f, xi, alpha), NextTest(), threshold=_threshold(threshold), share=share
+    )
+
+
+def compare_rigs(
+    rig: str | Path, other: str | Path | None = None, *, since: str | None = None
+) -> RigComparison:
+    """Say whether a rig became better with a change, or another one is better.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder of the first rig.
+    other : str or pathlib.Path, optional
+        That of the second.
+    since : str, optional
+        In its place the date of a change, in ISO 8601, before and after which the tests are compared.
+
+    Returns
+    -------
+    RigComparison
+        Medians of amplitude error, delay, remainder and error, and the probability that each became smaller.
+
+    Raises
+    ------
+    InputError
+        If neither or both are given, or there are fewer than three tests on a side.
+    """
+    table = RigFolder.opened(rig).table()
+    if (other is None) == (since is None):
+        raise InputError(
+            "A rig is compared with `other`, or with itself `since` a change",
+            value="both" if other else "neither",
+            remedy="Name a second rig, or give the date of the change",
+        )
+    if other is not None:
+        return compare_tables(table, RigFolder.opened(other).table())
+    moment = require_date(str(since))
+    after = [place for place, when in enumerate(table.moments) if when >= moment]
+    before = [place for place, when in enumerate(table.moments) if when < moment]
+    return compare_tables(table.only(before), table.only(after))
 
 
 def _threshold(threshold: float | None) -> float:

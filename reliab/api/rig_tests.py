@@ -22,6 +22,7 @@ from reliab.shipped import or_shipped
 from reliab.stated_value import StatedValue
 
 _ALL_TESTS = "all"
+_TAKEN = ("day", "change", "changed_ns")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +159,11 @@ def stated_covariates(texts: Iterable[str]) -> dict[str, float]:
     covariates: dict[str, float] = {}
     for text in texts:
         name, sign, number = text.partition("=")
-        if not sign or not name.isidentifier() or name in {*COLUMNS, *covariates, "day", "changed_ns"}:
+        if (
+            not sign
+            or not name.isidentifier()
+            or name in {*COLUMNS, *covariates, "day", "change", "changed_ns"}
+        ):
             raise InputError(
                 "A `covariate` must be a new name and a number",
                 value=repr(text),

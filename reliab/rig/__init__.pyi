@@ -1,5 +1,13 @@
+from .comparison import RigComparison as RigComparison, compare_tables as compare_tables
 from .describing import describe_test as describe_test
+from .drift import (
+    FALSE_ALARMS as FALSE_ALARMS,
+    Change as Change,
+    DriftChart as DriftChart,
+    drift_chart as drift_chart,
+)
 from .memory import NextTest as NextTest
+from .planning import Plan as Plan, plan_tests as plan_tests
 from .prediction import (
     Prediction as Prediction,
     predict_next as predict_next,

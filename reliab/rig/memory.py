@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment import typical_ellipse
 from reliab.errors import InputError
+from reliab.rig.drift import drift_chart
 from reliab.rig.learning import Circumstances, Learned, learn, warmth
 from reliab.rig.rig_table import RigTable
 from reliab.structures import Structure
@@ -22,7 +23,7 @@ MOST: Final = 1000
 _SMALLEST_REMAINDER = 1e-5
 _DAY = 10  # characters of a date
 _FEWEST_DATES = 3
-_GROUPS = ("event", "day", "specimen")
+_GROUPS = ("event", "day", "specimen", "changes")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +96,12 @@ class Memory:
         specimens = np.array(self.table.texts("specimen"))
         return Circumstances(
             numbers=numbers,
-            groups={"event": self.events, "day": self.days, "specimen": specimens},
+            groups={
+                "event": self.events,
+                "day": self.days,
+                "specimen": specimens,
+                "changes": self._segments if self.ordered else np.full(len(self.table), ""),
+            },
             place=np.arange(len(self.table), dtype=np.float64) if self.ordered else None,
         )
 
@@ -123,7 +129,9 @@ class Memory:
         place = float(len(self.table))
         if coming.date and self.ordered:
             place = float(np.searchsorted(np.array(self.table.moments), coming.date, side="right")) - 0.5
-        groups = {"event": "", "day": day if coming.date else "", "specimen": specimen}
+        changes = str(self._segments[min(int(place + 0.5), len(self.table)) - 1]) if self.ordered else ""
+        days = day if coming.date else ""
+        groups = {"event": "", "day": days, "specimen": specimen, "changes": changes}
         return Circumstances(
             numbers=numbers,
             groups={kind: np.array([groups[kind]]) for kind in _GROUPS},
@@ -133,6 +141,11 @@ class Memory:
     def learn(self, values: Array, coming: NextTest) -> Learned:
         """Learn a quantity under the circumstances that are known of the next test."""
         return learn(values, self.circumstances(coming), self.events)
+
+    @cached_property
+    def _segments(self) -> NDArray[np.str_]:
+        """How many changes of the rig had begun before each test, as a name."""
+        return drift_chart(self.table.rows).segments.astype(str)
 
     @cached_property
     def amplitude(self) -> Array:
@@ -158,9 +171,10 @@ class Memory:
         """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""
         return float(np.log(self.explained(typical_ellipse(structure))))
 
-    def log_scales(self) -> Array:
-        """Return the same for the structure of each test."""
-        rows = zip(*(self.table.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True)
+    def log_scales(self, table: RigTable | None = None) -> Array:
+        """Return the same for the structure of each test, of this rig or of another table."""
+        every = self.table if table is None else table
+        rows = zip(*(every.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True)
         scales: dict[tuple[float, ...], float] = {}
         return np.array([scales.setdefault(row, self._log_scale(row)) for row in rows])
 

@@ -9,6 +9,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment import typical_ellipse
 from reliab.boundary import first_order_ellipse
+from reliab.rig.drawing import DRAWS, draw_tests, learn_tracking
 from reliab.rig.learning import Circumstances, Learned
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
@@ -19,7 +20,6 @@ from reliab.vocabulary import MILLI
 LEVEL: Final = 0.9
 _ENDS: Final = (0.05, 0.5, 0.95)
 _NAMES: Final = ("low", "median", "high")
-_DRAWS: Final = 1000
 _SAME: Final = 1e-9
 _LARGEST_PROBABILITY: Final = 0.99
 """As for a test: higher ones were not validated."""
@@ -90,7 +90,7 @@ def predict_next(
 ) -> Prediction:
     """Predict a test under a ground motion that nobody knows yet; `frame` in place of a structure."""
     memory = Memory.remembered(table, frame)
-    learned = _learn_tracking(memory, coming)
+    learned = learn_tracking(memory, coming)
     scales = np.zeros(len(memory.table)) if structure is None else memory.log_scales()
     scale = 0.0 if structure is None else memory.log_scale(structure)
     learned["rms"] = memory.learn(memory.log_error - scales, coming)
@@ -120,18 +120,17 @@ def predict_under_motion(
     still = loop.deviation(loop.cells(gain=[1.0], delay=[0.0]))
     coming = NextTest(**{**vars(coming), "peak": MILLI * still.ideal_peak})
     memory = Memory.remembered(table)
-    learned = _learn_tracking(memory, coming)
+    drawn, learned = draw_tests(memory, coming, structure)
     others = memory.circumstances_of(coming, structure)
     ellipse = first_order_ellipse(excitation, structure)
-    drawn = _draws(memory, coming, learned, others)
-    solved = loop.deviation(loop.cells(gain=np.maximum(drawn["A"], 1e-3), delay=drawn["d_ms"] / MILLI))
+    solved = loop.deviation(loop.cells(gain=np.maximum(drawn.amplitude, 1e-3), delay=drawn.delay_ms / MILLI))
     of_loop = np.sqrt(np.maximum(solved.mean_square, 0.0)) / still.ideal_peak
     of_loop = np.where(np.isfinite(of_loop), of_loop, 1e6)
     return _of_draws(
         memory,
         learned,
         others,
-        np.sqrt(of_loop**2 + drawn["remainder"] ** 2 / ellipse.amplitude) * drawn["ratio"],
+        np.sqrt(of_loop**2 + drawn.remainder**2 / ellipse.amplitude) * drawn.ratio,
         threshold=threshold,
         ellipse=(ellipse.amplitude, ellipse.delay),
         basis="the loop simulated under this motion with actuators drawn from the posterior",
@@ -150,17 +149,14 @@ def predict_under_suite(
 ) -> Prediction:
     """Predict a test under any motion of a suite, by a and b of its motions over the squared error."""
     memory = Memory.remembered(table)
-    learned = _learn_tracking(memory, coming)
+    drawn, learned = draw_tests(memory, coming, structure)
     others = memory.circumstances_of(coming, structure)
-    drawn = _draws(memory, coming, learned, others)
-    places = np.random.default_rng(1).integers(ellipses[0].size, size=_DRAWS)
-    a, b = (parameter[places] for parameter in ellipses)
-    squares = ((drawn["A"] - 1.0) ** 2 + drawn["remainder"] ** 2) / a + drawn["d_ms"] ** 2 / b
+    places = np.random.default_rng(1).integers(ellipses[0].size, size=DRAWS)
     return _of_draws(
         memory,
         learned,
         others,
-        np.sqrt(squares) * drawn["ratio"],
+        drawn.errors(ellipses[0][places], ellipses[1][places]),
         threshold=threshold,
         ellipse=(float(np.median(ellipses[0])), float(np.median(ellipses[1]))),
         basis=f"the ellipses of the motions of {suite} with actuators drawn from the posterior",
@@ -199,14 +195,6 @@ def _counts(memory: Memory) -> dict[str, Any]:
     return {"tests": len(memory.table), "earthquakes": len(set(memory.events.tolist()))}
 
 
-def _learn_tracking(memory: Memory, coming: NextTest) -> dict[str, Learned]:
-    return {
-        "A": memory.learn(memory.amplitude, coming),
-        "d_ms": memory.learn(memory.delay, coming),
-        "remainder": memory.learn(memory.log_remainder, coming),
-    }
-
-
 def _tracking_intervals(learned: Mapping[str, Learned], others: Circumstances) -> dict[str, dict[str, float]]:
     quantiles = {name: learned[name].quantiles(others, _ENDS)[:, 0] for name in ("A", "d_ms", "remainder")}
     quantiles["remainder"] = np.exp(quantiles["remainder"])
@@ -224,35 +212,6 @@ def _capped(probability: float) -> float:
 def _shares(contributions: Mapping[str, float]) -> dict[str, float]:
     total = sum(contributions.values()) or 1.0
     return {name: value / total for name, value in contributions.items()}
-
-
-def _draws(
-    memory: Memory, coming: NextTest, learned: dict[str, Learned], others: Circumstances
-) -> dict[str, Array]:
-    """Draw amplitude, delay, remainder and what the error is over what these explain, together.
-
-    The residuals of one test are drawn together, so that what goes together in the tests goes together in the
-    draws; with few tests they are longer, as in Student's t distribution.
-    """
-    own_a, own_b = memory.table.numbers("own_a"), memory.table.numbers("own_b_ms2")
-    remainder = np.exp(memory.log_remainder)
-    explained = ((memory.amplitude - 1.0) ** 2 + remainder**2) / own_a + memory.delay**2 / own_b
-    ratio = memory.log_error - 0.5 * np.log(np.maximum(explained, 1e-20))
-    ratio = np.where(np.isfinite(ratio), ratio, 0.0)
-    learned["ratio"] = memory.learn(ratio, coming)
-    rng = np.random.default_rng(0)
-    count = len(memory.table)
-    places = rng.integers(count, size=_DRAWS)
-    longer = np.sqrt((count - 1.0) / rng.chisquare(count - 1.0, _DRAWS))
-    drawn = {}
-    for name, quantity in learned.items():
-        mean, deviation = quantity.predict(others)
-        drawn[name] = mean[0] + deviation[0] * longer * quantity.left_out[places]
-    return {
-        **drawn,
-        "remainder": np.exp(np.minimum(drawn["remainder"], 5.0)),
-        "ratio": np.exp(np.clip(drawn["ratio"], -20.0, 20.0)),
-    }
 
 
 def _notes(memory: Memory, coming: NextTest, structure: Structure | None) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ JSON files say, for speed; whoever finds it older than they are makes it again.
 import contextlib
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Final
 from reliab.described_files import read_json
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, write_json_file, written_whole
-from reliab.rig.rig_table import CHANGED, RigTable, cached_rows, cached_text, ordered_table, row_of
+from reliab.rig.drift import drift_chart
+from reliab.rig.rig_table import CHANGE, CHANGED, RigTable, cached_rows, cached_text, ordered_table, row_of
 from reliab.rig.rig_test import SCHEMA, RigTest
 
 if TYPE_CHECKING:
@@ -125,9 +126,11 @@ class RigFolder:
                 current[sha] = {**row_of(self.read(sha)["test"], sha), CHANGED: changed}
             except (InputError, KeyError, TypeError) as error:
                 faults[self._test_path(sha).name] = str(error)
-        if current.keys() != rows.keys() or any(current[sha] is not rows[sha] for sha in current):
-            self._keep(current)
-        return ordered_table(current.values(), faults)
+        if current.keys() == rows.keys() and all(current[sha] is rows[sha] for sha in current):
+            return ordered_table(current.values(), faults)
+        table = _with_changes(ordered_table(current.values(), faults))
+        self._keep(table.rows)
+        return table
 
     def _written(self) -> dict[str, int]:
         """Return when the JSON files were written, by checksum."""
@@ -154,11 +157,18 @@ class RigFolder:
         except (OSError, ValueError, KeyError, TypeError):
             return {}
 
-    def _keep(self, rows: Mapping[str, Mapping[str, Any]]) -> None:
+    def _keep(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write the table; a folder that may only be read is read without one."""
         with contextlib.suppress(OSError), written_whole(self.path / _TABLE) as file:
-            text = cached_text(list(rows.values()))
+            text = cached_text(rows)
             file.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def _with_changes(table: RigTable) -> RigTable:
+    """Say of each test what was noticed to have changed with it."""
+    flags = drift_chart(table.rows).flags
+    rows = [{**row, CHANGE: flag} for row, flag in zip(table.rows, flags, strict=True)]
+    return RigTable(rows=rows, faults=table.faults)
 
 
 def _same(row: Mapping[str, Any] | None, changed: int) -> bool:

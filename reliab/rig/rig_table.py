@@ -15,8 +15,11 @@ from reliab.rig.rig_test import COLUMNS, TEXTS
 CHANGED: Final = "changed_ns"
 """Column of the CSV with the time at which a test's JSON was last written [ns]."""
 
+CHANGE: Final = "change"
+"""Column that says what was noticed to have changed with a test, computed from those before it."""
+
 _TRUTHS: Final = {"True": True, "False": False}
-_NOT_MODELLED: Final = frozenset((*COLUMNS, CHANGED, "day"))
+_NOT_MODELLED: Final = frozenset((*COLUMNS, CHANGED, CHANGE, "day"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +41,7 @@ class RigTable:
     @property
     def columns(self) -> list[str]:
         """All columns."""
-        return [*COLUMNS, *self.covariate_names]
+        return [*COLUMNS, *self.covariate_names, CHANGE]
 
     def numbers(self, name: str) -> Array:
         """Return a column as numbers, NaN where a test has none."""
@@ -93,21 +96,21 @@ def row_of(test: Mapping[str, Any], sha256: str) -> dict[str, Any]:
 
 def cached_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """Write rows for the next reader."""
-    names = sorted({name for row in rows for name in row} - {*COLUMNS, CHANGED})
-    return _as_csv(rows, [CHANGED, *COLUMNS, *names], literal=True)
+    names = sorted({name for row in rows for name in row} - {*COLUMNS, CHANGED, CHANGE})
+    return _as_csv(rows, [CHANGED, *COLUMNS, *names, CHANGE], literal=True)
 
 
 def cached_rows(text: str) -> dict[str, dict[str, Any]]:
     """Read what :func:`cached_text` wrote, by checksum; ValueError or KeyError where it is damaged."""
     rows: dict[str, dict[str, Any]] = {}
     for entry in csv.DictReader(io.StringIO(text)):
-        row = {name: _value(name, cell) for name, cell in entry.items() if name in COLUMNS or cell}
+        row = {name: _value(name, cell) for name, cell in entry.items() if name in {*COLUMNS, CHANGE} or cell}
         rows[str(row["sha256"])] = row
     return rows
 
 
 def _value(name: str, cell: str) -> object:
-    if name in TEXTS:
+    if name in TEXTS or name == CHANGE:
         return cell
     if name == CHANGED:
         return int(cell)

@@ -45,6 +45,8 @@ SERVICES: dict[str, Any] = {
     "motions import": [api.import_motions],
     "motions synthesize": [api.synthesize_motions],
     "rig predict": [api.predict_rig],
+    "rig plan": [api.plan_rig],
+    "rig compare": [api.compare_rigs],
     "rig add": [api.add_to_rig],
     "rig list": [api.list_rig],
     "rig show": [api.show_rig_test],

@@ -251,3 +251,65 @@ def predict(demand: PredictDemand) -> None:
     content = demand.ask(predict_rig, "json_target").to_dict()
     if not write_json(content, demand.json_target):
         show_prediction(content)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanDemand(Demand):
+    """Options of `reliab rig plan`, arguments of `reliab.api.plan_rig`."""
+
+    rig: Rig
+    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency.")] = None
+    xi: Annotated[
+        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 by default.")
+    ] = None
+    alpha: Annotated[
+        str | None,
+        typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory, 1."),
+    ] = None
+    threshold: Annotated[
+        float | None,
+        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
+    ] = None
+    share: Annotated[
+        float, typer.Option("--share", metavar="SHARE", help="Share of coming tests that shall be good.")
+    ] = 0.95
+    json_target: JsonTarget = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareDemand(Demand):
+    """Options of `reliab rig compare`, arguments of `reliab.api.compare_rigs`."""
+
+    rig: Rig
+    other: Annotated[
+        Path | None, typer.Argument(metavar="[OTHER]", help="Folder of the rig to compare with.")
+    ] = None
+    since: Annotated[
+        str | None,
+        typer.Option("--since", metavar="DATE", help="Date of a change of the same rig, in its place."),
+    ] = None
+    json_target: JsonTarget = None
+
+
+@app.command("plan")
+@takes(PlanDemand)
+def plan(demand: PlanDemand) -> None:
+    """Say what to change so that nearly all coming tests are good."""
+    from reliab.api import plan_rig
+    from reliab.cli.rig.shown_answers import show_plan
+
+    content = demand.ask(plan_rig, "json_target").to_dict()
+    if not write_json(content, demand.json_target):
+        show_plan(content)
+
+
+@app.command("compare")
+@takes(CompareDemand)
+def compare(demand: CompareDemand) -> None:
+    """Say whether a rig became better, or another is better."""
+    from reliab.api import compare_rigs
+    from reliab.cli.rig.shown_answers import show_comparison
+
+    content = demand.ask(compare_rigs, "json_target").to_dict()
+    if not write_json(content, demand.json_target):
+        show_comparison(content)

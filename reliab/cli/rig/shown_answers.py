@@ -39,5 +39,43 @@ def show_prediction(content: Mapping[str, Any]) -> None:
         _say(f"Note: {note}")
 
 
+def show_plan(content: Mapping[str, Any]) -> None:
+    """Print each remedy in a sentence, and what the error depends on."""
+    _say(
+        f"{percent(content['share_now'])} of the coming tests would have an error below "
+        f"{percent(content['threshold'])}; {percent(content['share'])} are wanted. Each remedy alone:"
+    )
+    for remedy in content["remedies"]:
+        _say(f"- {remedy['sentence']}")
+    rows = table(
+        "Sobol indices of the error's logarithm", {"": "left", "first order": "right", "total": "right"}
+    )
+    for name, indices in content["sobol"].items():
+        rows.add_row(name, f"{indices['first_order']:.2f}", f"{indices['total']:.2f}")
+    console().print(rows)
+
+
+def show_comparison(content: Mapping[str, Any]) -> None:
+    """Print both sides, and the probability that each quantity became smaller."""
+    first, second = content["tests"]
+    rows = table(
+        f"{first} tests against {second}",
+        {"": "left", "first": "right", "second": "right", "P(better)": "right", "next test": "right"},
+    )
+    for name, label in (
+        ("amplitude_error", "|A - 1|"),
+        ("delay_ms", "|d| [ms]"),
+        ("remainder", "remainder"),
+        ("rms", "error RMS^R"),
+    ):
+        contrast = content[name]
+        rows.add_row(
+            label,
+            *(significant(contrast[side]) for side in ("before", "after")),
+            *(f"{contrast[key]:.2f}" for key in ("probability_better", "next_test_better")),
+        )
+    console().print(rows)
+
+
 def _say(text: str) -> None:
     console().print(text, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,76 @@
+"""Changes of a rig are noticed soon, named rightly, and seldom where there are none."""
+
+import numpy as np
+import pytest
+from rig_rows import keep, rig_table, rig_test
+
+from reliab.api import list_rig
+from reliab.rig import FALSE_ALARMS, drift_chart
+from reliab.rig.drift import watch
+
+
+def rig_with_step(seed, count=60, step=1.0, scatter=0.5, quantity="d_ms"):
+    """Tests of which the second half has a step in one quantity."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        values = {
+            "A": 0.99 + 0.003 * rng.normal(),
+            "d_ms": 2.0 + scatter * rng.normal(),
+            "remainder": 0.01 * np.exp(0.2 * rng.normal()),
+            "peak_mm": 50.0 * np.exp(0.5 * rng.normal()),
+        }
+        values[quantity] += step * (number >= count // 2)
+        yield rig_test(number, **values)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "step", "scatter", "cause"), [("d_ms", 2.0, 0.5, "delay"), ("A", -0.02, 0.5, "gain")]
+)
+def test_a_step_is_noticed_and_named(quantity, step, scatter, cause):
+    rows = rig_table(rig_with_step(3, 60, step, scatter, quantity)).rows
+    changes = [change for change in drift_chart(rows).changes if change.cause == cause]
+    assert 30 <= changes[0].noticed < 35
+    assert changes[0].began == pytest.approx(30, abs=2)
+    assert changes[0].size == pytest.approx(step, rel=0.3)
+    assert cause in str(changes[0])
+
+
+def test_one_odd_test_is_no_change():
+    values = np.random.default_rng(4).normal(size=60)
+    values[40] = 50.0
+    assert watch(values, np.zeros(60)).changes == []
+
+
+def test_a_dependence_on_the_displacement_is_no_change():
+    """A gain that falls with the displacement, and larger motions in the second half."""
+    peaks = np.linspace(-1.0, 1.0, 80) + 0.3 * np.random.default_rng(5).normal(size=80)
+    values = 2.0 * peaks + 0.3 * np.random.default_rng(6).normal(size=80)
+    assert watch(values, peaks).changes == []
+    assert watch(values, np.zeros(80)).changes != []
+
+
+def test_the_list_says_what_changed(tmp_path):
+    keep(tmp_path, *rig_with_step(7, 40, 3.0))
+    for _ in range(2):
+        flags = [row["change"] for row in list_rig(tmp_path).to_dict()["tests"]]
+        assert flags[:20] == [""] * 20
+        assert any(flag.startswith("delay +") for flag in flags[20:25])
+
+
+@pytest.mark.slow
+def test_alarms_are_as_often_false_as_stated():
+    alarms = tests = 0
+    for seed in range(150):
+        chart = drift_chart(rig_table(rig_with_step([8, seed], 200, 0.0)).rows)
+        alarms += len({change.noticed for change in chart.changes})
+        tests += 200 - 13
+    assert alarms / tests < 1.2 * FALSE_ALARMS
+
+
+@pytest.mark.slow
+def test_a_step_of_two_spreads_is_noticed_within_five_tests():
+    noticed = 0
+    for seed in range(200):
+        changes = drift_chart(rig_table(rig_with_step([9, seed], 200)).rows).changes
+        noticed += any(100 <= change.noticed < 105 for change in changes)
+    assert noticed > 170
