@@ -124,7 +124,8 @@ class Memory:
         last_day = str(self.days[-1])
         day = coming.date[:_DAY] or last_day
         if self.ordered:
-            numbers["warmth"] = warmth(np.array([float((self.days == day).sum())]))
+            earlier = np.array(self.table.moments) < coming.date if coming.date else True
+            numbers["warmth"] = warmth(np.array([float(((self.days == day) & earlier).sum())]))
         specimen = coming.specimen or self.table.texts("specimen")[-1]
         place = float(len(self.table))
         if coming.date and self.ordered:
