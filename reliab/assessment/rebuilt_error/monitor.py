@@ -171,11 +171,13 @@ class Monitor:
     def _drawn(self, samples: int, draws: int) -> ErrorSoFar:
         """Draw the error up to the first of the samples that are kept."""
         running = self._running
+        last = running.kept if self._before is None else samples
         error = error_of_stretch(
-            running.command[:samples],
-            running.measured[:samples],
+            running.command[:last],
+            running.measured[:last],
             self._test,
             draws=draws,
+            samples=samples,
             before=self._before,
         )
         if self._before is not None:

@@ -20,10 +20,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
-from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.noise import estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
@@ -84,7 +81,7 @@ def rebuild(
     fed_back = command - delayed(felt, feedback_lag, time_step)
     recursion = Recursion.of_displacement(whole, time_step)
     response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
-    unknown = _unknown(test, start, response, command, fed_back)
+    unknown = what_is_unknown(test, start, response, command, fed_back)
     error, drawn = draw_error(
         command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
     )
@@ -102,19 +99,6 @@ def rebuild(
         start=start,
         seed=seed,
     )
-
-
-def _unknown(test: Stated, start: Start, response: Array, command: Array, fed_back: Array) -> Unknown:
-    """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
-    shown = learn_frequency(
-        command,
-        fed_back,
-        test.time_step,
-        test.structure,
-        test.tolerances.frequency,
-        standing=-start.standing,
-    )
-    return replace(what_is_unknown(start, test.tolerances, response, command), own_frequency=shown)
 
 
 def _felt(

@@ -4,7 +4,9 @@ The histories of x_c − x_m that the sensor's noise leaves open are drawn for o
 the recursion of each draw goes on where the stretch before ended. The sums over the error are those of the
 whole test. The noise, its band and the levels of the actuator's error are those of each stretch. Every
 stretch is drawn with the same random numbers: what a draw assumes of the rig it assumes throughout, which
-makes the interval rather too wide than too narrow.
+makes the interval rather too wide than too narrow. The natural frequency is learned from the first two
+stretches, since the draws of all others go on from them; a test that is no longer has the interval of
+`rebuild`.
 """
 
 from dataclasses import dataclass, replace
@@ -19,6 +21,7 @@ from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import FEWEST_SWEPT, Histories, Unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
@@ -137,25 +140,40 @@ def draw_error(
     return error, Drawn(histories=histories, differences=differences, every=every)
 
 
-def what_is_unknown(start: Start, tolerances: Tolerances, response: Array, command: Array) -> Unknown:
-    """Return the standard deviations of everything that is uncertain.
+def what_is_unknown(test: Stated, start: Start, response: Array, command: Array, fed_back: Array) -> Unknown:
+    """Collect what is uncertain, with what the test shows of a natural frequency that is not exact.
 
-    `response`, `command` [m].
+    `response`, `command`, `fed_back` [m].
     """
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     return Unknown(
-        tolerances=tolerances,
+        tolerances=test.tolerances,
         offset=start.offset_deviation,
         error_at_start=0.0 if start.at_rest else relative * start.amplitude,
+        own_frequency=learn_frequency(
+            command,
+            fed_back,
+            test.time_step,
+            test.structure,
+            test.tolerances.frequency,
+            standing=-start.standing,
+        ),
     )
 
 
 def error_of_stretch(
-    command: Array, measured: Array, test: Stated, *, draws: int, before: ErrorSoFar | None = None
+    command: Array,
+    measured: Array,
+    test: Stated,
+    *,
+    draws: int,
+    samples: int | None = None,
+    before: ErrorSoFar | None = None,
 ) -> ErrorSoFar:
     """Draw the error of a test up to the end of its first or next stretch.
 
-    `command`, `measured` [m].
+    `command`, `measured` [m]. The stretch has the first `samples` of them; with those that follow, the first
+    stretch tells more of the noise, of how the test begins, and of its natural frequency.
     """
     structure, step = test.structure, test.time_step
     if before is None:
@@ -172,13 +190,13 @@ def error_of_stretch(
     if before is None:
         recursion = Recursion.of_displacement(structure, step)
         response = respond(recursion, fed_back, equilibrium(structure, -start.standing))[0]
-        unknown = what_is_unknown(start, test.tolerances, response, command)
+        unknown = what_is_unknown(test, start, response, command, fed_back)
     else:
         unknown = before.unknown
     return draw_error(
-        command,
-        read,
-        fed_back,
+        command[:samples],
+        read[:samples],
+        fed_back[:samples],
         test,
         noise=noise,
         start=start,
