@@ -43,8 +43,8 @@ _ASSUMED = (
     "0.005 to 0.1 gives the same."
 )
 _BESIDE_SEVERAL = "beside a `structure` with several actuators"
-_MEASURED = "measured"
-_SPECIMENS = ("linear", _MEASURED)
+_LINEAR, _MEASURED = "linear", "measured"
+_SPECIMENS = (_LINEAR, _MEASURED)
 _SAME = 0.01
 """Relative difference up to which a stated structure is that of a model."""
 
@@ -193,9 +193,10 @@ def assess(
     model : str, pathlib.Path or UpdatedModel, optional
         Model of a nonlinear specimen, or its file as `reliab diagnose` writes it.
     specimen : {"linear", "measured"}, optional
-        How the specimen is known: linear, with the share `alpha` of the stiffness (by default), or by its
-        recorded force only, from which it is learned; that needs `mass`, and f and ξ then say what the
-        computer's part is: a damping 2ξωm and a stiffness (1 − α)mω².
+        How the specimen is known: linear, with the share `alpha` of the stiffness, or by its recorded force
+        only, from which it is learned; that needs `mass`, and f and ξ then say what the computer's part is:
+        a damping 2ξωm and a stiffness (1 − α)mω². By default it is taken as linear, and where no force was
+        recorded the interval holds that it may have yielded.
     threshold, confidence : float, optional
         Error of the whole test, 0.05 by default, and share of the population's ground motions, 0.95 by
         default; a criterion brings its own.
@@ -380,6 +381,7 @@ class _Terms:
                 metric=str(self.metric or Metric.RMS),
                 model=model,
                 measured_specimen=measured,
+                linear_specimen=self.specimen == _LINEAR,
                 assumed=assumed,
             )
 

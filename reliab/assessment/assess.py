@@ -59,6 +59,7 @@ def assess(
     metric: str = "rms",
     model: UpdatedModel | None = None,
     measured_specimen: bool = False,
+    linear_specimen: bool = False,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
@@ -95,6 +96,9 @@ def assess(
     measured_specimen : bool, optional
         Whether the specimen is known by its recorded force only: what it does is learned from the test
         itself, with the "mass" among what is stated; f and ξ then set the numerical substructure.
+    linear_specimen : bool, optional
+        Whether somebody states that the specimen is linear. Where nobody does and no force was recorded, the
+        interval holds that it may have yielded, as likely as `equipment` says.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
         warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
@@ -125,6 +129,7 @@ def assess(
         threshold=chosen.threshold,
         model=model,
         measured_specimen=measured_specimen,
+        linear_specimen=linear_specimen,
         seed=seed,
     )
     faults = _faults(recording, question, taper)

@@ -26,9 +26,12 @@ from reliab.assessment.rebuilt_error import (
     Widening,
     rebuild,
 )
+from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.verdict import word_of_probability
+from reliab.assessment.yielding import errors_if_yielded, widened, widening_of_yielding
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
@@ -63,6 +66,7 @@ class Question:
     model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
     seed: int  # Seed of the draws
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
+    linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
 
     @property
     def resolution(self) -> float | None:
@@ -73,6 +77,12 @@ class Question:
     def linear(self) -> bool:
         """Whether the specimen is stated as linear, neither modelled nor learned from its force."""
         return self.model is None and not self.measured_specimen
+
+    def yielding(self, recording: Recording) -> float:
+        """Probability that the specimen of a test yielded, of which nobody recorded the force [-]."""
+        if self.equipment is None or not self.linear or self.linear_specimen or recording.force is not None:
+            return 0.0
+        return self.equipment.yielding
 
     @property
     def feedback_lag(self) -> float:
@@ -110,6 +120,8 @@ class ErrorOfTest:
         What was learned of the specimen from its own force, where it is known by that only.
     modelled : bool
         Whether a calibrated model says what the specimen does.
+    if_linear : Spread or None
+        Draws of the error with a linear specimen only, where others are among those of `rebuilt`.
     """
 
     rebuilt: RebuiltError
@@ -121,6 +133,7 @@ class ErrorOfTest:
     sizes: Mapping[str, Size] = field(default_factory=dict)
     specimen: MeasuredSpecimen | None = None
     modelled: bool = False
+    if_linear: Spread | None = None
 
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]."""
@@ -140,7 +153,7 @@ class ErrorOfTest:
         Where alternatives lead to other verdicts, it is the mean of all: each may be the true one. Where
         sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
         """
-        probability = self.rebuilt.probability(self.threshold, self.metric)
+        probability = self._own_probability
         if self.contested:
             every = [probability, *(another.probability for another in self.alternatives)]
             probability = float(np.mean(every))
@@ -149,9 +162,19 @@ class ErrorOfTest:
         return probability
 
     @property
+    def _own_probability(self) -> float:
+        """Probability without alternatives: the less certain one of with and without specimens that yield."""
+        probabilities = [
+            draws.probability_below(self.threshold, self.metric)
+            for draws in (self.rebuilt.draws, self.if_linear)
+            if draws is not None
+        ]
+        return min(probabilities, key=lambda probability: abs(probability - 0.5))
+
+    @property
     def contested(self) -> bool:
         """Whether the verdict is another one under some alternative."""
-        word = word_of_probability(self.rebuilt.probability(self.threshold, self.metric))
+        word = word_of_probability(self._own_probability)
         return any(word_of_probability(another.probability) is not word for another in self.alternatives)
 
     @property
@@ -167,7 +190,12 @@ class ErrorOfTest:
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
-        return self.rebuilt.widenings(self.metric)
+        own = self.rebuilt.widenings(self.metric)
+        if self.if_linear is None:
+            return own
+        share = self.sizes["yielding"].deviation
+        yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
+        return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
 
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
@@ -198,7 +226,8 @@ class ErrorOfTest:
         if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
             return (item.remedy,)
         half = significant(PERCENT * widest.deviation_for_half, 2)
-        return (f"Determine the {item.quantity} to {half} %: the interval is then half as wide.",)
+        whose = "" if self.if_linear is None else " of a linear specimen"
+        return (f"Determine the {item.quantity} to {half} %: the interval{whose} is then half as wide.",)
 
 
 def error_of_test(
@@ -214,7 +243,11 @@ def error_of_test(
     `sensor_offset` [m]; `specimen_damping` [s].
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
-    sizes = {**question.sizes(recording.time_step), **(left_by_repairs or {})}
+    sizes = {
+        **question.sizes(recording.time_step),
+        **_filter_shown(recording, question),
+        **(left_by_repairs or {}),
+    }
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
     whole = whole_structure(question.structure)
     specimen: MeasuredSpecimen | None = None
@@ -240,6 +273,11 @@ def error_of_test(
             resolution=question.resolution,
             **rest,
         )
+    if_linear: Spread | None = None
+    if share := question.yielding(recording):
+        if_linear = rebuilt.draws
+        rebuilt = widened(rebuilt, errors_if_yielded(rebuilt, question.structure), share)
+        sizes |= {"yielding": Size(deviation=share, source=Source.DEFAULT)}
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -248,7 +286,16 @@ def error_of_test(
         sizes=with_learned(sizes, rebuilt),
         specimen=specimen,
         modelled=question.model is not None,
+        if_linear=if_linear,
     )
+
+
+def _filter_shown(recording: Recording, question: Question) -> dict[str, Size]:
+    """Delay of the filter that the noise of the measured displacement shows, where no filter is stated."""
+    if question.equipment is None or "filter_delay" in question.stated:
+        return {}
+    seen = filter_of_noise(recording.command, recording.measured, recording.time_step)
+    return {} if seen is None else {"open_filter": Size(deviation=seen.delay, source=Source.LEARNED)}
 
 
 class _Rest(TypedDict):

@@ -15,21 +15,13 @@ from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.verdict import Word, word_of_probability
-from reliab.effects import Hysteresis
+from reliab.assessment.yielding import DUCTILITIES, yielding_model
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Specimen, Structure
 from reliab.vocabulary import Metric
-
-DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
-"""Largest displacement over the yield displacement, from the smallest that is tried."""
 
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
 """Corners of a filter of second order on one channel [Hz], from the weakest filter that is tried."""
-
-_HARDENING = 0.03  # stiffness after yielding over that before
-_SHARPNESS = 8.0  # exponent of the hysteresis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +30,8 @@ class Turning:
 
     # Smallest of `DUCTILITIES` with which the error lies on the other side of the threshold [-]
     smallest_ductility: float | None = None
-    # Smallest and largest error with one of `DUCTILITIES` [-]; None where a force was recorded
+    # Smallest and largest error with one of `DUCTILITIES` [-]; None where a force was recorded, or the
+    # specimen is stated as linear
     error_if_yielding: tuple[float, float] | None = None
     # Highest of `CORNERS` with which it does, on command or measured displacement alone [Hz]
     highest_filter: float | None = None
@@ -57,7 +50,7 @@ class Turning:
                 else f"and a ductility of {significant(self.smallest_ductility)} would turn the verdict"
             )
             yield (
-                "No force was recorded, so that the specimen is taken as linear: had it yielded, to a "
+                "No force was recorded, and nobody stated that the specimen is linear: had it yielded, to a "
                 f"ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
                 f"{percent(low, decimals=2)} to {percent(high, decimals=2)}, {turns}."
             )
@@ -81,7 +74,8 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
     """Find what would turn the verdict; nothing is asked where everything was stated."""
     if question.equipment is None or question.model is not None:
         return Turning()
-    yielding = None if recording.force is not None else _errors_if_yielding(error.rebuilt, question)
+    known = recording.force is not None or question.linear_specimen
+    yielding = None if known else _errors_if_yielding(error.rebuilt, question)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
         smallest_ductility=None if yielding is None else _first(yielding, error),
@@ -117,18 +111,6 @@ def _errors_if_yielding(
         reference = reference_of_model(yielding_model(structure, peak / ductility), thin)
         errors[ductility] = _size(thin.measured - reference, reference, question.metric)
     return errors
-
-
-def yielding_model(structure: Structure, displacement: float) -> HybridTest:
-    """Test with a perfect actuator of a specimen that yields at a displacement [m], per unit mass."""
-    stiffness = structure.experimental_fraction * structure.circular_frequency**2
-    bilinear = Hysteresis(
-        force_n=(1.0 - _HARDENING) * stiffness * displacement,
-        displacement_m=displacement,
-        exponent=_SHARPNESS,
-        lost_share=1.0,
-    )
-    return HybridTest(structure=structure, specimen=Specimen(stiffness=stiffness), effects=(bilinear,))
 
 
 def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:

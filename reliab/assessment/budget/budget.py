@@ -131,6 +131,18 @@ _QUANTITIES = {
         factor=MILLI,
         remedy="Find out whether the controller used this sensor, and mend the recording if it did not.",
     ),
+    "open_filter": _Quantity(
+        name="whether the command passed the filter of the measured displacement",
+        unit="ms",
+        factor=MILLI,
+        remedy="State the filters of both channels, or use the same on both.",
+    ),
+    "yielding": _Quantity(
+        name="whether the specimen yielded",
+        unit="",
+        factor=0.0,
+        remedy="Record the force of the specimen, or state it as linear where it stayed so.",
+    ),
     "initial_state": _Quantity(
         name="motion before the record",
         unit="mm",

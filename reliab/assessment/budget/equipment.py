@@ -28,6 +28,8 @@ class Equipment:
         Of the delay that filters of the channels do not have in common, and of the force's lag [ms].
     hysteresis : float
         Of the measured displacement, width of the loop over the span of the motion [-].
+    yielding : float
+        Probability that a specimen yielded whose force was not recorded and of which nothing is stated [-].
 
     Examples
     --------
@@ -44,6 +46,7 @@ class Equipment:
     filter_delay_ms: float
     hysteresis: float
     feedback_lag_ms: float
+    yielding: float
 
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""

@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
 
-_OPEN = ("open_offset", "open_drift")
+_OPEN = ("open_offset", "open_drift", "open_filter")
 LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 _ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
@@ -188,6 +188,7 @@ def columns_of_reading(thin: Histories, drawn: dict[str, Array]) -> dict[str, Ar
         "sensor_drift": place,
         "open_offset": np.ones(rate.size),
         "open_drift": place,
+        "open_filter": -rate,
     }
     for name in {"hysteresis", "lagging_hysteresis"} & drawn.keys():
         columns[name] = -lag_of_reading(thin.command, float(np.std(drawn[name])))

@@ -88,15 +88,7 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     >>> round(found.white, 3)
     0.01
     """
-    residual = measured - _followed(command, measured, time_step)
-    frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
-    power, moved = _periodogram(residual), _periodogram(command)
-    floor = white_floor(residual)
-    power = np.minimum(power, _without_lines(power))
-    centre, mean, count = binned(frequency, power, _BINS)
-    motion = binned(frequency, moved, _BINS)[1]
-    ratio = float(mean[np.argmax(motion)] / motion.max())
-    quiet = ratio * motion < _MOTION_LEFT * np.maximum(mean, floor)
+    (centre, mean, count), quiet, floor = _residual(command, measured, time_step)
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):
         weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
@@ -108,6 +100,32 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
         weights=weights,
         band=max(_band(values, weights[0], time_step) for values in moving),
     )
+
+
+def level_of_residual(command: Array, measured: Array, time_step: float) -> tuple[Array, Array, Array]:
+    """Frequency [Hz], level [m²] and number of frequencies of bins where the residual is noise.
+
+    `command`, `measured` [m]; `time_step` [s].
+    """
+    bins, quiet, _ = _residual(command, measured, time_step)
+    first = int(np.argmin(quiet[::-1])) if not quiet.all() else quiet.size  # of those above all motion
+    centre, mean, count = (values[values.size - first :] for values in bins)
+    return centre, mean, count
+
+
+def _residual(
+    command: Array, measured: Array, time_step: float
+) -> tuple[tuple[Array, Array, Array], Array, float]:
+    """Bins of what the command does not explain, which of them are noise, and the white floor [m²]."""
+    residual = measured - _followed(command, measured, time_step)
+    frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
+    power, moved = _periodogram(residual), _periodogram(command)
+    floor = white_floor(residual)
+    power = np.minimum(power, _without_lines(power))
+    bins = binned(frequency, power, _BINS)
+    motion = binned(frequency, moved, _BINS)[1]
+    ratio = float(bins[1][np.argmax(motion)] / motion.max())
+    return bins, ratio * motion < _MOTION_LEFT * np.maximum(bins[1], floor), floor
 
 
 def white_floor(values: Array) -> float:

@@ -14,7 +14,7 @@ which is the ground acceleration where model and test agree; the recorded one is
 this is the equation of `rebuild`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -107,8 +107,10 @@ def rebuild_with_specimen(
         reference,
         structure=tangent,
         noise=noise,
-        as_stated=_sweep(perfect, histories, {}, exact, few, every, seed),
-        spread=_sweep(perfect, histories, deviations or {}, unknown, differences, every, seed),
+        as_stated=sweep_models([perfect] * len(few), histories, {}, exact, few, every, seed=seed),
+        spread=sweep_models(
+            [perfect] * draws, histories, deviations or {}, unknown, differences, every, seed=seed
+        ),
         differences=differences,
         every=every,
         unknown=unknown,
@@ -155,27 +157,33 @@ def reference_of_model(perfect: HybridTest, histories: Histories) -> Array:
     return np.asarray(reference, dtype=np.float64)
 
 
-def _sweep(
-    perfect: HybridTest,
+def sweep_models(
+    models: Sequence[HybridTest],
     histories: Histories,
     deviations: Mapping[str, float],
     unknown: Unknown,
     differences: Array,
     every: int,
+    *,
     seed: int,
 ) -> Spread:
+    """Draw the error with one model of the specimen, with a perfect actuator, for each of the `differences`.
+
+    `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the models' parameters.
+    """
     thin = histories.thinned(every)
     velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
-    nominal, fine = _statistics(thin.measured, reference_of_model(perfect, thin)), _fine(perfect, histories)
+    nominal = _statistics(thin.measured, reference_of_model(models[0], thin))
+    fine = _statistics(histories.measured, reference_of_model(models[0], histories))
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
     drawn, _ = draw_unknown(unknown, len(differences), seed)
     columns = columns_of_reading(thin, drawn)
     added = [drawn[name][:, np.newaxis] * columns[name] for name in LAST if name in drawn]
-    for row, difference in enumerate(differences):
-        changed = _drawn(perfect, deviations, stated, generator)
+    for row, (model, difference) in enumerate(zip(models, differences, strict=True)):
+        changed = _drawn(model, deviations, stated, generator)
         shift = (
             generator.standard_normal() * stated["sensor_scale"] * thin.measured
             + generator.standard_normal() * stated["time_shift"] * velocity
@@ -200,10 +208,6 @@ def _sweep(
         mean=np.interp(places, known, np.mean(errors, axis=0)),
         deviation=np.interp(places, known, np.std(errors, axis=0)),
     )
-
-
-def _fine(perfect: HybridTest, histories: Histories) -> Array:
-    return _statistics(histories.measured, reference_of_model(perfect, histories))
 
 
 def _statistics(measured: Array, reference: Array) -> Array:

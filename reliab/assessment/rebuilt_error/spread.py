@@ -44,6 +44,8 @@ class Spread:
     # mean, deviation: Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,)
     mean: Array
     deviation: Array
+    # How often each draw counts, where draws of several kinds are put together; their mean is one
+    counts: Array | None = None
 
     def errors(self, metric: Metric) -> Array:
         """RMS^R or MTE^R of the draws [-], shape (draws,)."""
@@ -51,11 +53,32 @@ class Spread:
 
     def weights(self) -> Array:
         """Weight of each draw, inverse to its RMS^R; their mean is one, shape (draws,)."""
+        if self.counts is not None:
+            return self.counts
         least = _SMALLEST * float(np.median(self.rms))
         if not least > 0.0:
             return np.ones_like(self.rms)
         weights = 1.0 / np.maximum(self.rms, least)
         return np.asarray(weights / weights.mean())
+
+    def together(self, other: "Spread", share: float) -> "Spread":
+        """Put draws of two kinds together, of which the other one has a share of the probability."""
+        sizes = np.array([self.rms.size, other.rms.size])
+        parts = zip((self, other), (1.0 - share, share), sizes, strict=True)
+        mean = (1.0 - share) * self.mean + share * other.mean
+        square = (1.0 - share) * (self.deviation**2 + (self.mean - mean) ** 2)
+        square = square + share * (other.deviation**2 + (other.mean - mean) ** 2)
+        return Spread(
+            rms=np.concatenate([self.rms, other.rms]),
+            mte=np.concatenate([self.mte, other.mte]),
+            mean=mean,
+            deviation=np.sqrt(square),
+            counts=np.concatenate([one.weights() * part * sizes.sum() / size for one, part, size in parts]),
+        )
+
+    def average(self, metric: Metric) -> float:
+        """Mean of RMS^R or MTE^R over the draws, each with its weight [-]."""
+        return float(np.average(self.errors(metric), weights=self.weights()))
 
     def interval(self, metric: Metric) -> tuple[float, float]:
         """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""

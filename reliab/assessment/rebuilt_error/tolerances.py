@@ -33,6 +33,9 @@ class Tolerances:
     # Offset and drift [m] of which nobody knows whether the loop felt them: taken away in every second draw
     open_offset: float = 0.0
     open_drift: float = 0.0
+    # Delay of a filter of the measured channel [s] of which nobody knows whether the command passed it too:
+    # taken away in every second draw
+    open_filter: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in self.items():

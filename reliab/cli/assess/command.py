@@ -158,8 +158,8 @@ class AssessDemand(ReadsTests, Reported):
         typer.Option(
             "--specimen",
             metavar="linear|measured",
-            help="How the specimen is known: linear (default), or measured: learned from its recorded "
-            "force, which needs --mass.",
+            help="How the specimen is known: linear, or measured: learned from its recorded force, which "
+            "needs --mass. By default linear, but it may have yielded where no force was recorded.",
         ),
     ] = None
     structure: StructureFile = None
