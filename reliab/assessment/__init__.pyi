@@ -38,6 +38,7 @@ from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plausibility import require_plausible as require_plausible
 from .recorded_force import require_restoring_force as require_restoring_force
+from .same_test import RunOfTest as RunOfTest, SameTest as SameTest, combine_runs as combine_runs
 from .several import Assessments as Assessments
 from .tracking_index import LEVEL as LEVEL
 from .verdict import Word as Word, word_of_probability as word_of_probability

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.coupled_assessment import CoupledAssessment
 from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.same_test import SameTest, combine_runs
 from reliab.assessment.verdict_table import verdict_table
+from reliab.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,6 +46,22 @@ class Assessments:
             file: {"fault": self.faults[file]} if file in self.faults else self.judged[file].to_dict()
             for file in self.files
         }
+
+    def same_test(self) -> SameTest:
+        """Judge the tests as runs of one test; see `reliab.assessment.combine_runs`."""
+        if self.faults:
+            file, reason = next(iter(self.faults.items()))
+            raise InputError(
+                "Every run of the same test must be one that can be judged", value=reason, where=file
+            )
+        runs = {file: found for file, found in self.judged.items() if isinstance(found, Assessment)}
+        if len(runs) < len(self.judged):
+            raise InputError(
+                "Runs of the same test are combined for one degree of freedom",
+                value="a frame",
+                remedy="Leave `structure` out, or judge each run by itself",
+            )
+        return combine_runs(runs)
 
     def to_frame(self) -> "pd.DataFrame":
         """Put the verdicts into a table; see `reliab.assessment.verdict_table`."""

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.signals import binned, fit_levels, low_pass, noise_shapes, periodogram, smoothed, upper_level
@@ -115,7 +116,7 @@ def level_of_residual(command: Array, measured: Array, time_step: float) -> tupl
 
 def _residual(
     command: Array, measured: Array, time_step: float
-) -> tuple[tuple[Array, Array, Array], Array, float]:
+) -> tuple[tuple[Array, Array, Array], NDArray[np.bool_], float]:
     """Bins of what the command does not explain, which of them are noise, and the white floor [m²]."""
     residual = measured - _followed(command, measured, time_step)
     frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)

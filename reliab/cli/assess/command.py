@@ -204,6 +204,14 @@ class AssessDemand(ReadsTests, Reported):
             help="Write the response that a perfect actuator would have produced, with its band.",
         ),
     ] = None
+    same_test: Annotated[
+        bool,
+        typer.Option(
+            "--same-test",
+            help="The tests are runs of one test with different delay or gain of the actuator: their "
+            "responses are extrapolated to no error, which needs neither structure nor specimen.",
+        ),
+    ] = False
     report: Annotated[
         Path | None,
         typer.Option(
@@ -275,16 +283,20 @@ def _answer_tests(demand: AssessDemand) -> bool:
         raise api.unused("report", "beside several tests, since it is the report of one")
     if demand.corrected is not None and several and files:
         raise api.unused("corrected", "beside several tests, since it is the response of one")
+    if demand.same_test and not several:
+        raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
             api.assess,
-            *("tests", "out", "corrected", "details", "check", "json_target", "report"),
+            *("tests", "out", "corrected", "details", "check", "json_target", "report", "same_test"),
             *(OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
             f=only_value(demand.f, "f"),
             confidence=only_value(demand.confidence, "confidence"),
             progress=progress,
         )
+    if demand.same_test:
+        return _write_same_test(verdicts, demand)
     if several:
         _write_several(verdicts, demand)
         return bool(verdicts.reliable)
@@ -345,6 +357,19 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
             value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
             remedy="Mend them as the reasons say, or leave them out; the others are answered",
         )
+
+
+def _write_same_test(assessments: "Assessments", demand: AssessDemand) -> bool:
+    from reliab.api import write_verdicts
+    from reliab.cli.assess.shown_several import show_same_test
+    from reliab.cli.output import write_json
+
+    together = assessments.same_test()
+    if demand.out is not None:
+        write_verdicts([{"file": file, **found} for file, found in assessments.to_dict().items()], demand.out)
+    if not write_json(together.to_dict(), demand.json_target):
+        show_same_test(together.to_dict())
+    return together.reliable
 
 
 def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:

@@ -32,6 +32,31 @@ def show_several(contents: list[dict[str, Any]]) -> None:
             terminal.print(f"{content['file']}: {sentence}", highlight=False, markup=False)
 
 
+def show_same_test(content: dict[str, Any]) -> None:
+    """Print the verdicts on runs of one test."""
+    from reliab.assessment import probability_text
+
+    asked = f"{content['metric'].upper()} against {percent(content['threshold'])}"
+    columns = {"run": "left", "verdict": "left", "gain": "right", "d, ms": "right"}
+    columns |= dict.fromkeys(("alone", "all runs", "90 % interval", "probability"), "right")
+    shown = table(f"{len(content['runs'])} runs of one test, {asked}", columns)
+    for run in content["runs"]:
+        ends = (percent(run["error"][end], decimals=2) for end in ("low", "high"))
+        shown.add_row(
+            run["file"],
+            run["verdict"].replace("_", " "),
+            f"{run['gain']:.3f}",
+            f"{run['d_ms']:.2f}",
+            *(percent(run[way]["value"], decimals=2) for way in ("alone", "error")),
+            " to ".join(ends),
+            probability_text(run["probability"]),
+        )
+    terminal = console()
+    terminal.print(shown)
+    for sentence in content["warnings"]:
+        terminal.print(sentence, highlight=False, markup=False)
+
+
 def _row(content: dict[str, Any]) -> list[str]:
     if "fault" in content:
         return [content["file"], "not judged", *[""] * (len(_COLUMNS) - 2)]

@@ -1,0 +1,318 @@
+"""Several runs of one test whose actuator erred by different amounts: the response without an error.
+
+All runs approach one response as their actuator errors vanish, whatever the specimen does. Gain and delay
+of each run are the coordinates of its error; responses are extrapolated to the place where both vanish,
+sample by sample, in the spirit of Insam and Rixen's fidelity by convergence. What is extrapolated is the
+response that `rebuild` computes for each run: it is the measured one where the actuator does not err, and
+changes little with its error where the structure is as stated. The measured responses, and a line beside a
+parabola, show how far the extrapolation is to be trusted.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
+from reliab.assessment.verdict import Word, word_of_probability
+from reliab.errors import InputError
+from reliab.significant import percent, significant
+from reliab.vocabulary import MILLI, PERCENT, Metric
+
+_FEWEST_APART = 0.25  # of the largest tracking error: spread that the runs must have
+_ALIKE = 0.8  # correlation of the responses of two runs of one test
+_APART_IN_TIME = 0.02  # of a period of the structure by which runs may seem to begin apart
+_ASIDE = 0.15  # of the largest tracking error: runs further from one line are described by a plane
+_CURVED = 3  # runs from which on a parabola can be told
+_DRAWS = 256
+_LEVELS = (0.05, 0.95)
+_OPEN = 0.5  # share of the draws in which the command did not pass the filter of the measured displacement
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOfTest:
+    """One run, judged with the others."""
+
+    file: str  # Name of the run
+    gain: float  # Share of the command that the actuator moved [-]
+    delay: float  # Delay of the actuator [s], negative where it leads
+    alone: Estimate  # Error as rebuilt from this run alone [-]
+    error: Estimate  # Error against the extrapolated response, with its 90 % interval [-]
+    probability: float  # That it stays below the threshold
+    word: Word  # Verdict on the run
+    contradicts: bool  # Whether the two intervals have nothing in common
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put it into plain values."""
+        return {
+            "file": self.file,
+            "gain": self.gain,
+            "d_ms": MILLI * self.delay,
+            "alone": vars(self.alone),
+            "error": vars(self.error),
+            "probability": self.probability,
+            "verdict": str(self.word),
+            "contradicts": self.contradicts,
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SameTest:
+    """Runs of one test, and the response to which they extrapolate."""
+
+    metric: Metric  # Which error was asked about
+    threshold: float  # Error with which it is compared [-]
+    time_step: float  # Step of the responses [s]
+    response: Array  # Response without an error of the actuator [m], shape (n,)
+    # RMS between what a line and a parabola give over the peak [-]; None with two runs, or in a plane
+    checked: float | None
+    runs: tuple[RunOfTest, ...]
+
+    @property
+    def reliable(self) -> bool:
+        """Whether every run is reliable."""
+        return all(run.word is Word.RELIABLE for run in self.runs)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Say how far the extrapolation can be trusted, and where it contradicts a run's own error."""
+        return tuple(self._sentences())
+
+    def _sentences(self) -> Iterator[str]:
+        if len(self.runs) < _CURVED:
+            yield "Two runs show no curvature: a third one with another delay would check the extrapolation."
+        for run in self.runs:
+            if run.contradicts:
+                yield (
+                    f"{run.file}: from this run alone the error is {_interval(run.alone)}, by all runs "
+                    f"together {_interval(run.error)}. The structure, the specimen or a channel is not as "
+                    "stated; what all runs show needs neither structure nor specimen."
+                )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put it into plain values."""
+        return {
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            "reliable": self.reliable,
+            "line_against_parabola": self.checked,
+            "peak_m": float(np.abs(self.response).max()),
+            "runs": [run.to_dict() for run in self.runs],
+            "warnings": list(self.sentences),
+        }
+
+
+def combine_runs(runs: Mapping[str, Assessment], *, seed: int = 0) -> SameTest:
+    """Judge runs of one test together, by what was found about each.
+
+    Parameters
+    ----------
+    runs : mapping of str to Assessment
+        By name, what was found about each run; two at least, whose actuators differ in gain or delay.
+    seed : int, optional
+        Seed of the draws.
+
+    Returns
+    -------
+    SameTest
+        The extrapolated response, and the error of each run against it.
+
+    Raises
+    ------
+    InputError
+        If the runs are not of one test, do not begin together, or have nearly the same tracking error.
+    """
+    found = list(runs.values())
+    _require_one_test(runs)
+    together = _Extrapolated.of_runs(found, seed)
+    first, best = found[0], together.best
+    return SameTest(
+        metric=first.error.metric,
+        threshold=first.error.threshold,
+        time_step=first.recording.time_step,
+        response=best,
+        checked=together.curvature,
+        runs=tuple(together.judged(name, place) for place, name in enumerate(runs)),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Extrapolated:
+    """Responses without an error to which the runs may extrapolate."""
+
+    found: Sequence[Assessment]
+    places: Array  # Errors of gain and delay of the runs, shape (runs, 2)
+    measured: Array  # Measured responses [m], shape (runs, n)
+    candidates: Sequence[Array]  # By lower curves first, the best one, and that of the measured responses [m]
+    draws: Array  # Responses that what is not known leaves open [m], shape (draws, n)
+
+    @classmethod
+    def of_runs(cls, found: Sequence[Assessment], seed: int) -> "_Extrapolated":
+        size = min(one.error.reference.size for one in found)
+        rebuilt = np.array([one.error.reference[:size] for one in found])
+        measured = np.array([one.error.rebuilt.histories.measured[:size] for one in found])
+        places = np.array([_tracking(one, size) for one in found])
+        curves = _curves(places)
+        candidates = [*(curve.intercept(rebuilt) for curve in curves), curves[-1].intercept(measured)]
+        generator = np.random.default_rng(seed)
+        moved = _unknown_zero(found[0], generator) @ curves[-1].slopes(measured)
+        chosen = generator.permutation(np.arange(_DRAWS) % len(candidates))
+        return cls(
+            found=found,
+            places=places,
+            measured=measured,
+            candidates=candidates,
+            draws=np.array(candidates)[chosen] + moved,
+        )
+
+    @property
+    def best(self) -> Array:
+        """Response of the curve to be trusted most [m], shape (n,)."""
+        return self.candidates[-2]
+
+    @property
+    def curvature(self) -> float | None:
+        """RMS between what a line and a parabola give over the peak [-]; None where there is one curve."""
+        if len(self.candidates) < _CURVED:
+            return None
+        apart = self.candidates[0] - self.best
+        return float(np.sqrt(np.mean(apart**2)) / np.abs(self.best).max())
+
+    def judged(self, name: str, place: int) -> RunOfTest:
+        """Judge one of the runs by all of them."""
+        one, path = self.found[place], self.measured[place]
+        metric = one.error.metric
+        sizes = np.array([_size(path, response, metric) for response in self.draws])
+        value, alone = _size(path, self.best, metric), one.error.estimate(metric)
+        low, high = np.quantile(sizes, _LEVELS).tolist()
+        probability = (float(np.sum(sizes < one.error.threshold)) + 0.5) / (sizes.size + 1.0)
+        return RunOfTest(
+            file=name,
+            gain=1.0 + float(self.places[place, 0]),
+            delay=float(self.places[place, 1]) / one.structure.circular_frequency,
+            alone=alone,
+            error=Estimate(value=value, low=min(low, value), high=max(high, value)),
+            probability=probability,
+            word=word_of_probability(probability),
+            contradicts=bool(low > alone.high or high < alone.low),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Curve:
+    """Responses as a function of the tracking error: coefficients of least squares."""
+
+    design: Array  # Columns one, s, s² or one, gain and delay, shape (runs, columns)
+    directions: (
+        Array  # What the columns but the first have as slope by gain and delay, shape (2, columns − 1)
+    )
+
+    def intercept(self, responses: Array) -> Array:
+        """Response where the actuator does not err [m], shape (n,)."""
+        return np.asarray((np.linalg.pinv(self.design) @ responses)[0])
+
+    def slopes(self, responses: Array) -> Array:
+        """Change of the response with gain and delay where the actuator does not err, shape (2, n)."""
+        return np.asarray(self.directions @ (np.linalg.pinv(self.design) @ responses)[1:])
+
+
+def _curves(places: Array) -> list[_Curve]:
+    """Curves through the tracking errors of the runs (gain, delay), the one to be trusted most last."""
+    largest = float(np.linalg.norm(places, axis=1).max())
+    direction = np.linalg.svd(places, full_matrices=False)[2][0]
+    along = places @ direction
+    if not np.ptp(along) > _FEWEST_APART * largest or largest == 0.0:
+        raise InputError(
+            "Runs of one test must differ in gain or delay of their actuator",
+            value=", ".join(
+                f"{significant(PERCENT * float(np.linalg.norm(place)), 2)} %" for place in places
+            ),
+            remedy="Repeat the test with an added delay of the command, or another compensation",
+        )
+    one = np.ones(along.size)
+    aside = float(np.linalg.norm(places - np.outer(along, direction), axis=1).max())
+    if aside > _ASIDE * largest and along.size >= _CURVED:
+        return [_Curve(design=np.column_stack([one, places]), directions=np.eye(2))]
+    line = _Curve(design=np.column_stack([one, along]), directions=direction[:, np.newaxis])
+    if along.size < _CURVED:
+        return [line]
+    turned = np.column_stack([direction, np.zeros(2)])
+    return [line, _Curve(design=np.column_stack([one, along, along**2]), directions=turned)]
+
+
+def _tracking(found: Assessment, size: int) -> Array:
+    """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
+    command = found.recording.command[:size]
+    measured = found.error.rebuilt.histories.measured[:size]
+    velocity = np.gradient(command, found.recording.time_step) / found.structure.circular_frequency
+    basis = np.stack([command, -velocity, np.ones(size)])
+    scale = np.abs(basis).max(axis=1)
+    rows = basis / scale[:, np.newaxis]
+    gain, late, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=None)[0] / scale
+    return np.array([gain - 1.0, late])
+
+
+def _unknown_zero(found: Assessment, generator: np.random.Generator) -> Array:
+    """Draw where the tracking error truly vanishes, as far as channels are known, shape (draws, 2)."""
+    sizes = {name: size.deviation for name, size in found.error.sizes.items()}
+    late = np.hypot(sizes.get("time_shift", 0.0), sizes.get("filter_delay", 0.0))
+    drawn = generator.standard_normal((_DRAWS, 2)) * [sizes.get("sensor_scale", 0.0), late]
+    drawn[:, 1] += sizes.get("open_filter", 0.0) * (generator.uniform(size=_DRAWS) < _OPEN)
+    drawn[:, 1] *= found.structure.circular_frequency
+    return np.asarray(drawn)
+
+
+def _size(measured: Array, response: Array, metric: Metric) -> float:
+    rms, mte = relative_errors(measured - response, response)
+    return rms if metric is Metric.RMS else mte
+
+
+def _interval(size: Estimate) -> str:
+    value, low, high = (percent(end, decimals=2) for end in (size.value, size.low, size.high))
+    return f"{value} ({low} to {high})"
+
+
+def _require_one_test(runs: Mapping[str, Assessment]) -> None:
+    found: Sequence[Assessment] = list(runs.values())
+    if len(found) < 2:  # noqa: PLR2004 - a pair
+        raise InputError("Runs of the same test are two or more", value=len(found))
+    first = found[0]
+    for name, one in runs.items():
+        if not np.isclose(one.recording.time_step, first.recording.time_step, rtol=1e-6):
+            raise InputError(
+                "Runs of the same test must have one sampling rate",
+                value=f"{significant(1.0 / one.recording.time_step)} Hz",
+                remedy="Resample them to one rate",
+                where=name,
+            )
+        size = min(one.recording.command.size, first.recording.command.size)
+        alike, apart = _compared(first.recording.command[:size], one.recording.command[:size])
+        if not alike > _ALIKE:
+            raise InputError(
+                "Runs of the same test must have nearly the same command",
+                value=f"a correlation of {significant(alike, 2)}",
+                where=name,
+            )
+        seconds = apart * first.recording.time_step
+        if abs(seconds) * first.structure.frequency > _APART_IN_TIME:
+            raise InputError(
+                "Runs of the same test must begin at the same instant of its ground motion",
+                value=f"{significant(seconds, 2)} s apart",
+                remedy="Cut their beginnings",
+                where=name,
+            )
+
+
+def _compared(one: Array, other: Array) -> tuple[float, int]:
+    """Largest correlation of two histories, and the number of samples by which they are apart there."""
+    padded = 2 * one.size
+    spectrum = np.fft.rfft(one, padded).conj() * np.fft.rfft(other, padded)
+    correlation = np.fft.irfft(spectrum, padded) / max(
+        float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300
+    )
+    place = int(np.argmax(correlation))
+    return float(correlation[place]), place if place <= one.size else place - padded

@@ -1,0 +1,97 @@
+"""Runs of one test with different delays, against the true response of another code."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
+
+from reliab import assess
+from reliab.assessment import Word, combine_runs
+from reliab.errors import InputError
+from reliab.recordings import Recording
+
+STEP = 1.0 / RATE
+LAB = Lab(1.2, 0.04, 0.8)
+GROUND = synthetic_ground(2, 12.0)
+
+
+def runs_of(lab, taus=(0.0015, 0.003, 0.0045), gains=(1.0, 1.0, 1.0)):
+    rng = np.random.default_rng(4)
+    outcomes = []
+    for tau, gain in zip(taus, gains, strict=True):
+        outcome = run(replace(lab, kind=DELAY, numbers=(gain, tau, 0.0, 0.0)), GROUND)
+        noise = 1e-3 * float(np.std(outcome.measured)) * rng.standard_normal(outcome.measured.size)
+        outcomes.append(replace(outcome, measured=outcome.measured + noise))
+    return outcomes
+
+
+def judged(outcomes, **stated):
+    recordings = [
+        Recording(command=one.command, measured=one.measured, time_step=STEP, name=f"run {place}")
+        for place, one in enumerate(outcomes)
+    ]
+    given = {"f": 1.2, "xi": 0.04, "alpha": 0.8, **stated}
+    return assess(recordings, **given)
+
+
+@pytest.fixture(scope="module")
+def yielded():
+    """Runs of a specimen that yields, which nobody stated."""
+    peak = float(np.abs(run(LAB, GROUND).command).max())
+    return runs_of(replace(LAB, specimen=HYSTERESIS, shape=(peak / 3.0, 0.03, 8.0)))
+
+
+@pytest.fixture(scope="module")
+def found(yielded):
+    return judged(yielded)
+
+
+def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielded, found):
+    together = found.same_test()
+    exact = yielded[0].ideal
+    assert np.sqrt(np.mean((together.response - exact) ** 2)) < 0.1 * yielded[1].rms * np.abs(exact).max()
+    for one, outcome in zip(together.runs, yielded, strict=True):
+        assert one.error.value == pytest.approx(outcome.rms, rel=0.2)
+        assert one.error.low < outcome.rms < one.error.high
+
+
+def test_the_dictionary_holds_every_run_with_its_own_error(found):
+    content = found.same_test().to_dict()
+    assert [one["file"] for one in content["runs"]] == ["run 0", "run 1", "run 2"]
+    assert [one["d_ms"] for one in content["runs"]] == pytest.approx([1.5, 3.0, 4.5], rel=0.05)
+    first = found.judged["run 0"].error.estimate(found.judged["run 0"].error.metric)
+    assert content["runs"][0]["alone"]["value"] == first.value
+    assert content["reliable"] == all(one["verdict"] == Word.RELIABLE for one in content["runs"])
+    assert content["line_against_parabola"] < 0.05
+
+
+@pytest.mark.slow
+def test_a_structure_that_is_not_as_stated_is_contradicted(yielded):
+    together = judged(yielded, f=1.02, exact=True).same_test()
+    assert any(one.contradicts for one in together.runs)
+    assert any("not as stated" in sentence for sentence in together.sentences)
+    assert together.runs[1].error.value == pytest.approx(yielded[1].rms, rel=0.25)
+
+
+def test_two_runs_are_a_line_and_say_so(found):
+    together = combine_runs(dict(list(found.judged.items())[:2]))
+    assert together.checked is None
+    assert "third one" in together.sentences[0]
+
+
+def test_runs_that_cannot_be_combined_are_refused(found):
+    first = found.judged["run 0"]
+    with pytest.raises(InputError, match="two or more"):
+        combine_runs({"a": first})
+    with pytest.raises(InputError, match="differ in gain or delay"):
+        combine_runs({"a": first, "b": first})
+    later = replace(first.recording, command=np.roll(first.recording.command, 300))
+    with pytest.raises(InputError, match="same instant"):
+        combine_runs({"a": first, "b": replace(first, recording=later)})
+    backwards = replace(first.recording, command=first.recording.command[::-1].copy())
+    with pytest.raises(InputError, match="nearly the same command"):
+        combine_runs({"a": first, "b": replace(first, recording=backwards)})
+    faster = replace(first.recording, time_step=0.5 * STEP)
+    with pytest.raises(InputError, match="one sampling rate"):
+        combine_runs({"a": first, "b": replace(first, recording=faster)})
