@@ -243,11 +243,7 @@ def error_of_test(
     `sensor_offset` [m]; `specimen_damping` [s].
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
-    sizes = {
-        **question.sizes(recording.time_step),
-        **_filter_shown(recording, question),
-        **(left_by_repairs or {}),
-    }
+    sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
     whole = whole_structure(question.structure)
     specimen: MeasuredSpecimen | None = None
@@ -273,12 +269,7 @@ def error_of_test(
             resolution=question.resolution,
             **rest,
         )
-    if_linear: Spread | None = None
-    if share := question.yielding(recording):
-        if_linear = rebuilt.draws
-        rebuilt = widened(rebuilt, errors_if_yielded(rebuilt, question.structure), share)
-        sizes |= {"yielding": Size(deviation=share, source=Source.DEFAULT)}
-    return ErrorOfTest(
+    error = ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
@@ -286,16 +277,33 @@ def error_of_test(
         sizes=with_learned(sizes, rebuilt),
         specimen=specimen,
         modelled=question.model is not None,
-        if_linear=if_linear,
+    )
+    return _that_may_have_yielded(error, question, recording)
+
+
+def _that_may_have_yielded(error: ErrorOfTest, question: Question, recording: Recording) -> ErrorOfTest:
+    """Widen the error by specimens that yield, where neither a force nor a statement excludes them."""
+    share = question.yielding(recording)
+    if not share:
+        return error
+    rebuilt = error.rebuilt
+    return replace(
+        error,
+        rebuilt=widened(rebuilt, errors_if_yielded(rebuilt, question.structure), share),
+        if_linear=rebuilt.draws,
+        sizes={**error.sizes, "yielding": Size(deviation=share, source=Source.DEFAULT)},
     )
 
 
-def _filter_shown(recording: Recording, question: Question) -> dict[str, Size]:
-    """Delay of the filter that the noise of the measured displacement shows, where no filter is stated."""
+def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
+    """Sizes of what is not known, with the filter that noise shows where no filter is stated."""
+    sizes = question.sizes(recording.time_step)
     if question.equipment is None or "filter_delay" in question.stated:
-        return {}
-    seen = filter_of_noise(recording.command, recording.measured, recording.time_step)
-    return {} if seen is None else {"open_filter": Size(deviation=seen.delay, source=Source.LEARNED)}
+        return sizes
+    filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
+    if filtering is None:
+        return sizes
+    return {**sizes, "open_filter": Size(deviation=filtering.delay, source=Source.LEARNED)}
 
 
 class _Rest(TypedDict):

@@ -54,7 +54,7 @@ class Assessments:
             raise InputError(
                 "Every run of the same test must be one that can be judged", value=reason, where=file
             )
-        runs = {file: found for file, found in self.judged.items() if isinstance(found, Assessment)}
+        runs = {file: run for file, run in self.judged.items() if isinstance(run, Assessment)}
         if len(runs) < len(self.judged):
             raise InputError(
                 "Runs of the same test are combined for one degree of freedom",

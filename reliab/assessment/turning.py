@@ -74,8 +74,8 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
     """Find what would turn the verdict; nothing is asked where everything was stated."""
     if question.equipment is None or question.model is not None:
         return Turning()
-    known = recording.force is not None or question.linear_specimen
-    yielding = None if known else _errors_if_yielding(error.rebuilt, question)
+    settled = recording.force is not None or question.linear_specimen
+    yielding = None if settled else _errors_if_yielding(error.rebuilt, question)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
         smallest_ductility=None if yielding is None else _first(yielding, error),

@@ -86,11 +86,11 @@ def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltE
 def widening_of_yielding(both: Spread, if_linear: Spread, share: float, metric: Metric) -> Widening:
     """State what specimens that may have yielded add to the interval."""
     width, without = (float(np.diff(draws.interval(metric))[0]) for draws in (both, if_linear))
-    apart = abs(both.average(metric) - if_linear.average(metric)) / share  # means of the two kinds
+    difference = abs(both.average(metric) - if_linear.average(metric)) / share  # means of the two kinds
     return Widening(
         name="yielding",
         deviation=0.0,
-        contribution=apart * float(np.sqrt(share * (1.0 - share))),
+        contribution=difference * float(np.sqrt(share * (1.0 - share))),
         width=width,
         width_without=without,
         deviation_for_half=None,

@@ -11,13 +11,8 @@ from reliab.assessment import assess
 from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.turning import (
-    DUCTILITIES,
-    Turning,
-    _errors_if_filtered,
-    _errors_if_yielding,
-    examine_turning,
-)
+from reliab.assessment.turning import Turning, _errors_if_filtered, _errors_if_yielding, examine_turning
+from reliab.assessment.yielding import DUCTILITIES
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure

@@ -58,6 +58,7 @@ WITHOUT = {
 SEEN_ELSEWHERE = {
     "--design": "tests/cli/test_assess.py",
     **dict.fromkeys(("--specimen", "--corrected"), "tests/assessment/test_measured_specimen.py"),
+    "--same-test": "tests/cli/test_assess_several.py",
     "--details": "tests/cli/test_assess.py",
     "--check": "tests/cli/test_assess.py",
     "--figure": "tests/cli/test_assess.py",

@@ -107,3 +107,28 @@ def test_python_gives_the_same_table(ask, folder):
 def test_python_refuses_a_test_that_is_given_twice(folder):
     with pytest.raises(reliab.InputError, match="once"):
         reliab.assess([folder / "good.csv", folder / "good.csv"], f=1, xi=0.02)
+
+
+@pytest.fixture
+def runs(folder):
+    """The same test with half as much delay again."""
+    table = pd.read_csv(folder / "good.csv")
+    late = table["command_m"] + 1.5 * (table["measured_m"] - table["command_m"])
+    table.assign(measured_m=late).to_csv(folder / "late.csv", index=False)
+    return ("good.csv", "late.csv", "--same-test")
+
+
+def test_runs_of_the_same_test_are_judged_together(ask, runs):
+    content = json.loads(ask(*runs, "--json", "-")[1])
+    assert [run["file"] for run in content["runs"]] == ["good.csv", "late.csv"]
+    assert "third one" in content["warnings"][0]
+    _, out, _ = ask(*runs)
+    assert "2 runs of one test, RMS against 5 %" in out
+    assert f"{100 * content['runs'][0]['error']['value']:.2f} %" in out
+
+
+def test_one_run_or_a_faulty_one_is_no_same_test(ask):
+    assert "two tests or more" in ask("good.csv", "--same-test")[2]
+    code, _, error = ask("good.csv", "faulty.csv", "--same-test")
+    assert code == 2
+    assert "Every run of the same test" in error

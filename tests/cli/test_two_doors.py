@@ -25,7 +25,7 @@ DRAWS = 200
 COMMAND = typer.main.get_group(cli.app)
 OF_THE_TERMINAL = {
     *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
-    *("out", "corrected", "details", "check", "json_target", "help"),
+    *("out", "corrected", "details", "check", "json_target", "same_test", "help"),
 }
 TESTS = [
     *[["test.csv"]] * 16,

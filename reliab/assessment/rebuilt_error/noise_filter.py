@@ -87,8 +87,8 @@ def filter_of_noise(command: Array, measured: Array, time_step: float) -> NoiseF
         for order in _ORDERS:
             for corner in np.geomspace(_PLATEAU * frequency[0], highest, _TRIED).tolist():
                 tried = NoiseFilter(corner=corner, order=order)
-                yield likelihood(np.concatenate([shapes * tried.passed(frequency), shapes[:1]])), tried
+                yield likelihood(shapes * tried.passed(frequency)), tried
 
-    best, found = max(candidates(), key=lambda pair: pair[0])
-    inner = found.corner < _INNER * highest  # noise that falls at its highest frequencies only shows none
-    return found if inner and best - likelihood(shapes) > _CLEAR else None
+    best, filtering = max(candidates(), key=lambda pair: pair[0])
+    inner = filtering.corner < _INNER * highest  # noise that falls at its highest frequencies only shows none
+    return filtering if inner and best - likelihood(shapes) > _CLEAR else None
