@@ -16,9 +16,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import imperfect_recordings as single
+import imperfect_recordings as single  # which puts the laboratory on the path
 import numpy as np
 import pandas as pd
+from rebuilt_error import laboratory as lab
 
 from reliab.assessment import assess, combine_runs, ordinary_equipment, word_of_probability
 from reliab.criterion import published_criterion
@@ -26,7 +27,6 @@ from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.structures import Structure
 
-lab = single.lab
 SPECIMENS = (lab.LINEAR, lab.CUBIC, lab.HYSTERESIS)
 
 
