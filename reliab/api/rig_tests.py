@@ -22,7 +22,7 @@ from reliab.shipped import or_shipped
 from reliab.stated_value import StatedValue
 
 _ALL_TESTS = "all"
-_TAKEN = ("day", "change", "changed_ns")
+_TAKEN = ("day", "change", "file_state")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,11 +159,7 @@ def stated_covariates(texts: Iterable[str]) -> dict[str, float]:
     covariates: dict[str, float] = {}
     for text in texts:
         name, sign, number = text.partition("=")
-        if (
-            not sign
-            or not name.isidentifier()
-            or name in {*COLUMNS, *covariates, "day", "change", "changed_ns"}
-        ):
+        if not sign or not name.isidentifier() or name in {*COLUMNS, *covariates, *_TAKEN}:
             raise InputError(
                 "A `covariate` must be a new name and a number",
                 value=repr(text),

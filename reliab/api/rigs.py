@@ -18,7 +18,8 @@ class RigList:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        rows = [{name: row.get(name) for name in self.table.columns} for row in self.table.rows]
+        columns = self.table.columns
+        rows = [{name: row.get(name) for name in columns} for row in self.table.rows]
         return {"rig": str(self.rig), "tests": rows, "faults": dict(self.table.faults)}
 
 

@@ -7,6 +7,7 @@ JSON files say, for speed; whoever finds it older than they are makes it again.
 """
 
 import contextlib
+import csv
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -18,7 +19,7 @@ from reliab.described_files import read_json
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, write_json_file, written_whole
 from reliab.rig.drift import drift_chart
-from reliab.rig.rig_table import CHANGE, CHANGED, RigTable, cached_rows, cached_text, ordered_table, row_of
+from reliab.rig.rig_table import CHANGE, STATE, RigTable, cached_rows, cached_text, ordered_table, row_of
 from reliab.rig.rig_test import SCHEMA, RigTest
 
 if TYPE_CHECKING:
@@ -118,12 +119,12 @@ class RigFolder:
         """Read the table; make it again where tests came, went or changed since it was written."""
         written = self._written()
         rows, faults = self._cached(), {}
-        current = {sha: rows[sha] for sha, changed in written.items() if _same(rows.get(sha), changed)}
-        for sha, changed in written.items():
+        current = {sha: rows[sha] for sha, state in written.items() if _same(rows.get(sha), state)}
+        for sha, state in written.items():
             if sha in current:
                 continue
             try:
-                current[sha] = {**row_of(self.read(sha)["test"], sha), CHANGED: changed}
+                current[sha] = {**row_of(self.read(sha)["test"], sha), STATE: state}
             except (InputError, KeyError, TypeError) as error:
                 faults[self._test_path(sha).name] = str(error)
         if current.keys() == rows.keys() and all(current[sha] is rows[sha] for sha in current):
@@ -132,9 +133,9 @@ class RigFolder:
         self._keep(table.rows)
         return table
 
-    def _written(self) -> dict[str, int]:
-        """Return when the JSON files were written, by checksum."""
-        times = {}
+    def _written(self) -> dict[str, str]:
+        """Return when the JSON files were written, and how large they are, by checksum of the test."""
+        states = {}
         with os.scandir(self.path / _TESTS) as entries:
             for entry in entries:
                 sha, _, ending = entry.name.partition(".")
@@ -148,20 +149,20 @@ class RigFolder:
                         where=str(self.path),
                     )
                 with contextlib.suppress(FileNotFoundError):  # removed in this moment
-                    times[sha] = entry.stat().st_mtime_ns
-        return times
+                    status = entry.stat()
+                    states[sha] = f"{status.st_mtime_ns}-{status.st_size}"
+        return states
 
     def _cached(self) -> dict[str, dict[str, Any]]:
         try:
-            return cached_rows((self.path / _TABLE).read_text(encoding="utf-8"))
-        except (OSError, ValueError, KeyError, TypeError):
+            return cached_rows((self.path / _TABLE).read_bytes().decode("utf-8"))
+        except (OSError, ValueError, KeyError, csv.Error):
             return {}
 
     def _keep(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write the table; a folder that may only be read is read without one."""
         with contextlib.suppress(OSError), written_whole(self.path / _TABLE) as file:
-            text = cached_text(rows)
-            file.write_text(text, encoding="utf-8", errors="backslashreplace")
+            file.write_bytes(cached_text(rows).encode("utf-8", "backslashreplace"))
 
 
 def _with_changes(table: RigTable) -> RigTable:
@@ -171,5 +172,5 @@ def _with_changes(table: RigTable) -> RigTable:
     return RigTable(rows=rows, faults=table.faults)
 
 
-def _same(row: Mapping[str, Any] | None, changed: int) -> bool:
-    return row is not None and row.get(CHANGED) == changed
+def _same(row: Mapping[str, Any] | None, state: str) -> bool:
+    return row is not None and row[STATE] == state

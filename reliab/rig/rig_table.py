@@ -2,7 +2,8 @@
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+import zlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,14 +13,16 @@ from reliab.arrays import Array
 from reliab.encodings import as_cell
 from reliab.rig.rig_test import COLUMNS, TEXTS
 
-CHANGED: Final = "changed_ns"
-"""Column of the CSV with the time at which a test's JSON was last written [ns]."""
+STATE: Final = "file_state"
+"""Column of the CSV: time [ns] and size of a test's JSON when it was read, and a checksum of the row."""
 
 CHANGE: Final = "change"
 """Column that says what was noticed to have changed with a test, computed from those before it."""
 
 _TRUTHS: Final = {"True": True, "False": False}
-_NOT_MODELLED: Final = frozenset((*COLUMNS, CHANGED, CHANGE, "day"))
+_NOT_MODELLED: Final = frozenset((*COLUMNS, STATE, CHANGE, "day"))
+_FORM: Final = b"rig table 2"
+"""Goes into the checksums of rows; another one where flags of changes are computed in another way."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +39,7 @@ class RigTable:
     @property
     def covariate_names(self) -> list[str]:
         """Quantities that users named, in alphabetical order."""
-        return sorted({name for row in self.rows for name in row} - _NOT_MODELLED)
+        return sorted(set().union(*self.rows) - _NOT_MODELLED)
 
     @property
     def columns(self) -> list[str]:
@@ -96,26 +99,64 @@ def row_of(test: Mapping[str, Any], sha256: str) -> dict[str, Any]:
 
 def cached_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """Write rows for the next reader."""
-    names = sorted({name for row in rows for name in row} - {*COLUMNS, CHANGED, CHANGE})
-    return _as_csv(rows, [CHANGED, *COLUMNS, *names, CHANGE], literal=True)
+    further = sorted(set().union(*rows) - {*COLUMNS, STATE, CHANGE})
+    names = [STATE, *COLUMNS, *further, CHANGE]
+    header = _header_check(names)
+    checked = []
+    for row in rows:
+        cells = [_cell(row.get(name)) for name in names[1:]]
+        checked.append({**row, STATE: f"{row[STATE]}-{_check(cells, header)}"})
+    return _as_csv(checked, names, literal=True)
 
 
 def cached_rows(text: str) -> dict[str, dict[str, Any]]:
-    """Read what :func:`cached_text` wrote, by checksum; ValueError or KeyError where it is damaged."""
+    """Read what :func:`cached_text` wrote, by checksum of the test, without rows changed since.
+
+    ValueError, KeyError or csv.Error where the text is damaged.
+    """
+    lines = csv.reader(io.StringIO(text, newline=""))
+    names = next(lines, [])
+    if names[:1] != [STATE]:
+        raise ValueError("another table")
+    header = _header_check(names)
+    columns = [(name, _reader(name), name in {*COLUMNS, CHANGE}) for name in names[1:]]
     rows: dict[str, dict[str, Any]] = {}
-    for entry in csv.DictReader(io.StringIO(text)):
-        row = {name: _value(name, cell) for name, cell in entry.items() if name in {*COLUMNS, CHANGE} or cell}
-        rows[str(row["sha256"])] = row
+    for state, *cells in lines:
+        stamp, _, check = state.rpartition("-")
+        if check != _check(cells, header):
+            continue
+        row: dict[str, Any] = {STATE: stamp}
+        for (name, read, always), cell in zip(columns, cells, strict=True):
+            if cell or always:
+                row[name] = read(cell)
+        rows[row["sha256"]] = row
     return rows
 
 
-def _value(name: str, cell: str) -> object:
+def _header_check(names: Sequence[str]) -> int:
+    return zlib.crc32(_joined(names), zlib.crc32(_FORM))
+
+
+def _check(cells: Sequence[str], header: int) -> str:
+    return f"{zlib.crc32(_joined(cells), header):08x}"
+
+
+def _joined(cells: Sequence[str]) -> bytes:
+    return "\x1f".join(cells).encode("utf-8", "backslashreplace")
+
+
+def _cell(value: object) -> str:
+    return "" if value is None else str(value)
+
+
+def _reader(name: str) -> Callable[[str], object]:
+    """Return what makes a value of a column of its cell."""
     if name in TEXTS or name == CHANGE:
-        return cell
-    if name == CHANGED:
-        return int(cell)
-    if name == "reliable":
-        return _TRUTHS[cell]
+        return str
+    return _TRUTHS.__getitem__ if name == "reliable" else _number_of
+
+
+def _number_of(cell: str) -> float | None:
     return float(cell) if cell else None
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from rig_rows import keep, rig_test
 
+from reliab.api import list_rig
 from reliab.errors import InputError
 from reliab.rig import RigFolder, require_date
 
@@ -53,6 +54,31 @@ def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
     (tmp_path / "table.csv").unlink()
     assert folder.table().rows == rows
     assert rows[0]["current"] == 0.4
+
+
+def test_a_row_that_was_changed_by_hand_is_read_from_its_test_again(tmp_path):
+    keep(tmp_path, rig_test(1, A=0.99123), rig_test(2, note="a\r\nb"))
+    folder, cache = RigFolder.opened(tmp_path), tmp_path / "table.csv"
+    rows = folder.table().rows
+    sound = cache.read_bytes()
+    for damaged in (sound.replace(b"0.99123", b"nan"), sound.replace(b",xi,", b",alpha,"), sound[:-20]):
+        cache.write_bytes(damaged)
+        assert folder.table().rows == rows
+        assert cache.read_bytes() == sound
+
+
+def test_many_tests_are_listed_without_reading_them_again(tmp_path, monkeypatch):
+    keep(tmp_path, rig_test(0))
+    first = next((tmp_path / "tests").iterdir())
+    content = json.loads(first.read_text())
+    for number in range(1, 1000):
+        content["test"] = rig_test(number).to_dict()
+        (tmp_path / "tests" / f"{content['test']['sha256']}.json").write_text(json.dumps(content))
+    assert len(RigFolder.opened(tmp_path).table()) == 1000
+    monkeypatch.setattr(RigFolder, "read", None)
+    began = time.process_time()
+    assert len(list_rig(tmp_path).to_dict()["tests"]) == 1000
+    assert time.process_time() - began < 0.5
 
 
 def test_the_table_follows_what_others_add_and_remove(tmp_path):
