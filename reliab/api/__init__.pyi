@@ -44,6 +44,7 @@ from .rig_answers import (
     plan_rig as plan_rig,
     predict_rig as predict_rig,
 )
+from .rig_report import report_rig as report_rig
 from .rig_tests import AddedTests as AddedTests, add_to_rig as add_to_rig
 from .rigs import (
     RigList as RigList,

@@ -5,6 +5,7 @@ from .drift import (
     Change as Change,
     DriftChart as DriftChart,
     drift_chart as drift_chart,
+    watch as watch,
 )
 from .memory import NextTest as NextTest
 from .planning import Plan as Plan, plan_tests as plan_tests

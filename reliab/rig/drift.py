@@ -18,7 +18,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.vocabulary import PERCENT
 
-_LIMITS: Final = {"gain": 1.05, "delay": 0.93, "noise": 1.15}
+_LIMITS: Final = {"gain": 1.10, "delay": 0.98, "noise": 1.21}
 """By cause the factor of its limits: the delay is watched most closely."""
 CAUSES: Final = tuple(_LIMITS)
 FALSE_ALARMS: Final = 0.01
@@ -34,6 +34,7 @@ _SMALLEST = 1e-5
 _WEAK = 1e-4  # precision of the slope before any test
 _VARIED = 0.1  # of the logarithm of the peak, from which the slope costs a degree of freedom
 _SMALLEST_SQUARE = 1e-18
+_NORMAL_95 = 1.645
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +61,7 @@ class DriftChart:
 
     values: Mapping[str, Array]  # By cause
     scores: Mapping[str, Array]  # Normal score of each test; NaN where too few are before it
+    bands: Mapping[str, tuple[Array, Array]]  # 90 % interval of each test before it; NaN likewise
     changes: tuple[Change, ...]
 
     @property
@@ -88,10 +90,11 @@ def drift_chart(rows: Sequence[Mapping[str, Any]]) -> DriftChart:
         "noise": np.log(np.maximum([float(row["remainder"]) for row in rows], _SMALLEST)),
     }
     scores: dict[str, Array] = {}
+    bands: dict[str, tuple[Array, Array]] = {}
     changes: list[Change] = []
     for cause in CAUSES:
         watched = watch(values[cause], peaks, _LIMITS[cause])
-        scores[cause] = watched.scores
+        scores[cause], bands[cause] = watched.scores, watched.band
         changes += [
             Change(
                 cause=cause, noticed=noticed, began=began, size=_size(values[cause], since, began, noticed)
@@ -99,7 +102,7 @@ def drift_chart(rows: Sequence[Mapping[str, Any]]) -> DriftChart:
             for since, began, noticed in watched.changes
         ]
     changes.sort(key=lambda change: (change.noticed, change.began))
-    return DriftChart(values=values, scores=scores, changes=tuple(changes))
+    return DriftChart(values=values, scores=scores, bands=bands, changes=tuple(changes))
 
 
 def _size(values: Array, since: int, began: int, noticed: int) -> float:
@@ -111,6 +114,7 @@ class Watched:
     """One quantity, watched."""
 
     scores: Array
+    band: tuple[Array, Array]
     changes: list[tuple[int, int, int]] = field(default_factory=list)  # Learned since, began, noticed
 
 
@@ -119,13 +123,16 @@ def watch(values: Array, peaks: Array, caution: float = 1.0) -> Watched:
 
     `caution`: factor of the limits.
     """
-    watched = Watched(scores=np.full(values.size, np.nan))
+    unknown = np.full(values.size, np.nan)
+    watched = Watched(scores=unknown.copy(), band=(unknown.copy(), unknown.copy()))
     since = 0
     prediction, sums = _Prediction(), _Sums(0)
     for place in range(values.size):
         value, peak = float(values[place]), float(peaks[place])
         score = prediction.score(value, peak)
-        watched.scores[place] = np.nan if score is None else score
+        if score is not None:
+            watched.scores[place] = score
+            watched.band[0][place], watched.band[1][place] = prediction.interval(peak)
         began = None if score is None else sums.add(score, place, caution * (1.0 + _WIDER / prediction.count))
         if began is not None:
             began = _most_likely_begin(values, since, max(began - 1, since + 1), place)
@@ -192,6 +199,14 @@ class _Prediction:
         # Wallace (1959): the normal score of Student's t
         factor = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0)
         return math.copysign(factor * math.sqrt(degrees * math.log1p(student**2 / degrees)), student)
+
+    def interval(self, peak: float) -> tuple[float, float]:
+        """Return the 90 % interval of a test, by Student's t distribution."""
+        degrees, (_, _, leverage) = self._degrees, self._gained(peak)
+        longer = _NORMAL_95 * (1.0 + (_NORMAL_95**2 + 1.0) / (4.0 * degrees))
+        reach = longer * self._spread * math.sqrt(1.0 + leverage)
+        centre = self._level + self._slope * peak
+        return centre - reach, centre + reach
 
     def _gained(self, peak: float) -> tuple[float, float, float]:
         """Return what a test teaches of level and slope, and its leverage."""

@@ -21,6 +21,8 @@ LEVEL: Final = 0.9
 _ENDS: Final = (0.05, 0.5, 0.95)
 _NAMES: Final = ("low", "median", "high")
 _SAME: Final = 1e-9
+_LARGEST_R_HAT: Final = 1.2
+_WORDS: Final = {"d_ms": "d", "rms": "error", "ratio": "error over what A, d and remainder explain"}
 _LARGEST_PROBABILITY: Final = 0.99
 """As for a test: higher ones were not validated."""
 
@@ -54,6 +56,11 @@ class Prediction:
             for name, score in quantity.scores_of_baselines.items():
                 scores.setdefault(name, []).append(score)
         return {name: _sum_of_known(values) for name, values in scores.items()}
+
+    @property
+    def converged(self) -> bool:
+        """Whether the draws of all quantities agree between their batches."""
+        return not _unsettled(self.learned)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -108,7 +115,7 @@ def predict_next(
         if np.ptp([*scales, scale]) > _SAME
         else "the errors of the rig's own tests",
         learned=learned,
-        notes=_notes(memory, coming, structure),
+        notes=_notes(memory, coming, structure, learned),
     )
 
 
@@ -134,7 +141,7 @@ def predict_under_motion(
         threshold=threshold,
         ellipse=(ellipse.amplitude, ellipse.delay),
         basis="the loop simulated under this motion with actuators drawn from the posterior",
-        notes=_notes(memory, coming, structure),
+        notes=_notes(memory, coming, structure, learned),
     )
 
 
@@ -160,7 +167,7 @@ def predict_under_suite(
         threshold=threshold,
         ellipse=(float(np.median(ellipses[0])), float(np.median(ellipses[1]))),
         basis=f"the ellipses of the motions of {suite} with actuators drawn from the posterior",
-        notes=_notes(memory, coming, structure),
+        notes=_notes(memory, coming, structure, learned),
     )
 
 
@@ -214,9 +221,23 @@ def _shares(contributions: Mapping[str, float]) -> dict[str, float]:
     return {name: value / total for name, value in contributions.items()}
 
 
-def _notes(memory: Memory, coming: NextTest, structure: Structure | None) -> tuple[str, ...]:
+def _unsettled(learned: Mapping[str, Learned]) -> dict[str, float]:
+    """R-hat of quantities whose draws differ between batches."""
+    sizes = {name: quantity.variances.r_hat for name, quantity in learned.items()}
+    return {name: size for name, size in sizes.items() if not size <= _LARGEST_R_HAT}
+
+
+def _notes(
+    memory: Memory, coming: NextTest, structure: Structure | None, learned: Mapping[str, Learned]
+) -> tuple[str, ...]:
     """Say what to know before relying on it."""
     notes = []
+    if unsettled := _unsettled(learned):
+        sizes = ", ".join(f"{_WORDS.get(name, name)} {size:.2f}" for name, size in unsettled.items())
+        notes.append(
+            f"The posterior's draws have not converged (R-hat, 1 where they have: {sizes}), so that "
+            "intervals and probability are not to be relied on."
+        )
     frequencies = memory.table.numbers("f")
     if structure is not None and not (
         0.99 * frequencies.min() <= structure.frequency <= 1.01 * frequencies.max()

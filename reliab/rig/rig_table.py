@@ -21,7 +21,7 @@ CHANGE: Final = "change"
 
 _TRUTHS: Final = {"True": True, "False": False}
 _NOT_MODELLED: Final = frozenset((*COLUMNS, STATE, CHANGE, "day"))
-_FORM: Final = b"rig table 2"
+_FORM: Final = b"rig table 3"
 """Goes into the checksums of rows; another one where flags of changes are computed in another way."""
 
 

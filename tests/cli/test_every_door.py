@@ -52,6 +52,7 @@ SERVICES: dict[str, Any] = {
     "rig show": [api.show_rig_test],
     "rig remove": [api.remove_from_rig],
     "rig export": [api.export_rig],
+    "rig report": [api.report_rig],
 }
 OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
 CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check"}

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import JsonTarget, ReadsTests, StructureFile
+from reliab.cli.options import OF_REPORT, JsonTarget, ReadsTests, Reported, StructureFile
 from reliab.cli.output import write_json
 from reliab.errors import InputError
 
@@ -313,3 +313,38 @@ def compare(demand: CompareDemand) -> None:
     content = demand.ask(compare_rigs, "json_target").to_dict()
     if not write_json(content, demand.json_target):
         show_comparison(content)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigReportDemand(Reported):
+    """Options of `reliab rig report`, arguments of `reliab.api.report_rig`."""
+
+    rig: Rig
+    out: Annotated[Path, typer.Option("--out", metavar="FILE.pdf", help="The report.")]
+    f: Annotated[
+        str | None, typer.Option("--f", metavar="HZ", help="Natural frequency; that of the last test.")
+    ] = None
+    xi: Annotated[
+        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio; that of the last test.")
+    ] = None
+    alpha: Annotated[
+        str | None,
+        typer.Option("--alpha", metavar="SHARE", help="Share in the laboratory; that of the last."),
+    ] = None
+    threshold: Annotated[
+        float | None,
+        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test; that of the last test."),
+    ] = None
+    json_target: JsonTarget = None
+
+
+@app.command("report")
+@takes(RigReportDemand)
+def report(demand: RigReportDemand) -> None:
+    """Write two pages on what the rig does, what to expect and what to change, and an appendix."""
+    from reliab.api import report_rig
+    from reliab.cli.output import write_line
+
+    written = demand.ask(report_rig, *OF_REPORT, "json_target", setting=demand.setting)
+    if not write_json({"report": str(written)}, demand.json_target):
+        write_line(f"Report: {written}")

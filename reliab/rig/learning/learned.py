@@ -118,7 +118,10 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
     not known.
     """
     centre = float(np.median(values))
-    spread = max(_median_spread(values, centre), 0.3 * float(values.std()), _SMALLEST * (1.0 + abs(centre)))
+    smallest = _SMALLEST * (1.0 + abs(centre))
+    if np.ptp(values) < smallest:  # the same in all tests: taken as if it scattered by so little
+        values = centre + smallest * np.random.default_rng(seed).standard_normal(values.size)
+    spread = max(_median_spread(values, centre), 0.3 * float(values.std()), 0.3 * smallest)
     likeness = Likeness.among(circumstances, values.size)
     among = likeness.among_learned()
     standard = (values - centre) / spread

@@ -1,0 +1,1 @@
+from .report import rig_report as rig_report

@@ -1,0 +1,219 @@
+"""Report of a rig: two pages for the head of the laboratory, and an appendix for those who doubt them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from reliab.assessment import probability_text
+from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.figures.rig_over_time import rig_over_time
+from reliab.report.kinds.assessment.error import quantities_table
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.rig import FALSE_ALARMS, DriftChart, Plan, Prediction, RigTable, drift_chart
+from reliab.significant import percent, significant
+from reliab.structures import Structure
+from reliab.vocabulary import PERCENT
+
+_LAST = 10
+_DAY = 10  # characters of a date
+_MOST_CHANGES = 8
+_QUANTITIES = {
+    "A": "Amplitude A",
+    "d_ms": "Equivalent delay d [ms]",
+    "remainder": "Remainder, neither gain nor delay [%]",
+    "rms": "Error of the whole test, RMSᴿ [%]",
+    "ratio": "Error over what A, d and remainder explain, logarithm",
+}
+_IN_PERCENT = ("remainder", "rms")
+
+
+def rig_report(
+    name: str,
+    table: RigTable,
+    prediction: Prediction,
+    plan: Plan | None,
+    *,
+    structure: Structure | None,
+    provenance: Mapping[str, object],
+) -> Document:
+    """Report what a rig does, what to expect of its next test, and what to change.
+
+    `plan` and `structure` are None where the last test was of a frame.
+    """
+    chart = drift_chart(table.rows)
+    return Document(
+        kind="Report of a rig",
+        title=name,
+        verdict=_verdict(table, prediction),
+        facts=_facts(table, prediction, structure),
+        blocks=(
+            Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
+            Section(title="What to expect of the next test", blocks=_next_test(prediction), new_page=True),
+            Section(title="What to change", blocks=_changes(plan)),
+            Section(title="Appendix: diagnostics", blocks=_diagnostics(prediction), new_page=True),
+        ),
+        provenance=provenance_of(provenance),
+        sheet=True,
+    )
+
+
+def _verdict(table: RigTable, prediction: Prediction) -> Prose:
+    good = sum(bool(row["reliable"]) for row in table.rows)
+    share = good / len(table)
+    return prose(
+        "*{good} of {tests} tests were reliable* ({share}). The next one keeps its error below {threshold} "
+        "with probability {probability}{doubt}.",
+        good=good,
+        tests=len(table),
+        share=percent(share),
+        threshold=percent(prediction.threshold),
+        probability=probability_text(prediction.probability),
+        doubt="" if prediction.converged else ", which is not to be relied on, as the notes say",
+    )
+
+
+def _facts(table: RigTable, prediction: Prediction, structure: Structure | None) -> dict[str, Prose]:
+    days = [day[:_DAY] for day in table.moments]
+    learned = f"{prediction.tests} tests of {prediction.earthquakes} earthquakes"
+    facts: dict[str, Prose] = {
+        "Tests": f"{len(table)}, from {days[0]} to {days[-1]}",
+        "Learned from": learned + ("" if table.dated else "; dates are not stated for all tests"),
+    }
+    if structure is not None:
+        facts["Next test"] = prose(
+            "$f =$ {f:g} Hz, $xi =$ {xi:g}, share of the stiffness in the laboratory $alpha =$ {alpha:g}",
+            f=structure.frequency,
+            xi=structure.damping_ratio,
+            alpha=structure.experimental_fraction,
+        )
+    if table.faults:
+        facts["Left out"] = f"{len(table.faults)} files that could not be read"
+    return facts
+
+
+def _what_it_does(
+    table: RigTable, chart: DriftChart, prediction: Prediction
+) -> tuple[Table | Points | Figure, ...]:
+    rows = []
+    for name in ("A", "d_ms", "remainder", "rms"):
+        values = table.numbers(name)
+        values = values[np.isfinite(values)]
+        ends = (*np.quantile(values, [0.05, 0.5, 0.95]), np.median(values[-_LAST:]))
+        rows.append((_QUANTITIES[name], *(_written(name, float(value)) for value in ends)))
+    summary = quantities_table(
+        rows,
+        ("Quantity", "5 %", "Median", "95 %", f"Median of the last {min(_LAST, len(table))}"),
+        caption="What the tests showed: nine of ten lie between the outer numbers.",
+        label="tab:tests",
+    )
+    figure = Figure(
+        drawing=rig_over_time(table, chart, prediction.intervals, prediction.threshold),
+        caption=(
+            "Every test beside its 90 % interval from those before it, which begins anew after a change and "
+            "needs some tests; at the right end the next test. Broken lines: a change was noticed."
+        ),
+        label="fig:time",
+    )
+    return summary, Points(items=_noticed(table, chart)), figure
+
+
+def _noticed(table: RigTable, chart: DriftChart) -> tuple[Prose, ...]:
+    latest = chart.changes[-_MOST_CHANGES:]
+    if not latest:
+        return ("No change of gain, delay or noise was noticed.",)
+    more = len(chart.changes) - len(latest)
+    words = "; ".join(
+        f"{change}, from test {change.began + 1} on (noticed at test {change.noticed + 1}, "
+        f"{table.moments[change.noticed][:_DAY]})"
+        for change in latest
+    )
+    return (f"Noticed: {words}{f'; and {more} before' if more else ''}.",)
+
+
+def _written(name: str, value: float) -> str:
+    if name in _IN_PERCENT:
+        return f"{PERCENT * value:.2f}"
+    return f"{value:.4f}" if name == "A" else f"{value:.2f}"
+
+
+def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]:
+    rows = [
+        (_QUANTITIES[name], *(_written(name, interval[end]) for end in ("low", "median", "high")))
+        for name, interval in prediction.intervals.items()
+    ]
+    intervals = quantities_table(
+        rows,
+        ("Quantity", "5 %", "Median", "95 %"),
+        caption="The next test: it lies between the outer numbers in nine cases of ten.",
+        label="tab:next",
+    )
+    first = max(prediction.drivers, key=lambda name: prediction.drivers[name])
+    shares = ", ".join(f"{percent(share, 2)} from {name}" for name, share in prediction.drivers.items())
+    says = (
+        f"The error comes first of all from {_article(first)}{first}: of its square, {shares}. "
+        f"The prediction follows from {prediction.basis}."
+    )
+    notes = (Points(items=prediction.notes),) if prediction.notes else ()
+    return intervals, Paragraph(text=says), *notes
+
+
+def _article(cause: str) -> str:
+    return "what is neither gain nor delay, the " if cause == "remainder" else "the "
+
+
+def _changes(plan: Plan | None) -> tuple[Paragraph | Points | Table, ...]:
+    if plan is None:
+        return (
+            Paragraph(text="Remedies are searched for structures of one mass; the last test had a frame."),
+        )
+    begins = (
+        f"{percent(plan.share_now)} of the coming tests would have an error below {percent(plan.threshold)}, "
+        f"under any of the motions that ship; {percent(plan.share)} are wanted. Each remedy alone:"
+    )
+    sobol = quantities_table(
+        [
+            (name[0].upper() + name[1:], f"{indices['first_order']:.2f}", f"{indices['total']:.2f}")
+            for name, indices in plan.sobol.items()
+        ],
+        ("What the error depends on", "Alone", "With others"),
+        caption=(
+            "Sobol indices of the logarithm of the error: share of its variance that goes back to each, "
+            "alone and together with others. The largest is the first to work on, unless it is the motion."
+        ),
+        label="tab:sobol",
+    )
+    return Paragraph(text=begins), Points(items=tuple(remedy.sentence for remedy in plan.remedies)), sobol
+
+
+def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
+    rows = []
+    for name, quantity in prediction.learned.items():
+        baselines = quantity.scores_of_baselines.values()
+        scores = [_score(value) for value in (quantity.log_score, *baselines)]
+        variances = quantity.variances
+        rows.append((_QUANTITIES[name], f"{variances.r_hat:.3f}", f"{variances.effective_size:.0f}", *scores))
+    names = [name for name in prediction.log_scores if name != "hierarchical model"]
+    total = [_score(value) for value in prediction.log_scores.values()]
+    rows.append(("Sum", "", "", *total))
+    table = quantities_table(
+        rows,
+        ("Quantity", "R-hat", "Effective draws", "Score of the model", *(f"Of {name}" for name in names)),
+        caption=(
+            "Draws of the variances between earthquakes, days, specimens, over time: R-hat is near 1 where "
+            "they converged. Mean log scores of tests whose earthquake was left out: more is better."
+        ),
+        label="tab:diagnostics",
+    )
+    alarms = percent(FALSE_ALARMS)
+    best = f"Best on left-out earthquakes: {prediction.better}. The hierarchical model makes the predictions."
+    noticing = (
+        f"Changes are noticed by cumulative sums of each test against its prediction, with at most {alarms} "
+        "of false alarms a test where tests scatter normally; where they scatter otherwise there are more."
+    )
+    return table, Points(items=(best, noticing))
+
+
+def _score(value: float | None) -> Any:  # noqa: ANN401 - a cell
+    return "unknown" if value is None else significant(value)
