@@ -78,6 +78,7 @@ def ideal_bay() -> Array:
 def physical_frame() -> tuple[Array, Array, Array]:
     """M, C and K of the physical frame for x and the rotations of joints 7, 6 and of the two feet.
 
+    >>> import scipy
     >>> mass, _, stiffness = physical_frame()
     >>> (np.sqrt(scipy.linalg.eigvalsh(stiffness, mass)) / (2.0 * np.pi)).round(1)
     array([ 56.8, 147.6, 175.5, 259.4, 328.1])

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from late_runs import runs_of
 
+import reliab
 from reliab.cli import run
 
 
@@ -27,6 +28,7 @@ def test_the_ranking_is_printed_written_and_drawn(tmp_path, files, capsys):
     assert run([*asked, "--json", "-"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert [test["file"] for test in content["tests"]] == files[::-1]
+    assert content == reliab.compare(files, f=1, xi=0.05).to_dict()
 
 
 def test_what_only_a_verdict_has_is_no_option(files, capsys):

@@ -67,13 +67,13 @@ def command_of(name):
     return command
 
 
-def test_every_command_but_assess_is_compared():
+def test_every_command_but_those_of_a_verdict_is_compared():
     leaves = {
         f"{name} {inner}".strip()
         for name, command in COMMAND.commands.items()
         for inner in getattr(command, "commands", {"": None})
     }
-    assert leaves == {*SERVICES, "assess"}
+    assert leaves == {*SERVICES, "assess", "compare"}
 
 
 @pytest.mark.parametrize("name", SERVICES)

@@ -82,7 +82,8 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
     )
     gap = SimpleNamespace(
         stated_share=0.9, floor=0.0012, source="at rest", held_out=["t7", "t8"], channel="force_n",
-        before=0.1111, after=0.0222,
+        before=0.1111, after=0.0222, tests_after=[0.02, 0.03],
+        by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
     )  # fmt: skip
     unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
     block = SimpleNamespace(unknown=unknown, gap=gap, block=SimpleNamespace(block="specimen"))
@@ -96,6 +97,7 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
     assert "Unknown effect in the specimen: 3 x³" in text
     assert "Nothing else." in text
     assert "held-out t7, t8, force_n: error 0.1111 before, 0.0222 after, noise 0.0012 (at rest)" in flat
+    assert "Least is explained of t8 (sine): 0.1100 before, 0.0300 after." in flat
     unknown.expression = ""
     assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)
 

@@ -21,6 +21,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.structures import CoupledPartition
 
 DRAWS = 256
@@ -226,7 +227,7 @@ def _checked(
     if lowest * step * _FEWEST_PER_PERIOD > 1.0:
         raise InputError(
             f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
-            value=f"{1.0 / (lowest * step):.3g}",
+            value=significant(1.0 / (lowest * step), 3),
             remedy="Record at a higher rate: the error between samples is unknown",
         )
     return command, measured

@@ -81,7 +81,7 @@ function numbersOf(cells, width, line) {
 // Place of time, command and measured displacement among the columns.
 function recognise(names, width, words) {
   if (names === null) {
-    if (width !== 3) throw new ReadingError(`Columns without names must be time, command and measured; this file has ${width}.`);
+    if (width !== 3) throw new ReadingError(`Columns without names must be time, command and measured; this file has ${width}. ${ELSEWHERE}`);
     return { time: 0, command: 1, measured: 2 };
   }
   const plain = names.map((name) => normal(name, words)), places = {};
