@@ -12,6 +12,7 @@ from reliab.assessment import ellipses_of_motions
 from reliab.rig.drawing import Draws, draw_tests
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
+from reliab.significant import significant
 from reliab.structures import Structure
 
 SHARE: Final = 0.95
@@ -180,7 +181,7 @@ def _remedy(change: str, value: float | None, good: float, what: str, now: float
     elif value == now:
         sentence = f"The {change} may stay as it is."
     else:
-        sentence = f"It is enough to {what.format(f'{value:.3g}')}."
+        sentence = f"It is enough to {what.format(significant(value, 3))}."
     return Remedy(change=change, value=value, share_of_good_tests=good, sentence=sentence)
 
 

@@ -13,6 +13,7 @@ from reliab.rig.drawing import DRAWS, draw_tests, learn_tracking
 from reliab.rig.learning import Circumstances, Learned
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
+from reliab.significant import significant
 from reliab.simulation import Excitation, Loop
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI
@@ -243,7 +244,8 @@ def _notes(
         0.99 * frequencies.min() <= structure.frequency <= 1.01 * frequencies.max()
     ):
         notes.append(
-            f"The rig's tests are of structures from {frequencies.min():.3g} to {frequencies.max():.3g} Hz."
+            f"The rig's tests are of structures from {significant(frequencies.min(), 3)} to "
+            f"{significant(frequencies.max(), 3)} Hz."
         )
     if not memory.ordered:
         notes.append("Dates are not stated for all tests, so that their order teaches nothing.")
@@ -252,7 +254,7 @@ def _notes(
     peaks = memory.table.numbers("peak_mm")
     if coming.peak is not None and not peaks.min() <= coming.peak <= peaks.max():
         notes.append(
-            f"The response to this motion peaks at {coming.peak:.3g} mm, those of the rig's tests at "
-            f"{peaks.min():.3g} to {peaks.max():.3g} mm."
+            f"The response to this motion peaks at {significant(coming.peak, 3)} mm, those of the rig's "
+            f"tests at {significant(peaks.min(), 3)} to {significant(peaks.max(), 3)} mm."
         )
     return tuple(notes)
