@@ -40,6 +40,7 @@ def test_numbers_are_those_of_the_verdicts(compared):
     assert list(comparison.to_frame()["rank"]) == [1, 2]
 
 
+@pytest.mark.slow
 def test_runs_of_other_motions_and_of_one_kind_are_told():
     frames = [runs_of(seed, delays=(0.004,))[0][0] for seed in (3, 4)]
     (note, *_) = reliab.compare(frames, f=1, xi=0.05).notes

@@ -49,7 +49,8 @@ def test_a_mass_that_is_stated_wrongly_is_calibrated(sample_campaigns):
     assert abs(mass.value - 1.0) > 3.0 * mass.sd
 
 
-@pytest.mark.parametrize("seed", [pytest.param(710001, marks=pytest.mark.slow), 710010])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [710001, 710010])
 def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     """Explicit Newmark with γ = 0.84, and forward Euler."""
     folder, label = blind(seed, "single", "full", "integration_error", "white", 40.0)
