@@ -51,6 +51,7 @@ def test_an_effect_beyond_the_threshold_leaves_no_criterion(shaking):
     assert shift.to_dict() == {"a": 0.0, "b": 0.0}
 
 
+@pytest.mark.slow
 def test_a_specimen_that_dissipates_tolerates_more(shaking):
     """Viscous damping that doubles the damping ratio: a and b grow as its square, nearly."""
     damping = 2.0 * STRUCTURE.damping_ratio * STRUCTURE.circular_frequency
