@@ -16,7 +16,7 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.rebuilt_error.spread import LEVEL
+from reliab.assessment.rebuilt_error.spread import LEVEL, weighted_interval
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.vocabulary import Metric
@@ -164,7 +164,7 @@ def _ranked(
             file=file, assessment=assessment, error=estimate, difference=None, probability_larger=None
         )
     differences, weights = paired_differences(error, first, metric)
-    low, high = _quantiles(differences, weights)
+    low, high = weighted_interval(differences, weights)
     value = estimate.value - first.estimate(metric).value
     larger = (float(weights[differences > 0.0].sum()) + 0.5) / (weights.size + 1.0)
     return RankedTest(
@@ -180,7 +180,8 @@ def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -
     """Subtract two errors in draws of what is unknown; return that with its weights, each shape (draws,).
 
     Draws are paired where the same quantities are unknown in both tests; else one of them is shuffled, as if
-    they had nothing in common.
+    they had nothing in common. A pair has the geometric mean of the weights of its two draws, so that kinds
+    of draws, such as specimens that yielded, keep their share of the probability.
     """
     errors, firsts = (test.rebuilt.draws.errors(metric) for test in (error, first))
     weights, first_weights = (test.rebuilt.draws.weights() for test in (error, first))
@@ -189,16 +190,8 @@ def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -
     unknown = [list(test.rebuilt.unknown.deviations()) for test in (error, first)]
     if unknown[0] != unknown[1] or error.rebuilt.seed != first.rebuilt.seed:
         order = np.random.default_rng(0).permutation(count)
-    joint = weights[:count] * first_weights[order]
+    joint = np.sqrt(weights[:count] * first_weights[order])
     return errors[:count] - firsts[order], joint / joint.mean()
-
-
-def _quantiles(values: Array, weights: Array) -> tuple[float, float]:
-    """Return the ends of the 90 % interval of weighted draws."""
-    order = np.argsort(values)
-    places = (np.cumsum(weights[order]) - 0.5 * weights[order]) / weights.sum()
-    low, high = np.interp([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], places, values[order])
-    return float(low), float(high)
 
 
 def _notes(tests: Sequence[RankedTest]) -> list[str]:

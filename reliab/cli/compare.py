@@ -1,16 +1,15 @@
 """`reliab compare`: tests ranked by their errors, such as one with each compensator."""
 
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import typer
 
-from reliab.cli.assess import AssessDemand, only_value
+from reliab.cli.assess import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
 from reliab.cli.demand import takes
-from reliab.cli.options import OF_REPORT, JsonTarget
+from reliab.cli.options import JsonTarget, ReadsTests
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT
@@ -29,7 +28,7 @@ _COLUMNS = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareDemand(AssessDemand):
+class CompareDemand(JudgesTests, ReadsTests):
     """Options of `reliab compare`: those of a verdict, and where the ranking goes."""
 
     tests: Annotated[
@@ -49,16 +48,13 @@ class CompareDemand(AssessDemand):
     ] = None
     json_target: JsonTarget = None
 
-    belongs_to: ClassVar[Mapping[str, str]] = {}
-    omits: ClassVar[Collection[str]] = ("design", "corrected", "report", "details", "check", *OF_REPORT)
-
 
 @takes(CompareDemand)
 def compare(demand: CompareDemand) -> None:
     """Rank tests by their errors, with the certainty of the order."""
     from reliab import api
 
-    files = demand.files
+    files = files_of(demand.tests, demand.out)
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
             api.assess,

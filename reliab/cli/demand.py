@@ -27,9 +27,6 @@ class Demand:
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {}
     """By option those that have no meaning beside it; a laboratory's defaults of them are left out."""
 
-    omits: ClassVar[Collection[str]] = ()
-    """Options of the class from which this one is derived that its command does not have."""
-
     def ask(
         self,
         service: Callable[..., _Answer],
@@ -89,7 +86,7 @@ def _parameters(options: type[Demand]) -> Iterator[inspect.Parameter]:
     shared = {field.name for field in fields(Demand)}
     for home in options.__mro__:
         for name in vars(home).get("__annotations__", {}):
-            if name in declared and name not in shared and name not in options.omits:
+            if name in declared and name not in shared:
                 field = declared.pop(name)
                 yield inspect.Parameter(
                     name,

@@ -104,6 +104,76 @@ ModelFile = Annotated[
         help="Structure and effects of an updated model, as `reliab diagnose --out` writes it.",
     ),
 ]
+StatedDampingRatio = Annotated[
+    str | None,
+    typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002."),
+]
+StatedShare = Annotated[
+    str | None,
+    typer.Option(
+        "--alpha",
+        metavar="SHARE",
+        help="Share of the structure's stiffness in the laboratory, 1 (all of it) by default.",
+    ),
+]
+SensorScale = Annotated[
+    str | None,
+    typer.Option(
+        "--scale",
+        metavar="RATIO",
+        help="Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %.",
+    ),
+]
+FeedbackLag = Annotated[
+    str | None,
+    typer.Option(
+        "--feedback-lag",
+        metavar="MS",
+        help="Time by which the force is fed back late [ms], 0 by default.",
+    ),
+]
+MassOfStructure = Annotated[
+    str | None,
+    typer.Option(
+        "--mass",
+        metavar="KG",
+        help="Mass of the structure; with it the unit of a recorded force is examined, and beside "
+        "a recorded ground acceleration the force is also used to identify the structure.",
+    ),
+]
+ChannelSkew = Annotated[
+    str | None,
+    typer.Option(
+        "--skew",
+        metavar="MS",
+        help="Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
+    ),
+]
+EquipmentFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--equipment",
+        metavar="FILE.toml",
+        help="Accuracy of your equipment where no option states it; ordinary equipment by default.",
+    ),
+]
+TakenAsExact = Annotated[
+    bool,
+    typer.Option(
+        "--exact",
+        help="Take channels, and values that are stated without a standard deviation, as exact.",
+    ),
+]
+CriterionFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
+    ),
+]
+ErrorThreshold = Annotated[
+    float | None,
+    typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
+]
 JsonTarget = Annotated[
     str | None,
     typer.Option(

@@ -82,12 +82,7 @@ class Spread:
 
     def interval(self, metric: Metric) -> tuple[float, float]:
         """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""
-        errors = self.errors(metric)
-        order = np.argsort(errors)
-        weights = self.weights()[order]
-        places = (np.cumsum(weights) - 0.5 * weights) / weights.sum()
-        low, high = np.interp([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], places, errors[order])
-        return float(low), float(high)
+        return weighted_interval(self.errors(metric), self.weights())
 
     def estimate(self, metric: Metric, value: float) -> Estimate:
         """Value of RMS^R or MTE^R with its 90 % interval, which holds the value."""
@@ -98,3 +93,12 @@ class Spread:
         """Probability of an error below a threshold, no nearer to 0 and 1 than half of a mean draw."""
         weights = self.weights()
         return (float(weights[self.errors(metric) < threshold].sum()) + 0.5) / (weights.size + 1.0)
+
+
+def weighted_interval(values: Array, weights: Array) -> tuple[float, float]:
+    """Return the ends of the 90 % interval of draws, each with its weight."""
+    order = np.argsort(values)
+    ordered = weights[order]
+    places = (np.cumsum(ordered) - 0.5 * ordered) / ordered.sum()
+    low, high = np.interp([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], places, values[order])
+    return float(low), float(high)

@@ -1,189 +1,31 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from glob import glob
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from reliab.cli.completion import metrics, samples
-from reliab.cli.demand import takes
+from reliab.cli.assess.judging import JudgesTests, files_of, only_value
+from reliab.cli.completion import samples
+from reliab.cli.demand import Demand, takes
 from reliab.cli.options import (
     OF_REPORT,
     JsonTarget,
     ReadsTests,
     Reported,
-    StructureFile,
 )
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
     from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
 
-_Value = TypeVar("_Value")
-
 
 @dataclass(frozen=True, kw_only=True)
-class AssessDemand(ReadsTests, Reported):
-    """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
+class Answered(Demand):
+    """Options of `reliab assess` about what becomes of the verdict."""
 
-    tests: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[TEST]...",
-            autocompletion=samples,
-            help="Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
-            "which ships. Several give a table.",
-        ),
-    ] = None
-    f: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--f",
-            metavar="HZ",
-            help="Natural frequency, 1 or with its standard deviation 1±0.01; several for --design.",
-        ),
-    ] = None
-    xi: Annotated[
-        str | None,
-        typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002."),
-    ] = None
-    alpha: Annotated[
-        str | None,
-        typer.Option(
-            "--alpha",
-            metavar="SHARE",
-            help="Share of the structure's stiffness in the laboratory, 1 (all of it) by default.",
-        ),
-    ] = None
-    scale: Annotated[
-        str | None,
-        typer.Option(
-            "--scale",
-            metavar="RATIO",
-            help="Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %.",
-        ),
-    ] = None
-    feedback_lag: Annotated[
-        str | None,
-        typer.Option(
-            "--feedback-lag",
-            metavar="MS",
-            help="Time by which the force is fed back late [ms], 0 by default.",
-        ),
-    ] = None
-    mass: Annotated[
-        str | None,
-        typer.Option(
-            "--mass",
-            metavar="KG",
-            help="Mass of the structure; with it the unit of a recorded force is examined, and beside "
-            "a recorded ground acceleration the force is also used to identify the structure.",
-        ),
-    ] = None
-    skew: Annotated[
-        str | None,
-        typer.Option(
-            "--skew",
-            metavar="MS",
-            help="Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
-        ),
-    ] = None
-    command_scale: Annotated[
-        str | None, typer.Option("--command-scale", metavar="RATIO", help="Scale of the command, 1±0.001.")
-    ] = None
-    hysteresis: Annotated[
-        str | None,
-        typer.Option(
-            "--hysteresis",
-            metavar="SHARE",
-            help="Hysteresis of the displacement sensor: width of its loop over the span, 0.001±0.0003.",
-        ),
-    ] = None
-    resolution: Annotated[
-        str | None,
-        typer.Option(
-            "--resolution", metavar="MM", help="Step of the converter of the measured displacement [mm]."
-        ),
-    ] = None
-    filter: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--filter",
-            metavar="CHANNEL=HZ",
-            help="Low-pass filters before the converters: measured=200, command=200/4 with the order.",
-        ),
-    ] = None
-    equipment: Annotated[
-        Path | None,
-        typer.Option(
-            "--equipment",
-            metavar="FILE.toml",
-            help="Accuracy of your equipment where no option states it; ordinary equipment by default.",
-        ),
-    ] = None
-    exact: Annotated[
-        bool,
-        typer.Option(
-            "--exact",
-            help="Take channels, and values that are stated without a standard deviation, as exact.",
-        ),
-    ] = False
-    motion: Annotated[
-        Path | None,
-        typer.Option(
-            "--motion",
-            metavar="FILE",
-            help="Ground motion of the test; the index is then judged by the boundary of this motion.",
-        ),
-    ] = None
-    criterion: Annotated[
-        Path | None,
-        typer.Option(
-            "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
-        ),
-    ] = None
-    model: Annotated[
-        Path | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL.toml",
-            help="Model of a nonlinear specimen, as `reliab diagnose` writes it.",
-        ),
-    ] = None
-    specimen: Annotated[
-        str | None,
-        typer.Option(
-            "--specimen",
-            metavar="linear|measured",
-            help="How the specimen is known: linear, or measured: learned from its recorded force, which "
-            "needs --mass. By default linear, but it may have yielded where no force was recorded.",
-        ),
-    ] = None
-    structure: StructureFile = None
-    threshold: Annotated[
-        float | None,
-        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
-    ] = None
-    confidence: Annotated[
-        list[float] | None,
-        typer.Option(
-            "--confidence",
-            metavar="SHARE",
-            help="Share of the population's ground motions, 0.95; several for --design.",
-        ),
-    ] = None
-    metric: Annotated[
-        str | None,
-        typer.Option(
-            "--metric",
-            autocompletion=metrics,
-            metavar="rms|mte",
-            help="Error of the whole test: RMS^R (default) or MTE^R.",
-        ),
-    ] = None
     design: Annotated[
         bool,
         typer.Option(
@@ -233,20 +75,22 @@ class AssessDemand(ReadsTests, Reported):
     )
     json_target: JsonTarget = None
 
-    belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
-    idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
-        "criterion": ("threshold", "confidence", "metric"),
-        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "specimen", "confidence"),
-    }
 
-    @property
-    def files(self) -> list[Path]:
-        """Files of the tests, also those that a pattern such as ``*.csv`` names where the shell does not."""
-        files = []
-        for path in self.tests or []:
-            names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
-            files += [Path(name) for name in sorted(names)] or [path]
-        return [file for file in files if file != self.out]
+@dataclass(frozen=True, kw_only=True)
+class AssessDemand(JudgesTests, Answered, ReadsTests, Reported):
+    """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
+
+    tests: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[TEST]...",
+            autocompletion=samples,
+            help="Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
+            "which ships. Several give a table.",
+        ),
+    ] = None
+
+    belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
 
 
 @takes(AssessDemand)
@@ -277,7 +121,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
     from reliab import api
     from reliab.cli.output import progress_bar
 
-    files = demand.files
+    files = files_of(demand.tests, demand.out)
     several = len(files) != 1 or demand.test_name == "all"
     if demand.report is not None and several and files:
         raise api.unused("report", "beside several tests, since it is the report of one")
@@ -370,14 +214,3 @@ def _write_same_test(assessments: "Assessments", demand: AssessDemand) -> bool:
     if not write_json(together.to_dict(), demand.json_target):
         show_same_test(together.to_dict())
     return together.reliable
-
-
-def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:
-    """Take the value of an option that may be repeated for a design, but not for a test."""
-    if not values:
-        return None
-    if len(values) > 1:
-        raise InputError(
-            f"A test has one `{name}`", value=len(values), remedy="Give several with `design` only"
-        )
-    return values[0]

@@ -8,7 +8,23 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import OF_REPORT, JsonTarget, ReadsTests, Reported, StructureFile
+from reliab.cli.options import (
+    OF_REPORT,
+    ChannelSkew,
+    CriterionFile,
+    EquipmentFile,
+    ErrorThreshold,
+    FeedbackLag,
+    JsonTarget,
+    MassOfStructure,
+    ReadsTests,
+    Reported,
+    SensorScale,
+    StatedDampingRatio,
+    StatedShare,
+    StructureFile,
+    TakenAsExact,
+)
 from reliab.cli.output import write_json
 from reliab.errors import InputError
 
@@ -28,44 +44,17 @@ class AddDemand(ReadsTests):
         list[Path], typer.Argument(metavar="FILE...", help="Tests, in any format that `reliab assess` reads.")
     ]
     f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
-    xi: Annotated[str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %.")] = (
-        None
-    )
-    alpha: Annotated[
-        str | None,
-        typer.Option(
-            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
-        ),
-    ] = None
-    scale: Annotated[
-        str | None,
-        typer.Option("--scale", metavar="RATIO", help="Scale of the displacement sensor, 1±0.005."),
-    ] = None
-    feedback_lag: Annotated[
-        str | None,
-        typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
-    ] = None
-    mass: Annotated[str | None, typer.Option("--mass", metavar="KG", help="Mass of the structure.")] = None
-    skew: Annotated[
-        str | None,
-        typer.Option(
-            "--skew", metavar="MS", help="Time by which the measured displacement was recorded late [ms]."
-        ),
-    ] = None
-    equipment: Annotated[
-        Path | None,
-        typer.Option("--equipment", metavar="FILE.toml", help="Accuracy of your equipment."),
-    ] = None
-    exact: Annotated[bool, typer.Option("--exact", help="Take channels and stated values as exact.")] = False
-    criterion: Annotated[
-        Path | None,
-        typer.Option("--criterion", metavar="FILE.json", help="Criterion of `reliab criterion --out`."),
-    ] = None
+    xi: StatedDampingRatio = None
+    alpha: StatedShare = None
+    scale: SensorScale = None
+    feedback_lag: FeedbackLag = None
+    mass: MassOfStructure = None
+    skew: ChannelSkew = None
+    equipment: EquipmentFile = None
+    exact: TakenAsExact = False
+    criterion: CriterionFile = None
     structure: StructureFile = None
-    threshold: Annotated[
-        float | None,
-        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
-    ] = None
+    threshold: ErrorThreshold = None
     date: Annotated[
         str | None,
         typer.Option("--date", metavar="DATE", help="When they were performed, 2026-03-01 or with a time."),
@@ -199,10 +188,9 @@ def export(demand: ExportDemand) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PredictDemand(Demand):
-    """Options of `reliab rig predict`, arguments of `reliab.api.predict_rig`."""
+class OfNextTest(Demand):
+    """Options about the structure of the next test, and the error that it may have."""
 
-    rig: Rig
     f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency.")] = None
     xi: Annotated[
         str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 by default.")
@@ -211,6 +199,14 @@ class PredictDemand(Demand):
         str | None,
         typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory, 1."),
     ] = None
+    threshold: ErrorThreshold = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PredictDemand(OfNextTest):
+    """Options of `reliab rig predict`, arguments of `reliab.api.predict_rig`."""
+
+    rig: Rig
     structure: StructureFile = None
     motion: Annotated[
         Path | None,
@@ -223,10 +219,6 @@ class PredictDemand(Demand):
         typer.Option(
             "--suite", metavar="NAME", help="Any motion of a suite: real_suite, synthetic, or a folder."
         ),
-    ] = None
-    threshold: Annotated[
-        float | None,
-        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
     ] = None
     date: Annotated[
         str | None, typer.Option("--date", metavar="DATE", help="When; after the last test by default.")
@@ -254,22 +246,10 @@ def predict(demand: PredictDemand) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanDemand(Demand):
+class PlanDemand(OfNextTest):
     """Options of `reliab rig plan`, arguments of `reliab.api.plan_rig`."""
 
     rig: Rig
-    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency.")] = None
-    xi: Annotated[
-        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 by default.")
-    ] = None
-    alpha: Annotated[
-        str | None,
-        typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory, 1."),
-    ] = None
-    threshold: Annotated[
-        float | None,
-        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
-    ] = None
     share: Annotated[
         float, typer.Option("--share", metavar="SHARE", help="Share of coming tests that shall be good.")
     ] = 0.95
