@@ -50,6 +50,16 @@ def require_positive(stated: Mapping[str, StatedValue]) -> None:
             )
 
 
+def stated_threshold(threshold: float | None) -> float:
+    """Read the error that a test may have, 0.05 by default."""
+    limit = 0.05 if threshold is None else float(threshold)
+    if not 0.0 < limit < float("inf"):
+        raise InputError(
+            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
+        )
+    return limit
+
+
 def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     """Read the filters of the channels.
 

@@ -22,6 +22,7 @@ from reliab.files import refuse_unwritable, written_whole
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
     from reliab.report import Setting
@@ -94,9 +95,7 @@ def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> No
     InputError
         If the file cannot be written.
     """
-    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
-        rows = verdict_table(verdicts)
-        rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
+    _write_table(verdict_table(verdicts), out)
 
 
 def write_ranking(comparison: Comparison, out: str | Path) -> None:
@@ -114,8 +113,12 @@ def write_ranking(comparison: Comparison, out: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
+    _write_table(comparison.to_frame(), out)
+
+
+def _write_table(rows: "pd.DataFrame", out: str | Path) -> None:
+    """Write a table of tests, whose file names are no formulas for a spreadsheet."""
     with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
-        rows = comparison.to_frame()
         rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
 

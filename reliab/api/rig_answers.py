@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.api.arguments import Quantity, stated_values, unused
+from reliab.api.arguments import Quantity, stated_threshold, stated_values, unused
 from reliab.api.rig_tests import stated_covariates
 from reliab.assessment import ellipses_of_motions
 from reliab.boundary import first_order_ellipse
@@ -100,7 +100,7 @@ def predict_rig(
         specimen=specimen or "",
         covariates=stated_covariates(covariate or ()),
     )
-    limit = _threshold(threshold)
+    limit = stated_threshold(threshold)
     if structure is not None:
         beside = {"f": f, "xi": xi, "alpha": alpha, "motion": motion, "suite": suite}
         prediction = _of_frame(table, structure, asked, limit, beside)
@@ -144,7 +144,7 @@ def plan_rig(
         raise InputError("The value of `share` must lie in (0, 1)", value=share, remedy="Give 0.95")
     table = RigFolder.opened(rig).table()
     return plan_tests(
-        table, _structure(f, xi, alpha), NextTest(), threshold=_threshold(threshold), share=share
+        table, _structure(f, xi, alpha), NextTest(), threshold=stated_threshold(threshold), share=share
     )
 
 
@@ -185,15 +185,6 @@ def compare_rigs(
     after = [place for place, when in enumerate(table.moments) if when >= moment]
     before = [place for place, when in enumerate(table.moments) if when < moment]
     return compare_tables(table.only(before), table.only(after))
-
-
-def _threshold(threshold: float | None) -> float:
-    limit = 0.05 if threshold is None else float(threshold)
-    if not 0.0 < limit < float("inf"):
-        raise InputError(
-            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
-        )
-    return limit
 
 
 def _structure(f: Quantity | None, xi: Quantity | None, alpha: Quantity | None) -> Structure:

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.api.arguments import Quantity, stated_values
+from reliab.api.arguments import Quantity, stated_threshold, stated_values
 from reliab.errors import InputError
 from reliab.rig import NextTest, Plan, RigFolder, plan_tests, predict_next
 from reliab.structures import Structure
@@ -55,11 +55,7 @@ def report_rig(
     if not table.rows:
         raise InputError("A rig must have tests", value="none", remedy="Add tests with `reliab rig add`")
     last = table.rows[-1]
-    limit = float(last["threshold"]) if threshold is None else threshold
-    if not 0.0 < limit < float("inf"):
-        raise InputError(
-            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
-        )
+    limit = stated_threshold(float(last["threshold"]) if threshold is None else threshold)
     structure: Structure | None = None
     plan: Plan | None = None
     if f is None and last["structure"]:

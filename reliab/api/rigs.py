@@ -92,7 +92,8 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
         If one of them is no test of the rig; then none is removed.
     """
     folder = RigFolder.opened(rig)
-    rows = [folder.find(test) for test in ([tests] if isinstance(tests, str) else tests)]
+    table = folder.table()
+    rows = [folder.find(test, table) for test in ([tests] if isinstance(tests, str) else tests)]
     for row in rows:
         folder.remove(row["sha256"])
     return tuple(row["name"] for row in rows)

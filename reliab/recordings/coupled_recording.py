@@ -15,7 +15,7 @@ from reliab.recordings.channel import DISPLACEMENTS, Channel, Part
 from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers import read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test
-from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
+from reliab.recordings.recording import FEWEST_SAMPLES, Recording, require_few_samples, require_finite
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,20 +55,9 @@ class CoupledRecording:
         object.__setattr__(self, "actuators", actuators)
         for what, rows in (("command", self.command), ("measured displacement", self.measured)):
             for number, values in zip(actuators, rows, strict=True):
-                self._check_finite(f"{what} {number}", values)
+                require_finite(values, f"{what} {number}", self.name)
         if not (np.ptp(self.command, axis=1) > 0.0).any():
             raise InputError("Some command must move", remedy="Check the columns", where=self.name)
-
-    def _check_finite(self, what: str, values: Array) -> None:
-        wrong = ~(np.abs(values) < LARGEST_READING)
-        if wrong.any():
-            row = int(np.flatnonzero(wrong)[0])
-            raise InputError(
-                f"Every value must be a finite number below {LARGEST_READING:g}",
-                value=f"{values[row]} in the {what}, sample {row + 1}",
-                remedy="Repair the recording; a gap cannot be left empty",
-                where=self.name,
-            )
 
     @property
     def duration(self) -> float:

@@ -97,7 +97,7 @@ class Recording:
         if not (np.isfinite(self.time_step) and self.time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
         for what, values in (("command", self.command), ("measured displacement", self.measured)):
-            self._check_finite(what, values)
+            require_finite(values, what, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
                 raise InputError(
                     f"The {what} must move",
@@ -108,20 +108,22 @@ class Recording:
 
         for what, extra in (("ground acceleration", self.ground), ("force", self.force)):
             if extra is not None:
-                self._check_finite(what, extra)
-
-    def _check_finite(self, what: str, values: NDArray[np.float64]) -> None:
-        wrong = ~(np.abs(values) < LARGEST_READING)
-        if wrong.any():
-            row = int(np.flatnonzero(wrong)[0])
-            raise InputError(
-                f"Every value must be a finite number below {LARGEST_READING:g}",
-                value=f"{values[row]} in the {what}, sample {row + 1}",
-                remedy="Repair the recording; a gap cannot be left empty",
-                where=self.name,
-            )
+                require_finite(extra, what, self.name)
 
     @property
     def duration(self) -> float:
         """Time between the first and the last sample [s]."""
         return (self.command.size - 1) * self.time_step
+
+
+def require_finite(values: NDArray[np.float64], what: str, where: str) -> None:
+    """Refuse a history with a gap, or a value too large for a displacement, a force or an acceleration."""
+    wrong = ~(np.abs(values) < LARGEST_READING)
+    if wrong.any():
+        row = int(np.flatnonzero(wrong)[0])
+        raise InputError(
+            f"Every value must be a finite number below {LARGEST_READING:g}",
+            value=f"{values[row]} in the {what}, sample {row + 1}",
+            remedy="Repair the recording; a gap cannot be left empty",
+            where=where,
+        )

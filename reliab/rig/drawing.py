@@ -37,13 +37,17 @@ def learn_tracking(memory: Memory, coming: NextTest) -> dict[str, Learned]:
     }
 
 
-def draw_tests(memory: Memory, coming: NextTest, structure: Structure) -> tuple[Draws, dict[str, Learned]]:
-    """Draw coming tests, and return what was learned for it.
+def learn_tests(memory: Memory, coming: NextTest) -> dict[str, Learned]:
+    """Learn what tests are drawn from: their tracking, and what this does not explain of their errors."""
+    return {**learn_tracking(memory, coming), "ratio": memory.learn(_log_ratio(memory), coming)}
+
+
+def draw_tests(memory: Memory, learned: dict[str, Learned], coming: NextTest, structure: Structure) -> Draws:
+    """Draw coming tests from what was learned.
 
     The residuals of one test are drawn together, so that what goes together in the tests goes together in the
     draws; with few tests they are longer, as in Student's t distribution.
     """
-    learned = {**learn_tracking(memory, coming), "ratio": memory.learn(_log_ratio(memory), coming)}
     others = memory.circumstances_of(coming, structure)
     rng = np.random.default_rng(0)
     count = len(memory.table)
@@ -53,13 +57,12 @@ def draw_tests(memory: Memory, coming: NextTest, structure: Structure) -> tuple[
     for name, quantity in learned.items():
         mean, deviation = quantity.predict(others)
         drawn[name] = mean[0] + deviation[0] * longer * quantity.left_out[places]
-    draws = Draws(
+    return Draws(
         amplitude=drawn["A"],
         delay_ms=drawn["d_ms"],
         remainder=np.exp(np.minimum(drawn["remainder"], 5.0)),
         ratio=np.exp(np.clip(drawn["ratio"], -20.0, 20.0)),
     )
-    return draws, learned
 
 
 def _log_ratio(memory: Memory) -> Array:

@@ -9,7 +9,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.assessment import ellipses_of_motions
-from reliab.rig.drawing import Draws, draw_tests
+from reliab.rig.drawing import Draws, draw_tests, learn_tests
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
 from reliab.significant import significant
@@ -68,7 +68,7 @@ def plan_tests(
     The coming motion is any of those that ship; actuators are drawn from what the tests teach.
     """
     memory = Memory.remembered(table)
-    drawn, _ = draw_tests(memory, coming, structure)
+    drawn = draw_tests(memory, learn_tests(memory, coming), coming, structure)
     question = _Question(structure=structure, drawn=drawn, threshold=threshold, share=share)
     remedies = (
         question.share_in_laboratory(),
@@ -188,9 +188,10 @@ def _remedy(change: str, value: float | None, good: float, what: str, now: float
 def _scale_of_motion(memory: Memory, coming: NextTest, question: _Question) -> Remedy:
     """Another scale of the motion, as far as the tests show that the rig depends on the displacement."""
     peak = float(np.median(memory.table.numbers("peak_mm")))
+    learned = learn_tests(memory, replace(coming, peak=peak))
     shares = {}
     for scale in _SCALES:
-        drawn, _ = draw_tests(memory, replace(coming, peak=scale * peak), question.structure)
+        drawn = draw_tests(memory, learned, replace(coming, peak=scale * peak), question.structure)
         shares[scale] = question.share_of_good(question.structure, drawn)
     best = max(shares, key=lambda scale: (min(shares[scale], question.share), -abs(np.log(scale))))
     if shares[best] >= question.share:

@@ -1,7 +1,7 @@
 """The next test of a rig: amplitude, delay, remainder and error with their intervals, before it is done."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment import typical_ellipse
 from reliab.boundary import first_order_ellipse
-from reliab.rig.drawing import DRAWS, draw_tests, learn_tracking
+from reliab.rig.drawing import DRAWS, draw_tests, learn_tests, learn_tracking
 from reliab.rig.learning import Circumstances, Learned
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
@@ -126,9 +126,10 @@ def predict_under_motion(
     """Predict a test under a known ground motion: the loop is simulated with actuators that are drawn."""
     loop = Loop(excitation=excitation, structure=structure)
     still = loop.deviation(loop.cells(gain=[1.0], delay=[0.0]))
-    coming = NextTest(**{**vars(coming), "peak": MILLI * still.ideal_peak})
+    coming = replace(coming, peak=MILLI * still.ideal_peak)
     memory = Memory.remembered(table)
-    drawn, learned = draw_tests(memory, coming, structure)
+    learned = learn_tests(memory, coming)
+    drawn = draw_tests(memory, learned, coming, structure)
     others = memory.circumstances_of(coming, structure)
     ellipse = first_order_ellipse(excitation, structure)
     solved = loop.deviation(loop.cells(gain=np.maximum(drawn.amplitude, 1e-3), delay=drawn.delay_ms / MILLI))
@@ -157,7 +158,8 @@ def predict_under_suite(
 ) -> Prediction:
     """Predict a test under any motion of a suite, by a and b of its motions over the squared error."""
     memory = Memory.remembered(table)
-    drawn, learned = draw_tests(memory, coming, structure)
+    learned = learn_tests(memory, coming)
+    drawn = draw_tests(memory, learned, coming, structure)
     others = memory.circumstances_of(coming, structure)
     places = np.random.default_rng(1).integers(ellipses[0].size, size=DRAWS)
     return _of_draws(

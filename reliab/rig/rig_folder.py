@@ -99,11 +99,11 @@ class RigFolder:
             self._test_path(sha256).unlink(missing_ok=True)
             self.record_path(sha256).unlink(missing_ok=True)
 
-    def find(self, name: str) -> dict[str, Any]:
-        """Find the row of a test by its name, or by the first digits of its checksum."""
+    def find(self, name: str, table: RigTable | None = None) -> dict[str, Any]:
+        """Find the row of a test by its name, or by the first digits of its checksum; in `table`, if read."""
         rows = [
             row
-            for row in self.table().rows
+            for row in (table or self.table()).rows
             if name == row["name"] or (len(name) >= _SHORTEST and str(row["sha256"]).startswith(name))
         ]
         if len(rows) == 1:

@@ -117,20 +117,38 @@ def _coefficients(mass: Array, damping: Array, stiffness: Array) -> tuple[Array,
 
 
 @compiled
+def _step(
+    now: Array, before: Array, load: Array, pushed: float, current: Array, earlier: Array, moved: Array
+) -> None:
+    """Where the computer's part moves under the ground alone: a step of its recursion."""
+    for i in range(load.size):
+        total = -load[i] * pushed
+        for j in range(load.size):
+            total -= now[i, j] * current[j] + before[i, j] * earlier[j]
+        moved[i] = total
+
+
+@compiled
+def _keep(current: Array, earlier: Array, moved: Array) -> None:
+    for i in range(moved.size):
+        earlier[i], current[i] = current[i], moved[i]
+
+
+@compiled
+def _show(current: Array, shown: Array, row: Array) -> None:
+    for place in range(shown.size):
+        row[place] = current[shown[place]]
+
+
+@compiled
 def _integrate(now: Array, before: Array, load: Array, ground: Array, shown: Array, histories: Array) -> None:
     size = load.size
     current, earlier, moved = np.zeros(size), np.zeros(size), np.zeros(size)
     for k in range(1, ground.size):
         pushed = ground[k] + 2.0 * ground[k - 1] + (ground[k - 2] if k > 1 else 0.0)
-        for i in range(size):
-            total = -load[i] * pushed
-            for j in range(size):
-                total -= now[i, j] * current[j] + before[i, j] * earlier[j]
-            moved[i] = total
-        for i in range(size):
-            earlier[i], current[i] = current[i], moved[i]
-        for row in range(shown.size):
-            histories[row, k] = current[shown[row]]
+        _step(now, before, load, pushed, current, earlier, moved)
+        _keep(current, earlier, moved)
+        _show(current, shown, histories[:, k])
 
 
 @compiled
@@ -173,13 +191,10 @@ def _march_perfect(  # noqa: C901, PLR0912 - a compiled kernel
             for j in range(2):
                 force[i] -= damping[i, j] * node[1, j] + mass[i, j] * (2.0 * node[1, j] - node[2, j])
         pushed = ground[k] + 2.0 * ground[k - 1] + (ground[k - 2] if k > 1 else 0.0)
+        _step(now, before, load, pushed, current, earlier, moved)
         for i in range(size):
-            total = -load[i] * pushed
             for j in range(3):
-                total += pushes[i, j] * (force[j] + 2.0 * force_before[j] + force_earlier[j])
-            for j in range(size):
-                total -= now[i, j] * current[j] + before[i, j] * earlier[j]
-            moved[i] = total
+                moved[i] += pushes[i, j] * (force[j] + 2.0 * force_before[j] + force_earlier[j])
         x, theta = moved[driven[0]], -moved[driven[1]]
         node[0, 0] = (closing[1, 1] * x - closing[0, 1] * theta) / determinant
         node[0, 1] = (closing[0, 0] * theta - closing[1, 0] * x) / determinant
@@ -188,10 +203,8 @@ def _march_perfect(  # noqa: C901, PLR0912 - a compiled kernel
             force[j] += added
             for i in range(size):
                 moved[i] += pushes[i, j] * added
-        for i in range(size):
-            earlier[i], current[i] = current[i], moved[i]
-        for row in range(shown.size):
-            histories[row, k] = current[shown[row]]
+        _keep(current, earlier, moved)
+        _show(current, shown, histories[:, k])
 
 
 @compiled
@@ -257,20 +270,15 @@ def march(  # noqa: C901, PLR0912, PLR0915 - a compiled kernel
         # the computer's part
         if k > 0:
             pushed = ground[k] + 2.0 * ground[k - 1] + (ground[k - 2] if k > 1 else 0.0)
+            _step(now, before, load, pushed, current, earlier, moved)
             for i in range(size):
-                total = -load[i] * pushed
                 for j in range(3):
                     sign = -1.0 if j == 0 else 1.0
-                    total += (
+                    moved[i] += (
                         sign * later[i, driven[j]] * (force[j] + 2.0 * force_before[j] + force_earlier[j])
                     )
-                for j in range(size):
-                    total -= now[i, j] * current[j] + before[i, j] * earlier[j]
-                moved[i] = total
-            for i in range(size):
-                earlier[i], current[i] = current[i], moved[i]
-        for row in range(shown.size):
-            histories[6 + row, k] = current[shown[row]]
+            _keep(current, earlier, moved)
+        _show(current, shown, histories[6:, k])
         theta = -current[driven[1]]
         for i in range(2):
             at = -angle if i == 0 else angle

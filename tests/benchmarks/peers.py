@@ -138,7 +138,7 @@ def ours(question, motion, values):
         for w in 2.0 * np.pi / PERIODS:
             dynamics = np.array([[0.0, 1.0], [-(w**2), -2.0 * DAMPING * w]])
             transition, early, late = exact_step(dynamics, np.array([[0.0], [-1.0]]), motion.time_step)
-            history = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), motion.acceleration)
+            history = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), motion.acceleration, 1)
             peaks.append(w**2 * np.abs(history[0]).max())
         return peaks
 

@@ -15,8 +15,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.parts import Part
+from reliab.assessment.rebuilt_error.parts import Part, part_of
 from reliab.structures import CoupledPartition
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
@@ -40,7 +39,7 @@ class CoupledParts:
         """Parts of the error of one interface displacement, such as "actuator_1_gain"."""
         whole = np.sum([history[place] for history in self.histories.values()], axis=0)
         peak = max(float(np.abs(self.reference[place]).max()), np.finfo(float).tiny)
-        return {name: _part(history[place], whole, peak) for name, history in self.histories.items()}
+        return {name: part_of(history[place], whole, peak) for name, history in self.histories.items()}
 
     def first(self, place: int) -> str:
         """Return the part to improve first: the one whose removal leaves the smallest error."""
@@ -99,15 +98,3 @@ def _differences(
             for cause in CAUSES
         ]
     return parts
-
-
-def _part(piece: Array, whole: Array, ideal_peak: float) -> Part:
-    total = float(whole @ whole)
-    remaining = whole - piece
-    return Part(
-        history=piece,
-        rms=float(np.sqrt(mean_square(piece))) / ideal_peak,
-        share=float(piece @ whole) / total if total > 0.0 else 0.0,
-        remaining_rms=float(np.sqrt(mean_square(remaining))) / ideal_peak,
-        remaining_mte=float(np.abs(remaining).max()) / ideal_peak,
-    )

@@ -6,9 +6,9 @@ drawn there, and a matrix carries them to the interface.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
@@ -17,6 +17,7 @@ from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
+from reliab.assessment.rebuilt_error.interval import ACCURACY, FEWEST_SWEPT, normal_points
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -29,13 +30,11 @@ DRAWS = 256
 
 _FEWEST_SAMPLES = 64
 _FEWEST_PER_PERIOD = 10.0
-_FEWEST_SWEPT = 4096
 _IN_PERIOD_OF_BAND = 0.25
 _PER_PERIOD = 24.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _LEAST = 0.05
-_ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _STILL = 1e-12
 
 
@@ -116,7 +115,7 @@ def rebuild_coupled(
         starts=channels.starts,
         unknown=unknown,
         as_stated=sweep.errors(exact, differences[::2]),
-        swept=sweep.errors(unknown, differences, accuracy=_ACCURACY),
+        swept=sweep.errors(unknown, differences, accuracy=ACCURACY),
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
     )
@@ -140,7 +139,7 @@ class _Sweep:
         """
         histories, every = self.histories, self.every
         step, draws = every * histories.time_step, differences.shape[0]
-        drawn = _normal(len(unknown.names), draws, self.seed) * unknown.deviations[:, np.newaxis]
+        drawn = normal_points(len(unknown.names), draws, self.seed) * unknown.deviations[:, np.newaxis]
         command = histories.carry @ histories.command[:, ::every]
         measured = histories.measured[:, ::every]
         late = (histories.fed_back - histories.difference)[:, ::every]
@@ -159,7 +158,7 @@ class _Sweep:
             statistics[draw] = _statistics(strayed, command - response)
             sums[0] += strayed
             sums[1] += strayed**2
-        statistics *= self._between_samples(stated, late, command)
+        statistics *= self._between_samples
         computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
         statistics[:, 0] *= computed**2
         statistics[:, 1] *= computed
@@ -175,10 +174,13 @@ class _Sweep:
         changed = self.structure.scaled(frequency=f, damping_ratio=ratio, share=share)
         return CoupledRecursion.of_partition(changed, step)
 
-    def _between_samples(self, coarse: CoupledRecursion, late: Array, command: Array) -> Array:
+    @cached_property
+    def _between_samples(self) -> Array:
         """Factors by which the statistics of all samples differ from those of the swept ones."""
         histories = self.histories
-        difference = histories.difference
+        difference, command = histories.difference, histories.carry @ histories.command[:, :: self.every]
+        late = (histories.fed_back - difference)[:, :: self.every]
+        coarse = CoupledRecursion.of_partition(self.structure, self.every * histories.time_step)
         response = histories.respond(coarse, difference[:, :: self.every] + late)
         few = _statistics(response - difference[:, :: self.every], command - response)
         fine = CoupledRecursion.of_partition(self.structure, histories.time_step)
@@ -191,13 +193,6 @@ def _statistics(strayed: Array, ideal: Array) -> Array:
     """Mean square and peak of the errors, and peak of the ideal motion, shape (3, p)."""
     squares = [mean_square(row) for row in np.ascontiguousarray(strayed)]
     return np.stack([np.array(squares), np.abs(strayed).max(axis=1), np.abs(ideal).max(axis=1)])
-
-
-def _normal(dimensions: int, draws: int, seed: int) -> Array:
-    if dimensions == 0:
-        return np.zeros((0, draws))
-    points = scipy.stats.qmc.Sobol(dimensions, seed=seed).random(draws)
-    return np.asarray(scipy.special.ndtri(points.T))
 
 
 def _checked(
@@ -320,4 +315,4 @@ def _samples_in_step(structure: CoupledPartition, band: float, step: float, samp
     fastest = float(governing.max()) if governing.size else float(frequency[0])
     of_structure = max(int(1.0 / (_PER_PERIOD * fastest * step)), 1)
     of_band = max(int(_IN_PERIOD_OF_BAND / (band * step)), 1)
-    return min(of_structure, max(of_band, -(-samples // _FEWEST_SWEPT)))
+    return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))

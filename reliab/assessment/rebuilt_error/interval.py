@@ -24,7 +24,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, firs
 _OPEN = ("open_offset", "open_drift", "open_filter")
 LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
-_ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
+ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
 FEWEST_SWEPT = 4096
@@ -111,7 +111,7 @@ def sweep(
     scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
     square, peak, ideal = (swept * scale).T
     if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
-        computed = 1.0 + _ACCURACY * np.random.default_rng(seed).standard_normal(draws)
+        computed = 1.0 + ACCURACY * np.random.default_rng(seed).standard_normal(draws)
         square, peak = computed**2 * square, computed * peak
     places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
     stretch = Swept(
@@ -136,7 +136,7 @@ def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int)
 def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
     """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
     deviations = unknown.deviations()
-    points = _normal(len(deviations) + 1, draws, seed)
+    points = normal_points(len(deviations) + 1, draws, seed)
     drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
     if unknown.own_frequency is not None:
         drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
@@ -148,7 +148,10 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     return drawn, points[-1]
 
 
-def _normal(dimensions: int, draws: int, seed: int) -> Array:
+def normal_points(dimensions: int, draws: int, seed: int) -> Array:
+    """Scrambled Sobol points through the normal quantile function, shape (dimensions, draws)."""
+    if dimensions == 0:
+        return np.zeros((0, draws))
     points = scipy.stats.qmc.Sobol(dimensions, seed=seed).random(draws)
     return np.asarray(scipy.special.ndtri(points.T))
 

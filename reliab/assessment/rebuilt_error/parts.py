@@ -97,7 +97,7 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
     return Parts(
         gain=float(gain),
         delay=float(delay),
-        by_name={name: _part(piece, whole, ideal_peak) for name, piece in pieces.items()},
+        by_name={name: part_of(piece, whole, ideal_peak) for name, piece in pieces.items()},
     )
 
 
@@ -112,10 +112,11 @@ def part_of_tracking(histories: Histories, structure: WholeStructure, followed: 
     whole = respond(recursion, histories.fed_back, start)[0] - histories.difference
     strayed = histories.command - followed
     piece = respond(recursion, strayed)[0] - strayed
-    return _part(piece, whole, float(np.abs(histories.measured - whole).max()))
+    return part_of(piece, whole, float(np.abs(histories.measured - whole).max()))
 
 
-def _part(piece: Array, whole: Array, ideal_peak: float) -> Part:
+def part_of(piece: Array, whole: Array, ideal_peak: float) -> Part:
+    """Size of a piece [m] of an error [m], and what would remain without it."""
     total = float(whole @ whole)
     remaining = whole - piece
     return Part(

@@ -64,7 +64,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
-        unknown=unexplained(judged, best, proved, () if noise else _located(problem, best, judged)),
+        unknown=unexplained(judged, best, proved, None if noise else _located(problem, best, judged)),
         findings=_located(problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),

@@ -11,7 +11,6 @@ from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.locate import Finding
-from reliab.discrepancy.locating.noise_test import is_noise
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
@@ -51,11 +50,11 @@ _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
 def unexplained(
-    judged: tuple[Problem, Fit], best: Fit, proved: Gap, remaining: Sequence[Finding]
+    judged: tuple[Problem, Fit], best: Fit, proved: Gap, remaining: Sequence[Finding] | None
 ) -> Unknown | None:
     """Return an effect outside the library, or a remainder that is too large beside the found effects.
 
-    `remaining` holds what the remainder varies with, where it is not noise.
+    `remaining` holds what the remainder varies with; None where it is noise.
     """
     problem = judged[0]
     outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
@@ -67,7 +66,7 @@ def unexplained(
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    return None if is_noise(*judged) else _remainder(judged[0], best, proved, remaining)
+    return None if remaining is None else _remainder(judged[0], best, proved, remaining)
 
 
 def _remainder(problem: Problem, best: Fit, proved: Gap, remaining: Sequence[Finding] = ()) -> Unknown | None:

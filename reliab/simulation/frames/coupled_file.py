@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.described_files import described, read_toml
+from reliab.described_files import read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.coupled_tables import (
     CoupledDescription,
@@ -41,12 +41,12 @@ from reliab.simulation.frames.frame_file import (
     EXACT,
     REMEDY,
     FrameUnderTest,
+    describe_frame,
     finite_products,
     frame_of_tables,
     names_several,
 )
 from reliab.simulation.frames.frame_tables import TolerancesTable, TransferTable
-from reliab.simulation.frames.matrix_files import with_matrices
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, invertible
 from reliab.structures import CoupledPartition
 
@@ -82,13 +82,7 @@ def structure_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest |
         return frame_of_tables(content, where)
     folder = Path(where).parent
     with finite_products(where):
-        description = described(
-            CoupledDescription,
-            with_matrices(content, folder),
-            rule="A description of a frame holds known keys with allowed values",
-            remedy=REMEDY,
-        )
-        return _build(description, folder)
+        return _build(describe_frame(CoupledDescription, content, folder), folder)
 
 
 def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:

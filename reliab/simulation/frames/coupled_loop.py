@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, gain_and_delay
 from reliab.structures import CoupledPartition
-from reliab.structures.frames import exact_step
+from reliab.structures.frames import exact_step, follow_load
 
 _WELL_POSED = 1e12
 
@@ -129,34 +128,11 @@ def _perfect(degrees: int) -> tuple[tuple[TransferFunction | None, ...], ...]:
 
 def _followed(dynamics: Array, load: Array, rows: Array, ground: Array, step: float) -> Array:
     transition, early, late = exact_step(dynamics, load[:, np.newaxis], step)
-    return np.asarray(
-        _march(
-            np.ascontiguousarray(transition),
-            early[:, 0].copy(),
-            late[:, 0].copy(),
-            np.ascontiguousarray(rows),
-            np.ascontiguousarray(ground, dtype=np.float64),
-        )
+    states = follow_load(
+        np.ascontiguousarray(transition),
+        early[:, 0].copy(),
+        late[:, 0].copy(),
+        np.ascontiguousarray(ground, dtype=np.float64),
+        load.size,
     )
-
-
-@compiled
-def _march(transition: Array, early: Array, late: Array, rows: Array, ground: Array) -> Array:
-    """Rows of the state under a load that is linear in every step, shape (rows, samples)."""
-    order, samples = early.size, ground.size
-    state, moved = np.zeros(order), np.zeros(order)
-    answer = np.zeros((rows.shape[0], samples))
-    for k in range(samples - 1):
-        for i in range(order):
-            total = early[i] * ground[k] + late[i] * ground[k + 1]
-            for j in range(order):
-                total += transition[i, j] * state[j]
-            moved[i] = total
-        for i in range(order):
-            state[i] = moved[i]
-        for row in range(rows.shape[0]):
-            total = 0.0
-            for j in range(order):
-                total += rows[row, j] * state[j]
-            answer[row, k + 1] = total
-    return answer
+    return np.asarray(rows @ states)

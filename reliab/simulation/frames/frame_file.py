@@ -63,7 +63,7 @@ from typing import Any
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.described_files import described, read_toml
+from reliab.described_files import Model, described, read_toml
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription, TolerancesTable
 from reliab.simulation.frames.matrix_files import with_matrices
@@ -103,13 +103,17 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
         )
     folder = Path(where).parent
     with finite_products(where):
-        description = described(
-            FrameDescription,
-            with_matrices(content, folder),
-            rule="A description of a frame holds known keys with allowed values",
-            remedy=REMEDY,
-        )
-        return _build(description, folder)
+        return _build(describe_frame(FrameDescription, content, folder), folder)
+
+
+def describe_frame(schema: type[Model], content: dict[str, Any], folder: Path) -> Model:
+    """Return what the tables of a frame's file describe by a schema, with the matrices of other files."""
+    return described(
+        schema,
+        with_matrices(content, folder),
+        rule="A description of a frame holds known keys with allowed values",
+        remedy=REMEDY,
+    )
 
 
 def names_several(content: dict[str, Any]) -> bool:

@@ -36,15 +36,15 @@ def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
     """
     loads = np.concatenate([np.zeros(frame.size), -frame.influence])[:, np.newaxis]
     transition, early, late = exact_step(frame.state_matrix, loads, step)
-    return follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground)
+    return follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, frame.size)
 
 
 @compiled
-def follow_load(transition: Array, early: Array, late: Array, ground: Array) -> Array:
-    """Displacements of a linear system under a load that is linear in every step, shape (n, samples)."""
+def follow_load(transition: Array, early: Array, late: Array, ground: Array, shown: int) -> Array:
+    """First states of a linear system under a load that is linear in every step, shape (shown, samples)."""
     states, samples = transition.shape[0], ground.size
     z, z_next = np.zeros(states), np.zeros(states)
-    moved = np.zeros((states // 2, samples))
+    moved = np.zeros((shown, samples))
     for k in range(samples - 1):
         for i in range(states):
             total = early[i] * ground[k] + late[i] * ground[k + 1]
@@ -53,6 +53,6 @@ def follow_load(transition: Array, early: Array, late: Array, ground: Array) -> 
             z_next[i] = total
         for i in range(states):
             z[i] = z_next[i]
-        for i in range(states // 2):
+        for i in range(shown):
             moved[i, k + 1] = z[i]
     return moved

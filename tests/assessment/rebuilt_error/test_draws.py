@@ -11,7 +11,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.parts import _part, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.spectral import respond_spectrally
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.rebuilt_error.widenings import _for_half, widenings
@@ -127,7 +127,7 @@ def test_parts_of_no_error_have_no_share(histories):
     perfect = replace(histories, measured=histories.command, fed_back=np.zeros(TIME.size))
     for part in divide(perfect, STRUCTURE).by_name.values():
         assert np.abs(part.history).max() < 1e-12
-    nothing = _part(np.zeros(5), np.zeros(5), 1.0)
+    nothing = part_of(np.zeros(5), np.zeros(5), 1.0)
     assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
 
 
