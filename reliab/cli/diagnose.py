@@ -113,9 +113,6 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
 def _proved(block: "BlockDiagnosis") -> str:
     """Sentence on the gap of a block."""
     gap = block.gap
-    closed = (
-        "" if gap.stated_share is None else f", {percent(gap.stated_share, decimals=1)} of the gap closed"
-    )
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
     worst = next(iter(gap.by_test), None)
     least = (
@@ -126,5 +123,5 @@ def _proved(block: "BlockDiagnosis") -> str:
     )
     return (
         f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"
-        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS{closed}.{least}"
+        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS; {gap.conclusion}.{least}"
     )

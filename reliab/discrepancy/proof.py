@@ -49,8 +49,16 @@ def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, floa
     return values
 
 
-def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Gap:
-    """Compare residuals before and after with the part of the recordings that is not repeatable."""
+def gap(
+    proof: Problem,
+    before: dict[int, Array],
+    after: dict[int, Array],
+    noise_like: frozenset[int] = frozenset(),
+) -> Gap:
+    """Compare residuals before and after with the part of the recordings that is not repeatable.
+
+    `noise_like` holds the tests in which what the model leaves is spread as noise is.
+    """
     block = proof.block
     tests = tuple(dict.fromkeys(segment.test for segment in proof.segments))
     noise_floors = floors(
@@ -71,6 +79,7 @@ def gap(proof: Problem, before: dict[int, Array], after: dict[int, Array]) -> Ga
             block.tests[test].file: kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate)
             for test in tests
         },
+        noise_like=frozenset(block.tests[test].file for test in noise_like),
     )
 
 

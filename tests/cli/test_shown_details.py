@@ -81,8 +81,8 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
         block="specimen", channel="force_n", kind="velocity", share_of_residual=0.37, p_value=2e-4, test="t3"
     )
     gap = SimpleNamespace(
-        stated_share=0.9, floor=0.0012, source="at rest", held_out=["t7", "t8"], channel="force_n",
-        before=0.1111, after=0.0222, tests_after=[0.02, 0.03],
+        conclusion="90 % closed", floor=0.0012, source="at rest", held_out=["t7", "t8"],
+        channel="force_n", before=0.1111, after=0.0222, tests_after=[0.02, 0.03],
         by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
     )  # fmt: skip
     unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
@@ -96,7 +96,8 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
     assert "specimen force_n velocity 37 % 2e-04 t3" in flat
     assert "Unknown effect in the specimen: 3 x³" in text
     assert "Nothing else." in text
-    assert "held-out t7, t8, force_n: error 0.1111 before, 0.0222 after, noise 0.0012 (at rest)" in flat
+    assert "held-out t7, t8, force_n: error 0.1111 before, 0.0222 after, noise 0.0012 (at rest) of" in flat
+    assert "of the signal's RMS; 90 % closed. Least" in flat
     assert "Least is explained of t8 (sine): 0.1100 before, 0.0300 after." in flat
     unknown.expression = ""
     assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)

@@ -1,5 +1,7 @@
 """The floor of a channel follows from the recordings alone, by whatever they offer, and is null otherwise."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -71,8 +73,8 @@ def test_closed_fraction_stays_within_its_bounds(floor, after):
     assert gap.closed_fraction is None or 0.0 <= gap.closed_fraction <= 1.0
     counted = floor if floor <= 1.2 * after else 0.0  # a floor far above what the model leaves is none
     assert gap.model_error == pytest.approx(np.sqrt(max(after**2 - counted**2, 0.0)))
-    assert 0.0 <= gap.unexplained_share <= 1.0
-    if gap.closed_fraction is not None:
+    assert gap.unexplained_share is None or 0.0 <= gap.unexplained_share <= 1.0
+    if gap.closed_fraction is not None and not after <= 1.2 * counted:
         assert gap.unexplained_share == pytest.approx(1.0 - gap.closed_fraction)
 
 
@@ -83,3 +85,38 @@ def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
     )  # fmt: skip
     assert gap.closed_fraction is gap.floor is gap.source is None
     assert gap.to_dict()["noise_floor"] is None
+
+
+def quiet(before, after, *, floors=None, noise_like=("a",)):
+    """Gap of one held-out test."""
+    return Gap(
+        held_out=("a",), channel="force_n", before=before, after=after, floors=floors or {},
+        tests_before={"a": before}, tests_after={"a": after}, noise_like=frozenset(noise_like),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "floors", "noise_like", "left"),
+    [
+        (0.00841, 0.00841, {"rest": 0.00806}, (), None),
+        (0.00873, 0.00873, {}, ("a",), None),
+        (0.00873, 0.00873, {}, (), 1.0),
+        (0.0797, 0.0084, {"rest": 0.00806}, (), 0.0),
+        (0.0797, 0.0084, {}, ("a",), 0.0),
+        (0.0797, 0.0797, {"rest": 0.00806}, ("a",), 1.0),
+        (0.2, 0.1, {}, (), 0.25),
+    ],
+)  # fmt: skip
+def test_of_noise_nothing_is_unexplained(before, after, floors, noise_like, left):
+    """Where the calibrated model is at the noise, there is nothing to explain and no share of it."""
+    gap = quiet(before, after, floors=floors, noise_like=noise_like)
+    (of_test,) = gap.by_test
+    assert of_test.unexplained_share == gap.worst_unexplained_share == (left and pytest.approx(left))
+    assert ("nothing to explain" in gap.conclusion) is (left is None)
+    assert gap.to_dict()["conclusion"] == gap.conclusion
+
+
+def test_where_nothing_is_missing_no_share_is_unexplained():
+    gap = dataclasses.replace(quiet(0.0087, 0.0087, noise_like=()), missing=False)
+    assert gap.unexplained_share is gap.worst_unexplained_share is gap.by_test[0].unexplained_share is None
+    assert "too small to be called an effect" in gap.conclusion

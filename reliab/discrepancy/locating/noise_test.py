@@ -29,7 +29,7 @@ _ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy abov
 
 def structured_share(problem: Problem, fitted: Fit) -> float:
     """Share of a residual's energy that is more concentrated than noise would be."""
-    spectra = _spectra(problem, fitted)
+    spectra = list(_spectra(problem, fitted.residual).values())
     return max(_share(spectra, size) for size in _BANDS)
 
 
@@ -43,6 +43,17 @@ def is_noise(problem: Problem, fitted: Fit) -> bool:
     return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE or _within_steps(problem, fitted)
 
 
+def noise_like_tests(problem: Problem, fitted: Fit) -> frozenset[int]:
+    """Find the tests in each of which what a model leaves, whitened by its noise, is spread as noise is."""
+    residual = problem.whitened(fitted.space, fitted.coordinates, fitted.noise)
+    spectra = _spectra(problem, residual)
+    return frozenset(
+        test
+        for test, of_test in spectra.items()
+        if max(_share([of_test], size) for size in _BANDS) <= LARGEST_STRUCTURED_SHARE
+    )
+
+
 def _within_steps(problem: Problem, fitted: Fit) -> bool:
     """Whether what a model leaves stays within a step of the converter in every test."""
     if not all(step > 0.0 for step in problem.steps.values()):
@@ -51,17 +62,17 @@ def _within_steps(problem: Problem, fitted: Fit) -> bool:
     return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in residual.items())
 
 
-def _spectra(problem: Problem, fitted: Fit) -> list[list[Spectrum]]:
+def _spectra(problem: Problem, residual: Array) -> dict[int, list[Spectrum]]:
     """Whitened complex spectra of the segments of each test, without zero frequency and pickup."""
     spectra: dict[int, list[Spectrum]] = {}
     begin = 0
     for segment in problem.segments:
-        rows = fitted.residual[begin : begin + 2 * segment.bins - 1]
+        rows = residual[begin : begin + 2 * segment.bins - 1]
         begin += rows.size
         spectrum = (rows[1 : segment.bins] + 1j * rows[segment.bins :]) / np.sqrt(2.0)
         clean = ~near_mains(segment.frequency[1:], 0.5 * problem.block.rate)
         spectra.setdefault(segment.test, []).append(np.asarray(spectrum[clean], dtype=np.complex128))
-    return list(spectra.values())
+    return spectra
 
 
 def _share(spectra: list[list[Spectrum]], size: int) -> float:

@@ -15,7 +15,12 @@ from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
-from reliab.discrepancy.locating.noise_test import LARGEST_STRUCTURED_SHARE, is_noise, structured_share
+from reliab.discrepancy.locating.noise_test import (
+    LARGEST_STRUCTURED_SHARE,
+    is_noise,
+    noise_like_tests,
+    structured_share,
+)
 from reliab.discrepancy.naming.ranking import SURE, believed, probability, ranking
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
@@ -49,8 +54,9 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     biases = [shift for shift in shifts if shift.probability >= SURE]
     before = residuals(proof, search.plain(), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
-    proved = gap(proof, before, after)
+    proved = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
+    unknown = unexplained(judged, best, proved, None if noise else _located(problem, best, judged))
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -64,11 +70,11 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ),
         doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
-        unknown=unexplained(judged, best, proved, None if noise else _located(problem, best, judged)),
+        unknown=unknown,
         findings=_located(problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
-        gap=proved,
+        gap=replace(proved, missing=bool(inside or biases or unknown)),
         structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best),

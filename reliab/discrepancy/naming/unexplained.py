@@ -79,7 +79,8 @@ def _remainder(problem: Problem, best: Fit, proved: Gap, remaining: Sequence[Fin
         return None
     worst = next(iter(proved.by_kind), None)
     if best.space.effects and worst is not None:
-        large = worst.model_error > SMALLEST_REMAINDER and worst.unexplained_share > LARGEST_REMAINDER
+        share = worst.unexplained_share or 0.0
+        large = worst.model_error > SMALLEST_REMAINDER and share > LARGEST_REMAINDER
     else:
         large = proved.model_error > SMALLEST_GAP
         large = large or (proved.floor is not None and proved.after > _ABOVE_FLOOR * proved.floor)

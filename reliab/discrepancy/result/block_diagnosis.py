@@ -176,7 +176,7 @@ class BlockDiagnosis:
             "unknown": None if self.unknown is None else self.unknown.to_dict(),
             "gap": self.gap.to_dict(),
             "unexplained_share": self.gap.unexplained_share,
-            "worst_unexplained_share": max((g.unexplained_share for g in self.gap.by_kind), default=0.0),
+            "worst_unexplained_share": self.gap.worst_unexplained_share,
             "residual_is_noise": self.leaves_noise,
             "structured_share": self.structured_share,
             "calibration": {estimate.name: estimate.to_dict() for estimate in self.calibration},

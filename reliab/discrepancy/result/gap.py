@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from reliab.renamed import renamed_method
+from reliab.significant import percent
 
 _FLOOR_UNCERTAINTY = 0.2
 """Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""
@@ -47,6 +48,11 @@ class Gap:
         RMS of the signal of each held-out test over that of all of them, by file; alike unless given.
     kinds : mapping of str to str, optional
         Kind of motion of each held-out test ("sine"), by file; one kind unless given.
+    noise_like : set of str, optional
+        Held-out tests, by file, in which what the model with the effects leaves is spread over time and
+        frequency as noise is. Where no floor is known, it is taken for noise.
+    missing : bool, optional
+        Whether anything was found to be missing, so that there is a gap to explain.
     """
 
     held_out: tuple[str, ...]
@@ -58,6 +64,8 @@ class Gap:
     tests_after: Mapping[str, float]
     sizes: Mapping[str, float] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
+    noise_like: frozenset[str] = frozenset()
+    missing: bool = True
 
     @property
     def source(self) -> str | None:
@@ -94,24 +102,58 @@ class Gap:
         return min(max(share, 0.0), 1.0)
 
     @property
+    def looks_like_noise(self) -> bool:
+        """Whether what the model with the effects leaves is spread as noise is in every held-out test."""
+        return bool(self.tests_after) and self.noise_like.issuperset(self.tests_after)
+
+    @property
+    def at_noise_before(self) -> bool:
+        """Whether the calibrated model leaves noise alone, so that there is nothing to explain."""
+        if self.floor is not None:
+            return self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
+        return self.looks_like_noise and self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.after
+
+    @property
     def stated_share(self) -> float | None:
         """Closed share of the gap as it is said: all of it only where what remains is at the noise.
 
-        None where there was no gap above the noise.
+        None where no floor is known, or where there was no gap above it.
         """
-        if self.floor is None or self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor:
+        if self.floor is None or self.unexplained_share is None:
             return None
-        if self.closed_fraction is None or self.remainder is Remainder.AT_NOISE:
-            return self.closed_fraction
-        return min(self.closed_fraction, _WHOLE)
+        share = 1.0 - self.unexplained_share
+        return share if self.remainder is Remainder.AT_NOISE else min(share, _WHOLE)
 
     @property
-    def unexplained_share(self) -> float:
+    def unexplained_share(self) -> float | None:
         """Share of the gap's energy above the floor that remains with the effects, in [0, 1].
 
-        Zero where nothing remains above the floor; one where the effects took nothing away.
+        Zero where what remains is at the noise, one where the effects took nothing away, None where nothing
+        is missing or the calibrated model is at the noise: there is nothing to explain.
         """
-        return _unexplained(self.before**2, self.after**2, self.model_error**2)
+        if self.at_noise_before or not self.missing:
+            return None
+        left = 0.0 if self.remainder is Remainder.AT_NOISE else self.model_error**2
+        return _unexplained(self.before**2, self.after**2, left)
+
+    @property
+    def conclusion(self) -> str:
+        """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
+        if self.at_noise_before:
+            return "the calibrated model is at the noise: there is nothing to explain"
+        if not self.missing:
+            whether = "more than the noise, but" if self.floor is not None else "noise or not, it is"
+            return f"{whether} too small to be called an effect"
+        share = "" if self.stated_share is None else percent(self.stated_share, decimals=1)
+        match self.remainder:
+            case Remainder.AT_NOISE:
+                return "what remains is at the noise"
+            case Remainder.ABOVE_NOISE:
+                return f"{share} of the gap closed, and what remains is an error of the model"
+            case Remainder.NOT_KNOWN if self.looks_like_noise:
+                return "what remains looks like noise, whose size the recordings do not show"
+            case Remainder.NOT_KNOWN:
+                return "how much of what remains is noise is not known"
 
     @property
     def by_kind(self) -> tuple["GapOfKind", ...]:
@@ -122,25 +164,37 @@ class Gap:
         return _worst_first(self._over(kind, files) for kind, files in kinds.items())
 
     @property
+    def worst_unexplained_share(self) -> float | None:
+        """Unexplained share of the kind of test of which least is explained, None as for all tests."""
+        shares = [gap.unexplained_share for gap in self.by_kind if gap.unexplained_share is not None]
+        return max(shares, default=None)
+
+    @property
     def by_test(self) -> tuple["GapOfKind", ...]:
         """The gap in each held-out test, the least explained first."""
         return _worst_first(self._over(self.kinds.get(file, ""), [file]) for file in self.tests_after)
 
     def _over(self, kind: str, files: Sequence[str]) -> "GapOfKind":
-        """Gap over some tests, which count alike; in a weak one a floor is a larger share of the signal."""
-        floor = 0.0 if self.floor is None else self.floor
-        floors = [
-            min(floor / max(self.sizes.get(file, 1.0), 1e-300), self.tests_after[file]) for file in files
-        ]
+        """Gap over some tests, which count alike."""
         before, after, noise = (
             float(np.sqrt(np.mean(np.square(values))))
             for values in (
                 [self.tests_before[file] for file in files],
                 [self.tests_after[file] for file in files],
-                floors,
+                [self._noise_in(file) for file in files],
             )
         )
-        return GapOfKind(kind=kind, files=tuple(files), before=before, after=after, noise=noise)
+        return GapOfKind(
+            kind=kind, files=tuple(files), before=before, after=after, noise=noise, missing=self.missing
+        )
+
+    def _noise_in(self, file: str) -> float:
+        """RMS of the noise in a test over that of its signal; in a weak one a floor is a larger share."""
+        after = self.tests_after[file]
+        if self.floor is None:
+            return after if file in self.noise_like else 0.0
+        floor = self.floor / max(self.sizes.get(file, 1.0), 1e-300)
+        return after if after <= (1.0 + _FLOOR_UNCERTAINTY) * floor else floor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
@@ -154,6 +208,7 @@ class Gap:
             "noise_floors": dict(self.floors),
             "model_error": self.model_error,
             "closed_fraction": self.closed_fraction,
+            "conclusion": self.conclusion,
             "tests": {gap.files[0]: {"kind": gap.kind, **gap.to_dict()} for gap in self.by_test},
             "kinds": [{"kind": gap.kind, "tests": list(gap.files), **gap.to_dict()} for gap in self.by_kind],
         }
@@ -168,6 +223,7 @@ class GapOfKind:
     before: float  # before, after: Error of the calibrated model, and with the effects
     after: float
     noise: float  # What no model could explain, zero where it is not known
+    missing: bool  # Whether anything was found to be missing
 
     @property
     def model_error(self) -> float:
@@ -175,11 +231,16 @@ class GapOfKind:
         return float(np.sqrt(max(self.after**2 - self.noise**2, 0.0)))
 
     @property
-    def unexplained_share(self) -> float:
-        """Share of the gap's energy above the noise that remains with the effects, in [0, 1]."""
+    def unexplained_share(self) -> float | None:
+        """Share of the gap's energy above the noise that remains with the effects, in [0, 1].
+
+        None where nothing is missing or the calibrated model is at the noise: there is nothing to explain.
+        """
+        if not self.missing or (self.noise > 0.0 and self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.noise):
+            return None
         return _unexplained(self.before**2, self.after**2, self.model_error**2)
 
-    def to_dict(self) -> dict[str, float]:
+    def to_dict(self) -> dict[str, float | None]:
         """Return its sizes, as they stand in `gap`."""
         return {
             "nrmse_before": self.before,
@@ -194,7 +255,7 @@ def _unexplained(before: float, after: float, remaining: float) -> float:
 
 
 def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:
-    return tuple(sorted(gaps, key=lambda gap: (-gap.unexplained_share, -gap.after)))
+    return tuple(sorted(gaps, key=lambda gap: (-(gap.unexplained_share or 0.0), -gap.after)))
 
 
 @renamed_method("0.4", "as_dict", "to_dict")

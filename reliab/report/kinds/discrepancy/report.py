@@ -26,8 +26,6 @@ from reliab.report.provenance import provenance_of
 from reliab.report.wording import spelled_out
 from reliab.significant import percent, significant
 
-_CLOSED, _WHOLLY = 0.9, 0.995
-
 _NEXT = {
     Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which stand in model.toml, for the next tests",
     Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next "
@@ -102,14 +100,19 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
 
 
 def _closed(diagnosis: Diagnosis) -> str:
-    share = diagnosis.gap.stated_share
-    if share is None:
-        before, after = percent(diagnosis.gap.before), percent(diagnosis.gap.after)
-        return f"On held-out tests the error falls from {before} to {after}."
-    if share >= _WHOLLY and diagnosis.gap.remainder is Remainder.AT_NOISE:
-        return "With it the gap on held-out tests closes to the noise."
-    remainder = "" if share >= _CLOSED else " A part of it remains."
-    return f"With it {percent(share)} of the gap on held-out tests is closed.{remainder}"
+    """Say how much is explained, in the block of those with an effect of which least is."""
+    gaps = [block.gap for block in diagnosis.blocks if block.effects] or [diagnosis.gap]
+    gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
+    with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
+    said = (
+        f"{with_effects} the error in {gap.channel} on held-out tests falls from {percent(gap.before)} to "
+        f"{percent(gap.after)} of the signal: {gap.conclusion}."
+    )
+    worst = next(iter(gap.by_kind), None)
+    if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
+        return said
+    left = percent(worst.unexplained_share, decimals=1)
+    return f"{said} Least is explained of {worst.kind}: {left} of the gap's energy remains."
 
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
@@ -333,6 +336,7 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     rows = [
         {
             **diagnosed.gap.to_dict(),
+            "block": str(diagnosed.block.block),
             "closed": np.nan if diagnosed.gap.stated_share is None else diagnosed.gap.stated_share,
             "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
         }
@@ -340,6 +344,7 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     ]
     size = Significant(digits=3)
     columns = (
+        Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
         Column(key="nrmse_before", heading="Before", number=size),
         Column(key="nrmse_after", heading="After", number=size),
@@ -360,48 +365,52 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
     gap = diagnosed.gap
     match gap.remainder:
         case Remainder.AT_NOISE:
-            text = "{channel}: what remains, {after} of the signal, is at the noise, {floor} by the {source}."
+            text = "{where}: {after} of the signal remains, and {floor} is noise ({source}); {conclusion}."
         case Remainder.ABOVE_NOISE:
             text = (
-                "{channel}: judged by the {source}, {floor} of the signal is noise that no model explains. "
-                "What remains above it, {left} of the signal, is an error of the model."
+                "{where}: {floor} of the signal is noise that no model explains ({source}). What remains "
+                "above it, {left} of the signal, is an error of the model."
             )
         case Remainder.NOT_KNOWN if gap.floors:
             text = (
-                "{channel}: how much of the error is noise is not known; the {others} seemed to show more "
-                "noise than the model leaves. What remains is {after} of the signal."
+                "{where}: how much of the error is noise is not known; the {others} seemed to show more "
+                "noise than the model leaves. {after} of the signal remains; {conclusion}."
             )
         case Remainder.NOT_KNOWN:
             text = (
-                "{channel}: the recordings do not show how much of the error is noise (no repeated tests or "
-                "cycles, no rest, no white band above the motion). What remains is {after} of the signal."
+                "{where}: the recordings do not show how much of the error is noise (no repeated tests or "
+                "cycles, no rest, no white band above the motion). {after} of the signal remains; "
+                "{conclusion}."
             )
     return prose(
         text,
-        channel=gap.channel,
+        where=f"{str(diagnosed.block.block).capitalize()}, {gap.channel}",
         after=percent(gap.after),
         floor="" if gap.floor is None else percent(gap.floor),
         source=gap.source or "",
         left=percent(gap.model_error),
         others=", ".join(gap.floors),
+        conclusion=gap.conclusion,
     )
 
 
 def _errors_by_test(diagnosis: Diagnosis) -> Table:
     rows = [
         {
+            "block": str(diagnosed.block.block),
             "channel": diagnosed.gap.channel,
             "test": gap.files[0],
             "kind": gap.kind,
             "before": gap.before,
             "after": gap.after,
-            "left": gap.unexplained_share,
+            "left": np.nan if gap.unexplained_share is None else gap.unexplained_share,
         }
         for diagnosed in diagnosis.blocks
         for gap in diagnosed.gap.by_test
     ]
     size = Significant(digits=3)
     columns = (
+        Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
         Column(key="test", heading="Held-out test"),
         Column(key="kind", heading="Motion"),
@@ -409,5 +418,8 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
         Column(key="after", heading="After", number=size),
         Column(key="left", heading="Unexplained", unit="%", number=Fixed(decimals=1, factor=100.0)),
     )
-    caption = "The same for each held-out test by itself, the least explained first."
+    caption = (
+        "The same for each held-out test by itself, the least explained first. Unexplained is the share of "
+        "the gap's energy that remains; – where nothing is missing, so that there is nothing to explain."
+    )
     return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
