@@ -41,7 +41,7 @@ def main() -> None:
     everything = mutants(room, options.kind)
     shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
     chosen = shuffled[: options.count][options.part - 1 :: options.parts]
-    tests = options.tests or [f"tests/{room.partition('/')[0]}", f"reliab/{room}"]
+    tests = options.tests or [f"tests/{room.partition('/')[0]}".rstrip("/"), f"reliab/{room}".rstrip("/")]
     reach = Reach(_record(options.room, tests, options.reach), options.budget)
     _try(chosen, tests, reach, options.out)
     judged = _judged(options.out)
