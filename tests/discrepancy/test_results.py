@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.adding.adding import _sampled
-from reliab.discrepancy.result.diagnosis import draw_gap, table_of_diagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis, draw_gap, table_of_diagnosis
+from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, remark
 from reliab.effects import find_effect
 from reliab.recordings import behaviour
@@ -55,6 +56,26 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
     assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "log", "rig")
     assert [text.get_text() for text in plot.get_legend().get_texts()] == ["before", "after"]
     assert draw_gap("rig", blocks, plot) is plot
+    diagnosis = SimpleNamespace(campaign=SimpleNamespace(name="other"), blocks=blocks)
+    assert Diagnosis.plot(diagnosis, plot) is plot
+    assert plot.get_title() == "other"
+
+
+@pytest.mark.parametrize(
+    ("after", "floor", "said"),
+    [(0.2, 0.2, 1.0), (0.23, 0.2, 0.9866), (0.25, 0.2, 0.9766), (0.03, 0.001, 0.999), (0.2, None, None)],
+)
+def test_all_of_a_gap_is_closed_only_where_what_remains_is_at_the_noise(after, floor, said):
+    gap = Gap(
+        held_out=("t",),
+        channel="u",
+        before=1.0,
+        after=after,
+        floors={} if floor is None else {"at rest": floor},
+        tests_before={"t": 1.0},
+        tests_after={"t": after},
+    )
+    assert gap.stated_share == (None if said is None else pytest.approx(said, abs=5e-5))
 
 
 def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():

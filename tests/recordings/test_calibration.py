@@ -161,3 +161,24 @@ def test_deviations_hold_scatter_bias_and_a_floor_of_estimates_from_stretches():
     bias = (estimates.mean(axis=0) - whole) / (np.sqrt(8.0) - 1.0)
     floor = [0.03 * 0.004, 3e-5, 0.03 * 0.012]
     np.testing.assert_allclose(found, np.sqrt(scatter**2 + bias**2 + np.square(floor)))
+
+
+@pytest.mark.parametrize(("length", "slower"), [(1e3, 1.0), (1.0, 10.0)])
+def test_units_of_length_and_time_change_nothing_but_the_units(length, slower):
+    _, recording = calibration(sweep, seed=3)
+    other = Recording(
+        command=length * recording.command,
+        measured=length * recording.measured,
+        time_step=slower * recording.time_step,
+    )
+    once, again = calibrate_channels(recording), calibrate_channels(other)
+    for found, expected, factor in (
+        (again.skew_ms, once.skew_ms, slower),
+        (again.scale, once.scale, 1.0),
+        (again.hysteresis, once.hysteresis, 1.0),
+    ):
+        assert found.value == pytest.approx(factor * expected.value, rel=1e-4, abs=1e-6)
+        assert found.deviation == pytest.approx(factor * expected.deviation, rel=1e-3)
+    assert again.noise_m == pytest.approx(length * once.noise_m, rel=1e-9)
+    assert again.command_noise_m == pytest.approx(length * once.command_noise_m, rel=1e-9)
+    assert again.notes == once.notes

@@ -1,12 +1,13 @@
 """What no recording can be is refused, whether it comes from a file, from Python or from a simulation."""
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
 
 import reliab
 from reliab.errors import InputError
-from reliab.recordings.readers import layouts, registry
+from reliab.recordings.readers import hierarchical, layouts, registry
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
@@ -123,3 +124,15 @@ def test_a_file_that_is_larger_than_any_test_is_refused_before_it_is_read(monkey
     monkeypatch.setattr(registry, "_MOST_BYTES", 1000)
     with pytest.raises(InputError, match=r"t\.csv.*MB at most"):
         registry.read_tests(tmp_path / "t.csv")
+
+
+def test_numbers_of_a_file_are_bounded_together_and_before_they_are_read(monkeypatch, tmp_path):
+    path = tmp_path / "test.h5"
+    with h5py.File(path, "w") as file:
+        for name in ("time", "command", "measured"):
+            file[name] = TABLE[name].to_numpy()
+    monkeypatch.setattr(hierarchical, "_MOST_BYTES", 3 * 8 * MOVING.size)
+    assert reliab.read_recording(path).command.size == MOVING.size
+    monkeypatch.setattr(hierarchical, "_MOST_BYTES", 3 * 8 * MOVING.size - 1)
+    with pytest.raises(InputError, match=r"may hold 0\.047999 MB of numbers at most"):
+        reliab.read_recording(path)

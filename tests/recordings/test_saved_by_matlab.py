@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
 from reliab.errors import InputError
 from reliab.recordings import read_recording, read_tests
+from reliab.recordings.readers import hierarchical
 from reliab.recordings.readers.hierarchical import read_hierarchical
 from reliab.recordings.readers.objects import tree_of_objects
 
@@ -77,3 +79,15 @@ def test_characters_beyond_sixteen_bits_are_text():
 def test_none_of_them_is_taken_for_a_test(path):
     with pytest.raises(InputError, match=r"vectors of numbers|column of the command"):
         read_recording(path)
+
+
+def test_numbers_of_a_file_with_objects_are_bounded_before_these_are_read(monkeypatch):
+    path = SAVED / "timetablev8_v73.mat"
+    with h5py.File(path) as file:
+        sizes: list[int] = []
+        file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))
+    monkeypatch.setattr(hierarchical, "_MOST_BYTES", sum(sizes))
+    assert read_hierarchical(path)
+    monkeypatch.setattr(hierarchical, "_MOST_BYTES", sum(sizes) - 1)
+    with pytest.raises(ValueError, match="bytes of numbers, of at most"):
+        read_hierarchical(path)

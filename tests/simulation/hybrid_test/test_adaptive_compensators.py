@@ -100,15 +100,25 @@ def test_adaptive_model_based_compensation_follows_the_gradient_law(target, meas
     check_derivatives(sent)
 
 
-def test_adaptive_time_series_compensation_fits_its_factors_by_least_squares(target, measured):
-    factors, lowest, highest = np.array([1.0, 0.012, 7e-5]), [0.9, 0.005, 0.0], [1.1, 0.0125, 2e-4]
-    fastest, samples, length = np.array([1.0, 0.05, 1e-3]), 4, 64
+BOUNDS = {
+    "bounded": ((0.9, 0.005, 0.0), (1.1, 0.0125, 2e-4), (1.0, 0.05, 1e-3)),
+    "free": ((0.5, -1.0, -1.0), (1.5, 1.0, 1.0), (1e3, 1e3, 1e3)),
+}
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-4], ids=["metres", "small"])
+@pytest.mark.parametrize(("lowest", "highest", "fastest"), BOUNDS.values(), ids=BOUNDS)
+def test_adaptive_time_series_compensation_fits_its_factors_by_least_squares(
+    target, measured, lowest, highest, fastest, unit
+):
+    factors, samples, length = np.array([1.0, 0.012, 7e-5]), 4, 64
+    target, measured = unit * target, unit * measured
     compensator = AdaptiveTimeSeries(
         factors=tuple(factors),
-        lowest=tuple(lowest),
-        highest=tuple(highest),
-        fastest=tuple(fastest),
-        trigger=2e-3,
+        lowest=lowest,
+        highest=highest,
+        fastest=fastest,
+        trigger=unit * 2e-3,
         samples=samples,
         window=length * samples * STEP,
         cutoff=30.0,
@@ -121,13 +131,13 @@ def test_adaptive_time_series_compensation_fits_its_factors_by_least_squares(tar
         expected[k] = factors @ inputs[:, k]
         filtered[k] = command_filter(expected[k])
         places = np.arange(k % samples, k + 1, samples)[-length:]
-        if k % samples == 0 and np.abs(y[0, places]).max() >= 2e-3:
+        if k % samples == 0 and np.abs(y[0, places]).max() >= unit * 2e-3:
             fit = np.linalg.lstsq(y[:, places].T * [1.0, 1e-2, 1e-4], filtered[places])[0] * [1.0, 1e-2, 1e-4]
-            most = fastest * samples * STEP
+            most = np.array(fastest) * samples * STEP
             factors = factors + np.clip(np.clip(fit, lowest, highest) - factors, -most, most)
     assert (np.abs(factors / first - 1.0) > 1e-3).all()
-    assert sent[0] == pytest.approx(expected, rel=1e-5, abs=1e-10)
-    check_derivatives(sent)
+    assert sent[0] == pytest.approx(expected, rel=1e-5, abs=unit * 1e-10)
+    assert sent[1] == pytest.approx(differences(sent[0], 1)[1], rel=1e-9, abs=unit * 1e-9)
 
 
 def test_phase_lead_control_is_a_lead_and_a_regulator_by_tustins_rule(target, measured):

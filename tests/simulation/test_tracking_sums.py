@@ -1,0 +1,39 @@
+"""Tracking indicators of actuators whose gain and delay are exact, from the sums over a window."""
+
+import numpy as np
+import pytest
+
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
+from reliab.structures.structure import Structure
+
+TIME = np.arange(0.0, 30.0, 0.01)
+RECORD = np.sin(2.0 * np.pi * 0.9 * TIME) * np.exp(-(((TIME - 12.0) / 6.0) ** 2))
+GAIN, DELAY = np.array([1.03, 0.97, 1.04, 0.95]), np.array([0.002, 0.03, -0.004, -0.03])
+CELLS = TrackedCells(
+    structure=Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.6), gain=GAIN, delay=DELAY
+)
+
+
+def sums_of(record, window):
+    return tracking_sums(
+        QuadraturePair.from_excitation(Excitation(acceleration=record, time_step=0.01, window=window)), CELLS
+    )
+
+
+@pytest.mark.parametrize("window", [(0.0, -1.0), (6.0, 21.0)])
+def test_gain_and_delay_of_lags_and_leads_come_back(window):
+    sums = sums_of(RECORD, window)
+    assert np.abs(sums.cross) / sums.power == pytest.approx(GAIN, rel=2e-3)
+    phase = -np.angle(sums.cross)
+    assert phase / (2.0 * np.pi * sums.equivalent_frequency) == pytest.approx(DELAY, abs=3e-4)
+
+
+def test_a_record_that_begins_later_has_the_same_sums_over_a_window_that_does():
+    """0.7 s of the strongest motion; the taper ends where the window does."""
+    early, late = (
+        sums_of(RECORD, (11.0, 11.7)),
+        sums_of(np.concatenate([np.zeros(700), RECORD]), (18.0, 18.7)),
+    )
+    np.testing.assert_allclose(late.cross, early.cross, rtol=1e-6)
+    np.testing.assert_allclose(late.power, early.power, rtol=1e-6)
