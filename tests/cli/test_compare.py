@@ -20,13 +20,13 @@ def files(tmp_path):
 def test_the_ranking_is_printed_written_and_drawn(tmp_path, files, capsys):
     out, figure = tmp_path / "ranking.csv", tmp_path / "ranking.svg"
     asked = ["compare", *files, "--f", "1", "--xi", "0.05"]
-    assert run([*asked, "--out", str(out), "--figure", str(figure)]) == 0
+    kept = tmp_path / "ranking.json"
+    assert run([*asked, "--out", str(out), "--figure", str(figure), "--json", str(kept)]) == 0
     printed = capsys.readouterr().out
     assert printed.index("inverse.csv") < printed.index("none.csv")
     assert list(pd.read_csv(out)["rank"]) == [1, 2]
     assert figure.read_text(encoding="utf-8").count("<svg") == 1
-    assert run([*asked, "--json", "-"]) == 0
-    content = json.loads(capsys.readouterr().out)
+    content = json.loads(kept.read_text(encoding="utf-8"))
     assert [test["file"] for test in content["tests"]] == files[::-1]
     assert content == reliab.compare(files, f=1, xi=0.05).to_dict()
 

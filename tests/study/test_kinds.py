@@ -71,6 +71,7 @@ def test_a_validation_rebuilds_the_errors_of_tests(suite_folder, tmp_path, text_
     assert tests["test"].nunique() == 11
 
 
+@pytest.mark.slow
 def test_a_campaign_is_diagnosed_and_reported_from_the_folder_alone(tmp_path, text_of):
     campaign = tmp_path / "campaign"
     shutil.copytree(shipped("datasets", "campaigns/rig_c"), campaign)

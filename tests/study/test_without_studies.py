@@ -32,21 +32,20 @@ def answered(tmp_path, request):
     )
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("answered", [["assess sample_test --f 1 --xi 0.02"]], indirect=True)
+def test_assessments_need_no_study(answered):
+    assert answered.stderr.splitlines()[-1] == "[0]"
+    assert "RELIABLE" in answered.stdout
+
+
 @pytest.mark.parametrize(
     "answered",
-    [
-        ["criterion --ellipses real_suite --f 1 --xi 0.02"],
-        pytest.param(["assess sample_test --f 1 --xi 0.02"], marks=pytest.mark.slow),
-    ],
+    [["criterion --ellipses real_suite --f 1 --xi 0.02", "run --list", "run"]],
     indirect=True,
 )
-def test_criteria_and_assessments_need_no_study(answered):
-    assert answered.stderr.splitlines()[-1] == "[0]"
-    assert "confidence" in answered.stdout or "RELIABLE" in answered.stdout
-
-
-@pytest.mark.parametrize("answered", [["run --list", "run"]], indirect=True)
-def test_a_run_says_that_no_study_ships_and_what_to_name_instead(answered):
-    assert answered.stderr.splitlines()[-1] == "[0, 2]"
+def test_criteria_need_no_study_and_a_run_says_that_none_ships_and_what_to_name_instead(answered):
+    assert answered.stderr.splitlines()[-1] == "[0, 0, 2]"
+    assert "confidence" in answered.stdout
     assert "none ships" in answered.stderr
     assert "folder with study.toml" in answered.stderr

@@ -1,0 +1,157 @@
+"""A rig learned from recordings of its tests: what predictions of further earthquakes cover, restartable.
+
+    python tests/benchmarks/rig_recordings.py FOLDER --seed S --rigs N [--earthquakes 4]
+
+Tests are simulated by `tests/assessment/rebuilt_error/laboratory.py`, which shares no code with `reliab`,
+under the real records of `../shared/motions` (`--records`). Each rig has an actuator of second order behind
+a delay: its gain falls with the stroke, its delay is longer on the first tests of a day, and in the middle
+something is changed, so that it is 1 ms longer from then on. Frequencies, damping ratios and scales of the
+motions vary from test to test. Every recording is judged with nothing stated but f and ξ; indices of the
+tests are kept in FOLDER. Then the tests of some earthquakes are predicted from those of all others: under an
+unknown motion, and beside it whether amplitude and delay found lie in their intervals and the *true* error,
+which nobody told, in that of the error.
+"""
+
+import argparse
+import json
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/assessment"), str(ROOT / "tests/rig"), str(ROOT / "tests/benchmarks")]
+
+from rebuilt_error import laboratory as lab  # noqa: E402
+from rig_rows import rig_table, rig_test  # noqa: E402
+
+from reliab.assessment.assess import assess  # noqa: E402
+from reliab.assessment.budget import ordinary_equipment  # noqa: E402
+from reliab.criterion import published_criterion  # noqa: E402
+from reliab.errors import InputError  # noqa: E402
+from reliab.recordings import Recording  # noqa: E402
+from reliab.rig import NextTest, describe_test, predict_next  # noqa: E402
+from reliab.structures import Structure  # noqa: E402
+
+TESTS, PER_DAY, THRESHOLD, RATE = 96, 6, 0.05, 512.0
+LATER_MS = 1.0
+
+
+def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict]:
+    """Rows of a rig's tests, with their true errors."""
+    rng = np.random.default_rng(seed)
+    lag, gain = rng.uniform(0.2e-3, 1.2e-3), rng.normal(0.995, 0.003)
+    softening, stroke = rng.uniform(0.0, 0.01), 0.06
+    rows = []
+    for number in range(TESTS):
+        record = records.iloc[rng.integers(len(records))]
+        ground = lab.read_at2(folder / record["file"], RATE)[: int(30.0 * RATE)]
+        ground *= rng.uniform(0.3, 1.0)
+        structure = Structure(frequency=float(rng.choice([0.8, 1.0, 1.5])), damping_ratio=0.03)
+        day, place = divmod(number, PER_DAY)
+        late = lag + 1e-3 * (0.8 / (1.0 + place) + 0.2 * rng.normal() + LATER_MS * (number >= TESTS // 2))
+        built = lab.Lab(structure.frequency, structure.damping_ratio)
+        ideal = lab.run(built, ground, RATE, ideal=ground).command
+        peak = float(np.abs(ideal).max())
+        of_test = gain - softening * math.tanh(peak / stroke) + 0.001 * rng.normal()
+        # a second order of damping 0.7 lags by 1.4/ω
+        numbers = (of_test, 1.4 / max(late, 2e-4), 0.7, 0.0)
+        outcome = lab.run(replace(built, kind=lab.SECOND_ORDER, numbers=numbers), ground, RATE, ideal=ideal)
+        if not outcome.rms < 0.5:
+            continue
+        level = 0.005 * float(np.sqrt(np.mean(outcome.measured**2)))
+        measured = outcome.measured + lab.noise("white", outcome.measured.size, level, rng, RATE)
+        labels = {
+            "sha256": f"{number:064x}",
+            "name": f"test_{number}",
+            "file": f"test_{number}.csv",
+            "added": f"2026-01-01T00:00:00.{number:06d}",
+            "date": f"2026-{1 + day // 28:02d}-{1 + day % 28:02d}T{9 + place:02d}:00:00",
+            "event": str(record["event"]),
+        }
+        try:
+            found = assess(
+                Recording(command=outcome.command, measured=measured, time_step=1.0 / RATE),
+                structure,
+                equipment=ordinary_equipment(),
+                criterion=published_criterion("guo_2017_15"),  # of the index, which is not looked at
+            )
+        except InputError as error:
+            print(f"refused: {error}")
+            continue
+        rows.append({**describe_test(found, labels, {}).to_dict(), "true": outcome.rms})
+    return rows
+
+
+def predictions(rows: list[dict], earthquakes: int, seed: int) -> list[dict]:
+    """Predict the tests of drawn earthquakes from the tests of all others."""
+    table = rig_table([rig_test(0, **{k: v for k, v in row.items() if k != "true"}) for row in rows])
+    true = {row["sha256"]: row["true"] for row in rows}
+    events = np.unique(table.texts("event"))
+    judged = []
+    for event in np.random.default_rng(seed).choice(events, size=earthquakes, replace=False):
+        outside = [place for place, row in enumerate(table.rows) if row["event"] != event]
+        for row in (row for row in table.rows if row["event"] == event):
+            structure = Structure(frequency=row["f"], damping_ratio=row["xi"])
+            found = predict_next(
+                table.only(outside), structure, NextTest(date=str(row["date"])), threshold=THRESHOLD
+            )
+            actual = {"A": row["A"], "d_ms": row["d_ms"], "rms": true[row["sha256"]]}
+            held = {
+                name: found.intervals[name]["low"] <= value <= found.intervals[name]["high"]
+                for name, value in actual.items()
+            }
+            judged.append(
+                {
+                    **held,
+                    "probability": found.probability,
+                    "good": actual["rms"] < THRESHOLD,
+                    **{f"score {name}": score for name, score in found.log_scores.items()},
+                }
+            )
+    return judged
+
+
+def main() -> None:
+    """Simulate, judge, predict; print shares for each rig and for all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--rigs", type=int, default=3)
+    parser.add_argument("--earthquakes", type=int, default=4)
+    parser.add_argument("--records", type=Path, default=ROOT.parent / "shared/motions")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    records = pd.read_csv(options.records / "catalog.csv").query("set != 'held_out'")
+    every = []
+    for seed in range(options.seed, options.seed + options.rigs):
+        kept = options.folder / f"rig_{seed}.json"
+        if not kept.is_file():
+            kept.write_text(json.dumps(simulated_tests(seed, records, options.records)), encoding="utf-8")
+        every.append(pd.DataFrame(predictions(json.loads(kept.read_text()), options.earthquakes, seed)))
+        state(f"rig {seed}", every[-1])
+    together = pd.concat(every)
+    state("all", together)
+    for low, high in ((0.0, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.0)):
+        inside = together[together["probability"].between(low, high)]
+        if len(inside):
+            stated, good = inside["probability"].mean(), inside["good"].mean()
+            print(f"probability {low} to {high}: stated {stated:.2f}, good {good:.2f}, of {len(inside)}")
+
+
+def state(name: str, rows: pd.DataFrame) -> None:
+    """Print what intervals hold, and log scores."""
+    shares = ", ".join(f"{column} {rows[column].mean():.0%}" for column in ("A", "d_ms", "rms"))
+    scores = ", ".join(
+        f"{column.removeprefix('score ')} {rows[column].mean():.2f}"
+        for column in rows
+        if column.startswith("score ")
+    )
+    print(f"{name}, {len(rows)} tests: {shares}; log score {scores}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
