@@ -67,7 +67,6 @@ def ductility_report(
     narrower = float((overall["narrower"] * overall["tests"]).sum() / overall["tests"].sum())
     threshold = float(limits["threshold"].iloc[0])
     structures = limits[["f", "xi"]].drop_duplicates()
-    opening = (Paragraph(text=purpose),) if purpose else ()
     return Document(
         kind="Tolerance and ductility",
         title=title,
@@ -85,9 +84,10 @@ def ductility_report(
             "Structures": f"{values(sorted(set(structures['f'])), 'Hz')} with "
             f"{values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
             "Error": f"{percent(threshold)} RMS",
+            "Purpose": purpose,
             "To do next": "judge a test with a nonlinear specimen by its own error, with reliab assess",
         },
-        blocks=(*opening, _method(limits), _levels(levels, overall), _limits(limits)),
+        blocks=(_method(limits), _levels(levels, overall), _limits(limits)),
         provenance=provenance_of(provenance),
     )
 
