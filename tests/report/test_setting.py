@@ -7,10 +7,11 @@ import re
 import pandas as pd
 import pytest
 import typst
+from matplotlib.figure import Figure as Drawing
 
 from reliab.errors import InputError
 from reliab.report.content import files_of
-from reliab.report.document import Column, Document, Paragraph, Section, Table
+from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.glossary import TERMS, glossary_of
 from reliab.report.pdf import compiled_report, templates
 from reliab.report.prose import plain_text
@@ -54,6 +55,21 @@ def test_each_part_of_a_setting_changes_the_report(logo):
         pdfs = [compiled_report(report(sheet=sheet), date=DATE, setting=setting) for setting in settings]
         assert len(set(pdfs)) == len(settings)
     assert len({json.dumps(setting.to_dict()) for setting in settings}) == len(settings)
+
+
+@pytest.mark.parametrize("height", [3.0, 4.5, 5.5])
+def test_a_tall_figure_of_the_first_page_leaves_room_for_the_contents(height):
+    """One page with facts, figure and contents, and one that holds all sections."""
+    drawing = Drawing(figsize=(6.3, height))
+    figure = Figure(drawing=drawing, caption="Nothing. " * 12, label="fig:one", leads=True)
+    text = Paragraph(text="A sentence of five words. " * 12)
+    blocks = tuple(
+        Section(title=f"Section {k}", blocks=(figure, text) if k == 0 else (text,)) for k in range(6)
+    )
+    facts = {f"Fact {k}": "what is known of it " * 12 for k in range(5)}
+    document = Document(kind="Test", title="Own title", verdict="Good. " * 30, blocks=blocks, facts=facts)
+    pdf = compiled_report(document, date=DATE)
+    assert len(re.findall(rb"/Type ?/Page\b", pdf)) == 2
 
 
 def test_letter_has_the_size_of_letter():
