@@ -5,16 +5,17 @@ needs neither the ground motion nor a reference. Sensors stand at the actuators:
 drawn there, and a matrix carries them to the interface.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
-from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import ACCURACY, FEWEST_SWEPT, normal_points
@@ -36,6 +37,7 @@ _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the s
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _LEAST = 0.05
 _STILL = 1e-12
+_NO_NOISE = 1e-9  # of the span of a channel
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,7 +91,7 @@ def rebuild_coupled(
     command, measured = _checked(command, measured, time_step, partition)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
-    band = max(noise.band for noise in channels.noises)
+    band = _band(channels)
     structure = partition.below(_ABOVE_BAND * max(band, float(partition.natural_frequencies[0])))
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
@@ -243,23 +245,33 @@ def _examined(
     """Estimate noise and offset of each sensor; the offsets are taken away."""
     share = np.linalg.solve(carry, partition.static_transfer @ carry)
     lowest = float(partition.natural_frequencies[0])
+    moves = _moves(command, measured)
     noises, starts, read = [], [], []
     for place, (c, m) in enumerate(zip(command, measured, strict=True)):
-        if not np.ptp(c) > _STILL * np.abs(m).max():
+        if not moves[place]:
             noises.append(_noise_at_rest(m, step))
             starts.append(Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=0.0))
         else:
-            noises.append(estimate_noise(c, m, step))
+            others = command[moves & (np.arange(len(moves)) != place)]
+            noises.append(estimate_noise(c, m, step, others))
             own = min(max(float(share[place, place]), 1e-6), 1.0)
             starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
         read.append(m - starts[-1].offset)
-    band = max(noise.band for noise in noises)
     return Channels(
-        command=command,
-        measured=np.stack(read),
-        noises=tuple(replace(noise, band=band) for noise in noises),
-        starts=tuple(starts),
+        command=command, measured=np.stack(read), noises=tuple(noises), starts=tuple(starts)
     )
+
+
+def _band(channels: Channels) -> float:
+    """Band of the motion [Hz]; a channel without noise shows any, and tells only where none has noise."""
+    least = _NO_NOISE * np.ptp(channels.measured, axis=1)
+    noisy = [n.band for n, small in zip(channels.noises, least, strict=True) if n.white > small]
+    return max(noisy or [noise.band for noise in channels.noises])
+
+
+def _moves(command: Array, measured: Array) -> NDArray[np.bool_]:
+    """Which actuators are told to move, shape (p,)."""
+    return np.asarray(np.ptp(command, axis=1) > _STILL * np.abs(measured).max(axis=1))
 
 
 def _noise_at_rest(measured: Array, step: float) -> SensorNoise:
@@ -284,16 +296,19 @@ def _of_starts(channels: Channels, structure: CoupledPartition, carry: Array) ->
 
 def _draw(channels: Channels, structure: CoupledPartition, every: int, draws: int, seed: int) -> Array:
     """Draw histories of x_c − x_m at the sensors that the noise leaves open [m], shape (draws, p, m)."""
-    lowest = float(structure.natural_frequencies[0])
-    rows = []
-    for place, (c, m, noise) in enumerate(
-        zip(channels.command, channels.measured, channels.noises, strict=True)
-    ):
-        if np.ptp(c) > _STILL * np.abs(m).max():
-            rows.append(draw_differences(c, m, noise, lowest, every, draws, seed + 7919 * place))
-        else:
-            rows.append(np.tile(noise.smooth(c - m)[::every], (draws, 1)))
-    return np.stack(rows, axis=1)
+    moves = _moves(channels.command, channels.measured)
+    smooth = channels.command - channels.smoothed
+    drawn = np.tile(smooth[:, ::every], (draws, 1, 1))
+    drawn[:, moves] = draw_jointly(
+        channels.command[moves],
+        channels.measured[moves],
+        [noise for noise, moving in zip(channels.noises, moves, strict=True) if moving],
+        float(structure.natural_frequencies[0]),
+        every,
+        draws,
+        seed,
+    )
+    return drawn
 
 
 def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
@@ -302,7 +317,7 @@ def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
     Of an actuator that is not told to move, all that its sensor shows is open.
     """
     spread = np.einsum("ij,djt->dit", carry, differences - differences.mean(axis=0))
-    still = np.ptp(channels.command, axis=1) <= _STILL * np.abs(channels.measured).max(axis=1)
+    still = ~_moves(channels.command, channels.measured)
     shown = np.where(still, np.mean((channels.command - channels.measured) ** 2, axis=1), 0.0)
     return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ shown))
 

@@ -4,7 +4,8 @@ The sensor shows y = d + n, with d = x_c − x_m and its noise n. The actuator's
 the command and a remainder r: d = a x_c + b x_c' + c x_c'' + r, where a and b may change slowly over the
 test. In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and
 r the variance q(f) P(t, f), where P is the local power of the command, since an actuator's error is about
-proportional to its command. The level q of each band of frequencies is not known. Its logarithm follows a
+proportional to its command (where other actuators move it too, to all commands, which d then follows as
+well). The level q of each band of frequencies is not known. Its logarithm follows a
 Markov chain from band to band, with steps of the Laplace distribution and now and then a jump. Levels are
 drawn by forward filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by
 generalised least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). Differences that
@@ -44,7 +45,7 @@ _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
 _ROUNDING = 1e-20  # of the command's largest power
 _NEIGHBOURS = np.array([0.25, 0.5, 0.25])
-_DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
+DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,16 +63,26 @@ class Reading:
 
 
 def draw_differences(
-    command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int, draws: int, seed: int
+    command: Array,
+    measured: Array,
+    noise: SensorNoise,
+    frequency: float,
+    every: int,
+    draws: int,
+    seed: int,
+    others: Array | None = None,
 ) -> Array:
     """Draw histories of x_c − x_m.
 
-    `command`, `measured` [m]; `frequency` [Hz]; returns [m].
+    `command`, `measured` [m]; `frequency` [Hz]; `others`: commands of further actuators that move this one
+    too, shape (others, n); returns [m].
     Returns x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that
     there is no slow noise.
     """
     generator = np.random.default_rng(seed)
     reading = _reading(command, measured, noise, frequency, every)
+    if others is not None and len(others):
+        reading = _beside_others(reading, others, noise.time_step, every)
     actuators = replace(reading, noise=reading.noise[:1])
     histories = np.empty((draws, -(-command.size // every)))
     with one_thread():
@@ -97,9 +108,7 @@ def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: flo
     half = min(round(_PERIODS_OF_HOP * size / (2.0 * periods)), size // (2 * _FEWEST_FRAMES))
     hop = 2 * max(half, 1)
     observed = analyse(smooth[::every], hop)
-    power = analyse(command[::every], hop) ** 2
-    for axis in (0, 1):
-        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    power = _local_power(command, every, hop)
     places: Array = (np.arange(hop, dtype=np.float64) + 0.5) / (2.0 * hop * step)
     rounding, rest = _rounding(command, measured, thin, every, hop)
     least = _ROUNDING * float(power.max())
@@ -116,6 +125,28 @@ def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: flo
     )
 
 
+def _beside_others(reading: Reading, others: Array, step: float, every: int) -> Reading:
+    """Let x_c − x_m follow the commands of other actuators too, and be about proportional to all."""
+    hop = reading.bands.size
+    powers = [reading.command_power, *(_local_power(other, every, hop) for other in others)]
+    scaled = [power / max(float(power.mean()), np.finfo(float).tiny) for power in powers]
+    size = float(reading.command_power.mean() + np.mean(reading.observed**2))
+    of_others = [_following(other, step, every, hop)[1:] for other in others]  # without accelerations
+    return replace(
+        reading,
+        command_power=size * np.mean(scaled, axis=0),
+        following=np.concatenate([reading.following, *of_others]),
+    )
+
+
+def _local_power(history: Array, every: int, hop: int) -> Array:
+    """Power of a history about each coefficient [m²], shape (frames, hop)."""
+    power = analyse(history[::every], hop) ** 2
+    for axis in (0, 1):
+        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    return np.asarray(power)
+
+
 def _following(command: Array, step: float, every: int, hop: int) -> Array:
     velocity = np.gradient(command, step)
     powers = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, command.size), _DEGREE).T
@@ -130,7 +161,7 @@ def _rounding(
 ) -> tuple[Array, SensorNoise]:
     """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
     step = converter_step(measured) if noise.resolution is None else noise.resolution
-    if step == 0.0 or noise.weights[0] >= _DITHERED * step**2 / 12.0:
+    if step == 0.0 or noise.weights[0] >= DITHERED * step**2 / 12.0:
         return np.zeros((1, hop)), noise
     powers, floors = [], []
     for rounded in vary_rounding(motion, step):

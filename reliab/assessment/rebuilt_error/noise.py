@@ -25,6 +25,7 @@ _UPDATES = 400
 _ABOVE_NOISE = 4.0  # times the noise that the difference must exceed to be motion
 _MOTION_LEFT = 0.1  # share of the residual that the actuator's motion may make up where noise is read
 _MARGIN = 1.3
+_BEYOND = 1e-5  # of the power of a command, that need not be followed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,10 +78,13 @@ class SensorNoise:
         return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
 
 
-def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorNoise:
+def estimate_noise(
+    command: Array, measured: Array, time_step: float, others: Array | None = None
+) -> SensorNoise:
     """Estimate the noise of the displacement sensor.
 
-    `command`, `measured` [m]; `time_step` [s].
+    `command`, `measured` [m]; `time_step` [s]; `others`: commands of further actuators, which may move this
+    one too, shape (others, n).
 
     >>> time = np.arange(0.0, 40.0, 0.002)
     >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
@@ -89,7 +93,8 @@ def estimate_noise(command: Array, measured: Array, time_step: float) -> SensorN
     >>> round(found.white, 3)
     0.01
     """
-    (centre, mean, count), quiet, floor = _residual(command, measured, time_step)
+    commands = command[np.newaxis] if others is None else np.vstack([command, others])
+    (centre, mean, count), quiet, floor = _residual(commands, measured, time_step)
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):
         weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
@@ -108,19 +113,20 @@ def level_of_residual(command: Array, measured: Array, time_step: float) -> tupl
 
     `command`, `measured` [m]; `time_step` [s].
     """
-    bins, quiet, _ = _residual(command, measured, time_step)
+    bins, quiet, _ = _residual(command[np.newaxis], measured, time_step)
     first = int(np.argmin(quiet[::-1])) if not quiet.all() else quiet.size  # of those above all motion
     centre, mean, count = (values[values.size - first :] for values in bins)
     return centre, mean, count
 
 
 def _residual(
-    command: Array, measured: Array, time_step: float
+    commands: Array, measured: Array, time_step: float
 ) -> tuple[tuple[Array, Array, Array], NDArray[np.bool_], float]:
-    """Bins of what the command does not explain, which of them are noise, and the white floor [m²]."""
-    residual = measured - _followed(command, measured, time_step)
-    frequency: Array = np.fft.rfftfreq(command.size, time_step)[1:].astype(np.float64)
-    power, moved = _periodogram(residual), _periodogram(command)
+    """Bins of what the commands do not explain, which of them are noise, and the white floor [m²]."""
+    residual = measured - followed(commands, measured, time_step)
+    frequency: Array = np.fft.rfftfreq(measured.size, time_step)[1:].astype(np.float64)
+    power = _periodogram(residual)
+    moved = _together([_periodogram(command) for command in commands])
     floor = white_floor(residual)
     power = np.minimum(power, _without_lines(power))
     bins = binned(frequency, power, _BINS)
@@ -134,15 +140,40 @@ def white_floor(values: Array) -> float:
     return upper_level(_periodogram(values))
 
 
-def _followed(command: Array, measured: Array, step: float) -> Array:
-    """Command as an actuator of slowly changing gain, delay and lag follows it, by least squares."""
-    velocity = np.gradient(command, step)
-    place = np.linspace(-1.0, 1.0, command.size)
-    basis = np.stack([command, velocity, np.gradient(velocity, step)])
-    rows = np.concatenate([basis, basis[:2] * place, np.ones((1, command.size))])
+def _together(powers: list[Array]) -> Array:
+    """Power of several commands, each over its largest value, in place of that of one."""
+    if len(powers) == 1:
+        return powers[0]
+    largest = (max(float(power.max()), np.finfo(float).tiny) for power in powers)
+    return np.asarray(np.sum([power / most for power, most in zip(powers, largest, strict=True)], axis=0))
+
+
+def followed(commands: Array, measured: Array, step: float) -> Array:
+    """Commands as an actuator of slowly changing gains and delays follows them, by least squares.
+
+    The first command may lag, too. `commands` [m], shape (p, n); `measured` [m]; `step` [s]. Commands of
+    several actuators may answer the noise that the loop feels, which they must not explain: what counts is
+    the motion.
+    """
+    place = np.linspace(-1.0, 1.0, measured.size)
+    velocity = np.gradient(commands, step, axis=1)
+    basis = np.concatenate([commands, velocity])
+    lag = np.gradient(velocity[0], step)[np.newaxis]
+    rows = np.concatenate([basis, lag, basis * place, np.ones((1, measured.size))])
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
-    coefficients = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=1e-12)[0]
-    return np.asarray(coefficients @ rows)
+    left, right = rows, measured
+    if len(commands) > 1:
+        filter_ = low_pass(_MARGIN * _highest(commands, step), 1.0 / step)
+        left, right = np.stack([smoothed(row, filter_) for row in rows]), smoothed(measured, filter_)
+    coefficients = np.linalg.lstsq(left @ left.T, left @ right, rcond=1e-12)[0]
+    return np.asarray(coefficients @ left)
+
+
+def _highest(commands: Array, step: float) -> float:
+    """Frequency [Hz] below which nearly all of each command's power lies."""
+    powers = np.cumsum([_periodogram(command) for command in commands], axis=1)
+    places = (powers < (1.0 - _BEYOND) * powers[:, -1:]).sum(axis=1)
+    return float((places.max() + 1) / (commands.shape[1] * step))
 
 
 def _periodogram(values: Array) -> Array:
