@@ -257,9 +257,7 @@ def _examined(
             own = min(max(float(share[place, place]), 1e-6), 1.0)
             starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
         read.append(m - starts[-1].offset)
-    return Channels(
-        command=command, measured=np.stack(read), noises=tuple(noises), starts=tuple(starts)
-    )
+    return Channels(command=command, measured=np.stack(read), noises=tuple(noises), starts=tuple(starts))
 
 
 def _band(channels: Channels) -> float:

@@ -5,7 +5,8 @@ the command and a remainder r: d = a x_c + b x_c' + c x_c'' + r, where a and b m
 test. In a lapped transform the coefficients of r and n are nearly independent: n has a known variance s, and
 r the variance q(f) P(t, f), where P is the local power of the command, since an actuator's error is about
 proportional to its command (where other actuators move it too, to all commands, which d then follows as
-well). The level q of each band of frequencies is not known. Its logarithm follows a
+well; so many coefficients would follow the noise, too, and each has an unknown size of its own, flat in its
+logarithm). The level q of each band of frequencies is not known. Its logarithm follows a
 Markov chain from band to band, with steps of the Laplace distribution and now and then a jump. Levels are
 drawn by forward filtering and backward sampling (Carter and Kohn 1994, Biometrika 81, 3), then a, b and c by
 generalised least squares, and then r, which is normal about q P (y − a x_c − …)/(q P + s). Differences that
@@ -43,6 +44,7 @@ _FACTORS = np.array([0.0, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 5.0])  # of the sl
 _FACTOR_STEP = 0.5  # places in the list from band to band
 _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
+_SIZES = np.exp(np.arange(np.log(1e-5), np.log(3.0), 0.5))  # of coefficients, over that of the command
 _ROUNDING = 1e-20  # of the command's largest power
 _NEIGHBOURS = np.array([0.25, 0.5, 0.25])
 DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
@@ -60,6 +62,8 @@ class Reading:
     # Variances of the noise [m²] for each factor of its slow part, shape (factors, frames or 1, hop)
     noise: Array
     bands: NDArray[np.int64]  # Number of the band of frequencies of each coefficient, shape (hop,)
+    # Largest size [m] of the part that follows a command; None where it is not limited
+    largest: float | None = None
 
 
 def draw_differences(
@@ -93,7 +97,8 @@ def draw_differences(
 
 def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generator) -> None:
     """Draw histories; levels of the remainder follow from draws of the part that follows the command."""
-    first = _least_squares(reading, reading.noise[-1] + _FIRST_LEVEL * reading.command_power)[0]
+    level = _FIRST_LEVEL if reading.largest is None else 0.0  # many coefficients: first as if they said all
+    first = _least_squares(reading, reading.noise[-1] + level * reading.command_power)[0]
     few = np.empty((_DRAWS_OF_FOLLOWING, histories.shape[1]))
     follows = _draw(reading, _filtered(reading, first), few, generator)
     _draw(reading, _filtered(reading, follows.mean(axis=0)), histories, generator)
@@ -135,8 +140,17 @@ def _beside_others(reading: Reading, others: Array, step: float, every: int) -> 
     return replace(
         reading,
         command_power=size * np.mean(scaled, axis=0),
-        following=np.concatenate([reading.following, *of_others]),
+        following=np.concatenate([reading.following, *of_others])[_by_importance(len(others))],
+        largest=float(np.sqrt(size)),
     )
+
+
+def _by_importance(others: int) -> NDArray[np.int64]:
+    """Order of the rows: gains and delays, lag, then what changes in time."""
+    powers = _DEGREE + 1
+    rows = np.arange(1 + 2 * powers * (1 + others))
+    constant = (rows > 0) & ((rows - 1) % powers == 0)
+    return np.concatenate([rows[constant], rows[:1], rows[~constant][1:]])
 
 
 def _local_power(history: Array, every: int, hop: int) -> Array:
@@ -204,6 +218,27 @@ def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
     return root @ (root.T @ (weighted @ reading.observed.ravel())), root
 
 
+def _follow(reading: Reading, variance: Array, generator: np.random.Generator) -> Array:
+    """Draw coefficients of what follows the command."""
+    if reading.largest is None:
+        mean, root = _least_squares(reading, variance)
+        return np.asarray(mean + root @ generator.standard_normal(mean.size))
+    rows = reading.following.shape[0]
+    weighted = (reading.following / variance).reshape(rows, -1)
+    normal = weighted @ reading.following.reshape(rows, -1).T
+    normal[np.diag_indices(rows)] *= 1.0 + _SINGULAR
+    root = np.linalg.cholesky(normal)
+    # of rows made orthogonal one after the other, each with the noise's deviation of one
+    found = scipy.linalg.solve_triangular(root, weighted @ reading.observed.ravel(), lower=True)
+    spread = (np.diag(root) * reading.largest)[:, np.newaxis] * _SIZES
+    likelihood = -0.5 * (np.log(1.0 + spread**2) + found[:, np.newaxis] ** 2 / (1.0 + spread**2))
+    chosen = _chosen(np.exp(likelihood - likelihood.max(axis=1, keepdims=True)), generator)
+    square = spread[np.arange(rows), chosen] ** 2
+    share = square / (1.0 + square)
+    drawn = share * found + np.sqrt(share) * generator.standard_normal(rows)
+    return np.asarray(scipy.linalg.solve_triangular(root, drawn, lower=True, trans="T"))
+
+
 def _filtered(reading: Reading, follows: Array) -> Array:
     """Probabilities of levels and factors by the bands so far, shape (bands, levels, factors)."""
     rest = reading.observed - np.tensordot(follows, reading.following, axes=1)
@@ -244,8 +279,7 @@ def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.ran
     for k in range(draws):
         variance = reading.noise[places[k, reading.bands], :, np.arange(reading.bands.size)].T
         power = level[k] * np.maximum(reading.command_power, _LEAST_COMMAND * variance)
-        mean, root = _least_squares(reading, power + variance)
-        follows[k] = mean + root @ generator.standard_normal(mean.size)
+        follows[k] = _follow(reading, power + variance, generator)
         followed = np.tensordot(follows[k], reading.following, axes=1)
         share = power / (power + variance)
         normal = generator.standard_normal(followed.shape)

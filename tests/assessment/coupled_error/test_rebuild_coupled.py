@@ -72,6 +72,20 @@ def test_with_noise_it_stays_near_the_true_error(frame, run):
     np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.02)
 
 
+def test_noise_that_both_sensors_share_is_none_of_their_difference(frame, run):
+    """Theta is the difference of two parallel actuators: it stays as it is where both have one noise."""
+    command, measured = frame.kinematics @ run.command, frame.kinematics @ run.measured
+    generator = np.random.default_rng(5)
+    own = 2e-2 * measured.std() * generator.normal(size=measured.shape)
+    left = []
+    for noise in (own, own[:1]):
+        error = rebuild_coupled(
+            command, measured + noise, STEP, frame.partition, to_interface=frame.to_interface, draws=8
+        )
+        left.append(error.degrees[1].noise)
+    assert left[1] < 0.2 * left[0]
+
+
 def test_stated_tolerances_widen_the_interval(frame, run):
     widths = [
         rebuilt(frame, run, noise=0.01, tolerances=tolerances).degrees[0].rms
@@ -119,5 +133,5 @@ def test_intervals_hold_the_true_error_in_most_tests(frame):
         for degree, true in zip(error.degrees, true_errors(run)[0], strict=True):
             ratios.append(degree.rms.value / true)
             held.append(degree.rms.low <= true <= degree.rms.high)
-    assert np.mean((np.array(ratios) > 0.98) & (np.array(ratios) < 1.02)) >= 0.85
-    assert np.mean(held) >= 0.8
+    assert np.mean((np.array(ratios) > 0.98) & (np.array(ratios) < 1.02)) >= 0.87
+    assert np.mean(held) >= 0.85
