@@ -14,6 +14,8 @@ from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
+_FMUS = {"fmu": 2, "fmu3": 3}
+"""Version of FMI by the kind that is asked for."""
 _LONGEST_LAG = 1000.0  # ms
 
 
@@ -62,7 +64,7 @@ def export_monitor(
     Parameters
     ----------
     export : tuple of str and path
-        "c" and a folder, or "fmu" and a file.
+        "c" and a folder, or "fmu" (FMI 2.0) or "fmu3" (FMI 3.0) and a file.
     f, xi, alpha : float, str or StatedValue
         Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-]; standard
         deviations are not used.
@@ -95,12 +97,14 @@ def export_monitor(
     1
     """
     kind, place = export[0], Path(export[1])
-    if kind not in ("c", "fmu"):
-        raise InputError("`export` writes c or fmu", value=kind, remedy="Name one of them, and where it goes")
+    if kind != "c" and kind not in _FMUS:
+        raise InputError(
+            "`export` writes c, fmu or fmu3", value=kind, remedy="Name one of them, and where it goes"
+        )
     exactly = 1.0 if scale is None else scale
     monitor = _monitor(f, xi, alpha, structure, exactly, feedback_lag, threshold, metric, rate)
-    if kind == "fmu":
-        content = {place: pack_fmu(monitor)}
+    if kind in _FMUS:
+        content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
         content = {place / name: text.encode() for name, text in monitor_sources(monitor).items()}
     _write(content)

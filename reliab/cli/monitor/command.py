@@ -109,8 +109,9 @@ class MonitorDemand(Demand):
         tuple[str, str] | None,
         typer.Option(
             "--export",
-            metavar="c DIR|fmu FILE.fmu",
-            help="Write the monitor for the loop itself, as C sources or as an FMU (FMI 2.0); needs --rate.",
+            metavar="c DIR|fmu FILE|fmu3 FILE",
+            help="Write the monitor for the loop itself, as C sources or as an FMU of FMI 2.0 or 3.0; "
+            "needs --rate.",
         ),
     ] = None
     json_target: Annotated[

@@ -1,17 +1,7 @@
-/* reliab_monitor as an FMU for co-simulation, FMI 2.0. The importer brings fmi2Functions.h; memory is asked for
- * once, where the unit is made. */
+/* reliab_monitor as an FMU for co-simulation, FMI 2.0. The importer brings fmi2Functions.h. */
 #include "fmi2Functions.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "reliab_monitor.h"
-
-typedef struct {
-    reliab_monitor monitor;
-    double inputs[2];
-} unit;
+#include "unit.h"
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
@@ -19,16 +9,8 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
 {
-    unit *made;
     (void)name, (void)resources, (void)functions, (void)visible, (void)logging;
-    if (type != fmi2CoSimulation || strcmp(guid, "@GUID@") != 0) {
-        return NULL;
-    }
-    made = (unit *)calloc(1u, sizeof *made);
-    if (made != NULL) {
-        reliab_monitor_init(&made->monitor);
-    }
-    return made;
+    return type == fmi2CoSimulation ? unit_made(guid) : NULL;
 }
 
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -51,40 +33,28 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    unit *here = (unit *)c;
-    reliab_monitor_init(&here->monitor);
-    here->inputs[0] = here->inputs[1] = 0.0;
+    unit_rest((unit *)c);
     return fmi2OK;
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference at[], size_t n, const fmi2Real values[])
 {
     size_t i;
+    int refused = 0;
     for (i = 0u; i < n; i++) {
-        if (at[i] > 1u) {
-            return fmi2Error;
-        }
-        ((unit *)c)->inputs[at[i]] = values[i];
+        refused |= unit_set((unit *)c, at[i], values[i]);
     }
-    return fmi2OK;
+    return refused ? fmi2Error : fmi2OK;
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Real values[])
 {
-    const unit *here = (const unit *)c;
     size_t i;
+    int refused = 0;
     for (i = 0u; i < n; i++) {
-        switch (at[i]) {
-        case 0u:
-        case 1u: values[i] = here->inputs[at[i]]; break;
-        case 2u: values[i] = reliab_monitor_error(&here->monitor); break;
-        case 3u: values[i] = reliab_monitor_rms(&here->monitor); break;
-        case 4u: values[i] = reliab_monitor_mte(&here->monitor); break;
-        case 5u: values[i] = reliab_monitor_net_damping(&here->monitor); break;
-        default: return fmi2Error;
-        }
+        refused |= unit_get((const unit *)c, at[i], &values[i]);
     }
-    return fmi2OK;
+    return refused ? fmi2Error : fmi2OK;
 }
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Integer values[])
@@ -99,16 +69,11 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference at[], size_t
     return fmi2OK;
 }
 
-/* One sample: the step must be the one that was exported. A fault is an error of the unit. */
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean final)
 {
-    unit *here = (unit *)c;
+    static const fmi2Status answers[3] = {fmi2OK, fmi2Warning, fmi2Error};
     (void)now, (void)final;
-    if (fabs(step - RELIAB_STEP) > 1e-6 * RELIAB_STEP) {
-        return fmi2Error;
-    }
-    (void)reliab_monitor_step(&here->monitor, here->inputs[0], here->inputs[1]);
-    return (here->monitor.status & RELIAB_FAULT) != 0u ? fmi2Warning : fmi2OK;
+    return answers[unit_step((unit *)c, step)];
 }
 
 /* There is nothing else to set, get or store. */
