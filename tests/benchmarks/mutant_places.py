@@ -120,7 +120,7 @@ def _statements(node: ast.AST) -> Iterator[Change]:
         case ast.If() | ast.IfExp():
             negated = ast.UnaryOp(ast.Not(), node.test)
             yield node, "branches exchanged", partial(setattr, node, "test", negated)
-        case ast.Call(args=[first, second, *rest]) if not (_starred(node) or _name(node.func) in _SYMMETRIC):
+        case ast.Call(args=[first, second, *rest]) if _ordered(node):
             yield node, "arguments exchanged", partial(setattr, node, "args", [second, first, *rest])
         case ast.BinOp(op=ast.Mult() | ast.Div()):
             yield node, "factor dropped", partial(setattr, node, "right", ast.Constant(1))
@@ -130,8 +130,11 @@ def _statements(node: ast.AST) -> Iterator[Change]:
             yield node, "term dropped", partial(setattr, node, "right", ast.Constant(0))
 
 
-def _starred(call: ast.Call) -> bool:
-    return any(isinstance(part, ast.Starred) for part in call.args)
+def _ordered(call: ast.Call) -> bool:
+    """Whether it may matter in which order the first two arguments of a call stand."""
+    starred = any(isinstance(part, ast.Starred) for part in call.args)
+    alike = ast.dump(call.args[0]) == ast.dump(call.args[1])
+    return not (starred or alike or _name(call.func) in _SYMMETRIC)
 
 
 def _words(operator: ast.AST, other: type[ast.AST]) -> str:

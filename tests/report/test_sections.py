@@ -1,6 +1,7 @@
 """Sections say what their criterion and rates are: each sentence with its counterpart."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.report.document import Figure, Paragraph, Table
+from reliab.report.kinds.discrepancy import report as discrepancy
 from reliab.report.sections.method import (
     _FITTED,
     _INSCRIBED,
@@ -135,3 +137,15 @@ def test_limits_begin_with_the_sentences_that_are_given():
     (points,) = limits_section(["First sentence."]).blocks
     assert points.items[0] == "First sentence."
     assert len(points.items) == 3
+
+
+@pytest.mark.parametrize(
+    ("explained", "said"), [(True, "does not differ from noise"), (False, "varies with no quantity")]
+)
+def test_a_residual_of_which_nothing_was_found_is_noise_only_where_all_is_explained(
+    monkeypatch, explained, said
+):
+    monkeypatch.setattr(discrepancy, "drawn", lambda *_: ())
+    section = discrepancy.location_section(SimpleNamespace(where=(), is_explained=explained, blocks=()))
+    (only,) = section.blocks
+    assert said in words([only])

@@ -79,6 +79,15 @@ def test_what_the_store_does_not_hold_is_not_known(stored):
     assert np.isfinite(errors).tolist() == [True, False]
 
 
+def test_ellipses_judge_the_actuators_of_their_own_side(both_sides):
+    fitted = both_sides.sel(curve=["ellipse"])
+    delay = np.array([0.001, -0.001])
+    found = EllipseTruth(fitted).errors(CELL, 2, np.ones(2), delay)
+    b = [float(fitted["b"].sel(side=side).squeeze()[2]) for side in ("lag", "lead")]
+    assert abs(b[1] / b[0] - 1.0) > 0.1
+    np.testing.assert_allclose(found, 1.0 / np.sqrt(b))
+
+
 def test_window_changes_the_truth(motions):
     edge = Region(a=1e-4, b=2.0).edge()
     whole, strong = (
