@@ -9,11 +9,11 @@ from the test, in size and shape and, if that fails, in shape alone.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.motions import Motion
 from reliab.recordings import Recording
+from reliab.signals import convolved
 from reliab.simulation import Excitation
 from reliab.simulation.linear_loop import cut
 from reliab.structures import Structure
@@ -123,7 +123,7 @@ def _similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
 
     2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count.
     """
-    products = scipy.signal.fftconvolve(whole, part[::-1], mode="valid")
+    products = convolved(whole, part[::-1])
     energy, energies = float(part @ part), _energies(whole, part.size)
     if in_size:
         return np.asarray(2.0 * products / (energy + energies))

@@ -7,7 +7,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.recordings import Recording
-from reliab.signals import periodogram, upper_level
+from reliab.signals import hann, periodogram, upper_level
 
 _ABOVE_FLOOR = 10.0
 _SMOOTHED = 16  # bins over which a periodogram is averaged
@@ -47,4 +47,4 @@ def noise_floor(values: Array) -> tuple[float, float]:
 
 def power_of(values: Array) -> Array:
     """Periodogram of a history, shape (n,), by frequency above zero."""
-    return periodogram(values, scipy.signal.get_window("hann", values.size))
+    return periodogram(values, hann(values.size))

@@ -12,10 +12,10 @@ Shao, X. (2010). The dependent wild bootstrap. *Journal of the American Statisti
 """
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.signals import taper
 
 _CELLS = 1024  # stretches whose contributions are summed before blocks are formed
 _RUN = 5  # lags that must be quiet
@@ -48,11 +48,11 @@ def index_errors(
 
 def _contributions(command: Array, residual: Array, window: str) -> tuple[NDArray[np.complex128], Array]:
     """Sum of a stretch's part in Σ F[left] F[I]* / Σ|F[I]|², and its share in the command's energy."""
-    taper = scipy.signal.get_window(window, command.size)
+    weights = taper(window, command.size)
     points = 1 << (command.size - 1).bit_length()
-    spectrum = np.fft.fft(command * taper, points)
+    spectrum = np.fft.fft(command * weights, points)
     spectrum[0], spectrum[points // 2 :] = 0.0, 0.0
-    analytic = taper * np.fft.ifft(spectrum)[: command.size] * points
+    analytic = weights * np.fft.ifft(spectrum)[: command.size] * points
     edges = np.linspace(0, command.size, min(_CELLS, command.size) + 1).astype(np.int64)[:-1]
     parts = np.add.reduceat(residual * analytic.conj(), edges) / float(np.sum(np.abs(spectrum) ** 2))
     energy = np.add.reduceat(np.abs(analytic) ** 2, edges)

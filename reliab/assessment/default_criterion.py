@@ -184,7 +184,7 @@ def _measures() -> xr.Dataset:
 
 @lru_cache(maxsize=1)
 def _by_window() -> dict[str, xr.Dataset]:
-    return open_windows(shipped("datasets", _TABLE))
+    return open_windows(shipped("datasets", _TABLE), curve=CurveName.INSCRIBED)
 
 
 def _between(below: xr.Dataset, above: xr.Dataset, weight: float) -> xr.Dataset:

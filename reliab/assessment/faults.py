@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.recordings import Recording, without_spikes
+from reliab.signals import CubicPath
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
 
@@ -105,7 +105,7 @@ def plain_faults(recording: Recording) -> tuple[Fault, ...]:
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
     """Command with the gain and delay of the test."""
     times = np.arange(recording.command.size) * recording.time_step
-    path = scipy.interpolate.CubicSpline(times, recording.command)
+    path = CubicPath.through(times, recording.command)
     late = np.clip(times - tracking.delay, times[0], times[-1])
     return np.asarray(tracking.amplitude * path(late), dtype=np.float64)
 

@@ -1,7 +1,6 @@
 """Recordings that cannot be judged: too short or coarse, opposite signs, two units, exchanged, unrelated."""
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.assessment.band import noise_floor
@@ -10,6 +9,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
+from reliab.signals import correlated
 from reliab.significant import percent, significant
 
 _OPPOSITE = -0.8
@@ -103,7 +103,7 @@ def _require_following(recording: Recording) -> None:
     size = float(np.linalg.norm(command) * np.linalg.norm(measured))
     correlation = float(command @ measured) / size
     reach, none = int(_LONGEST_LAG * command.size), command.size - 1
-    products = scipy.signal.correlate(measured, command, method="fft")[none - reach : none + reach + 1]
+    products = correlated(measured, command)[none - reach : none + reach + 1]
     best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
     if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
         raise InputError(

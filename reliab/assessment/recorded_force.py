@@ -125,8 +125,15 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
 
 def _leads(first: Array, second: Array, kernel: Kernel) -> bool:
     """Whether one history is ahead of another, to first order in the time between them."""
-    ahead = scipy.signal.detrend(kernel.seen(first, 0))
+    ahead = _without_line(kernel.seen(first, 0))
     return bool(ahead @ kernel.seen(second, 1) > 0.0)
+
+
+def _without_line(values: Array) -> Array:
+    """Take off the straight line of least squares."""
+    centred = values - values.mean()
+    place = np.arange(values.size) - 0.5 * (values.size - 1)
+    return centred - place * (float(place @ centred) / float(place @ place))
 
 
 def unexamined_unit(recording: Recording, structure: Structure) -> str:
@@ -145,9 +152,7 @@ def unexamined_unit(recording: Recording, structure: Structure) -> str:
 
 
 def _stiffness(measured: Array, force: Array, kernel: Kernel) -> float | None:
-    moved, resisted = (
-        scipy.signal.detrend(kernel.seen(row, 0), type="constant") for row in (measured, force)
-    )
+    moved, resisted = (row - row.mean() for row in (kernel.seen(measured, 0), kernel.seen(force, 0)))
     slope = float(moved @ resisted) / float(moved @ moved)
     of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
     return slope if of_spring >= _SPRING else None

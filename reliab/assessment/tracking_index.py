@@ -16,7 +16,6 @@ gives the uncertainty of A and d (`reliab.assessment.block_bootstrap`).
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.band import Band, in_band, noise_floor, power_of
@@ -24,6 +23,7 @@ from reliab.assessment.block_bootstrap import index_errors
 from reliab.indices import FrequencyEvaluation
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.recordings import Recording
+from reliab.signals import CubicPath
 
 LEVEL = 0.95
 """Level of the intervals of A and d, and of what follows from them."""
@@ -73,7 +73,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     recording = replace(recording, command=_centred(recording.command), measured=_centred(recording.measured))
     band, step = in_band(recording), recording.time_step
     plain = _without_noise(frequency_evaluation(band.command, band.measured, step, window=window), band, step)
-    path = scipy.interpolate.CubicSpline(np.arange(band.command.size) * step, band.command)
+    path = CubicPath.through(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
         reference = frequency_evaluation(band.command, _moved(path, gain, delay), step, window=window)
@@ -84,7 +84,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
         gain * np.exp(-1j * turn * delay)
     )
-    full = scipy.interpolate.CubicSpline(np.arange(recording.command.size) * step, recording.command)
+    full = CubicPath.through(np.arange(recording.command.size) * step, recording.command)
     noise = recording.measured - _moved(full, gain, delay)
     return TrackingIndex(
         amplitude=gain,
@@ -97,9 +97,9 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     )
 
 
-def _moved(path: scipy.interpolate.CubicSpline, gain: float, delay: float) -> Array:
+def _moved(path: CubicPath, gain: float, delay: float) -> Array:
     """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
-    times = path.x
+    times = path.times
     return _centred(gain * path(np.clip(times - delay, times[0], times[-1])))
 
 

@@ -26,6 +26,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array, Spectrum
+from reliab.signals import recursively_filtered
 from reliab.simulation import Excitation, peak_of_history
 from reliab.simulation.linear_loop import respond
 from reliab.structures import Structure
@@ -111,14 +112,24 @@ def ellipse_of_response(response: Array, time_step: float, structure: Structure)
     (200, 2.0)
     """
     w0, xi = structure.circular_frequency, structure.damping_ratio
-    oscillator = np.array([[0.0, 1.0], [-(w0**2), -2.0 * xi * w0]]), np.array([[0.0], [1.0]])
-    sampled = scipy.signal.cont2discrete((*oscillator, np.eye(1, 2), np.zeros((1, 1))), time_step, "foh")
-    numerator, denominator = scipy.signal.ss2tf(*sampled[:4])
-    filtered = scipy.signal.lfilter(numerator[0], denominator, response)
+    filtered = recursively_filtered(*_sampled_oscillator(w0, xi, time_step), response)
     of_gain = response - structure.experimental_fraction * w0**2 * filtered
     histories = response, of_gain, np.gradient(of_gain, time_step)
     squares = [float(np.trapezoid(history**2, dx=time_step)) for history in histories]
     return _per_squared_error(squares, float(np.abs(response).max()), (response.size - 1) * time_step)
+
+
+def _sampled_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array]:
+    """Coefficients of the recursion of x'' + 2 ξ ω₀ x' + ω₀² x = u, exact for straight lines in a step."""
+    whole = np.zeros((4, 4))  # states, u and the rise of u in a step
+    whole[:2] = step * np.array([[0.0, 1.0, 0.0, 0.0], [-(w0**2), -2.0 * xi * w0, 1.0, 0.0]])
+    whole[2, 3] = 1.0
+    moved = scipy.linalg.expm(whole)
+    states, held, rising = moved[:2, :2], moved[:2, 2:3], moved[:2, 3:]
+    into = held - rising + states @ rising
+    denominator = np.poly(states)
+    read = np.poly(states - into @ np.array([[1.0, 0.0]]))
+    return read + (rising[0, 0] - 1.0) * denominator, denominator
 
 
 def _per_squared_error(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:

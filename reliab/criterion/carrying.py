@@ -20,7 +20,6 @@ from itertools import product
 from typing import Any, Final
 
 import numpy as np
-import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -241,8 +240,7 @@ class _Fit:
         sums = np.array([scores[events == event].sum(axis=(0, 1, 2)) for event in np.unique(events)])
         bread = np.linalg.pinv(x.T @ x)
         growth = np.zeros_like(values) if growth is None else growth
-        line = np.stack([np.ones(y.size), growth[known]], axis=-1)
-        variance = scipy.optimize.nnls(line, residuals[known] ** 2)[0]
+        variance = _line_above_zero(growth[known], residuals[known] ** 2)
         return cls(
             coefficients=np.asarray(coefficients, dtype=np.float64),
             covariance=bread @ (sums.T @ sums) @ bread,
@@ -257,6 +255,17 @@ class _Fit:
         doubt = np.einsum("fxi,ij,fxj->fx", distance, self.covariance, distance)
         spread = np.sqrt(self.variance[0] + self.variance[1] * growth + doubt)
         return np.asarray(target @ self.coefficients + residuals * spread)
+
+
+def _line_above_zero(places: Array, values: Array) -> Array:
+    """Level and slope of the line of least squares, neither of them negative; places and values neither."""
+    terms = np.stack([np.ones(places.size), places], axis=-1)
+    line = np.linalg.lstsq(terms, values, rcond=None)[0]
+    if (line >= 0.0).all():
+        return np.asarray(line)
+    alone = np.diag([values.mean(), float(places @ values) / max(float(places @ places), 1e-300)])
+    errors = [float(np.sum((terms @ pair - values) ** 2)) for pair in alone]
+    return np.asarray(alone[int(np.argmin(errors))])
 
 
 def _of_response(sizes: Array, duration: Array | float, f: Array, xi: Array) -> Array:

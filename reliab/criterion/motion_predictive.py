@@ -16,7 +16,7 @@ Ferguson, T. S. (1973). A Bayesian analysis of some nonparametric problems. *Ann
 209-230.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.event_components import event_components
+from reliab.criterion.roots import roots_of_increasing
 
 CONCENTRATION = 20.0
 """Weight of the fitted shape, as a number of motions."""
@@ -125,26 +126,14 @@ class MotionPredictive:
         numpy.ndarray
             Finite values, shape (quantities,); a larger probability never gives a smaller one.
         """
-        from scipy.optimize import elementwise
-
-        quantities = np.arange(self.location.size)
-
-        def excess(x: NDArray[np.float64], quantity: NDArray[np.int64]) -> NDArray[np.float64]:
-            return self._only(quantity).cumulative(x) - probability
-
-        bracket = elementwise.bracket_root(
-            excess, self.ordered[0] - self.scale, self.ordered[-1] + self.scale, args=(quantities,)
+        roots = roots_of_increasing(
+            lambda x: self.cumulative(x) - probability,
+            self.ordered[0] - self.scale,
+            self.ordered[-1] + self.scale,
         )
-        root = elementwise.find_root(excess, bracket.bracket, args=(quantities,))
-        if not (bracket.success & root.success).all():
+        if not np.isfinite(roots).all():
             raise ArithmeticError(f"No quantile at the probability {probability} of {self}.")
-        return np.asarray(root.x, dtype=np.float64)
-
-    def _only(self, quantity: NDArray[np.int64]) -> "MotionPredictive":
-        """Keep chosen quantities."""
-        chosen = ("location", "scale", "shape", "effective_number")
-        arrays = {name: getattr(self, name)[quantity] for name in chosen}
-        return replace(self, ordered=self.ordered[:, quantity], **arrays)
+        return roots
 
     @cached_property
     def _tails(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -17,10 +17,10 @@ gives A and d an error of about the share that its last τ seconds have in the w
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.signals import taper
 from reliab.simulation.linear_loop import TrackingSums
 
 _FEWEST_SAMPLES = 16
@@ -51,10 +51,10 @@ def frequency_evaluation(
     """
     _check(command, measured)
     points = 1 << (command.size - 1).bit_length()
-    taper = scipy.signal.get_window(window, command.size)
+    weights = taper(window, command.size)
     frequencies = np.fft.rfftfreq(points, time_step)[1:]
-    into = np.fft.rfft(command * taper, points)[1:]
-    out = np.fft.rfft(measured * taper, points)[1:]
+    into = np.fft.rfft(command * weights, points)[1:]
+    out = np.fft.rfft(measured * weights, points)[1:]
     power = np.abs(into) ** 2
     total = power.sum()
     index = np.sum(out * into.conj()) / total

@@ -7,9 +7,9 @@ not how reliable the test is: tracking errors accumulate in the loop.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
+from reliab.signals import correlated
 
 
 def maximum_tracking_error(command: Array, measured: Array) -> float:
@@ -102,8 +102,8 @@ def delay_by_cross_correlation(command: Array, measured: Array, time_step: float
     >>> round(1e3 * delay_by_cross_correlation(command, measured, 0.001), 2)
     4.0
     """
-    correlation = scipy.signal.correlate(measured, command, method="fft")
-    lags = scipy.signal.correlation_lags(measured.size, command.size)
+    correlation = correlated(measured, command)
+    lags = np.arange(1 - command.size, command.size)
     best = int(np.argmax(correlation))
     shift = 0.0
     if 0 < best < correlation.size - 1:

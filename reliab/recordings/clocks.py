@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.errors import InputError
@@ -19,6 +18,7 @@ from reliab.recordings.readers import Columns
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING
 from reliab.recordings.units import TIMES, unit_of
 from reliab.recordings.words import Quantity
+from reliab.signals import CubicPath
 from reliab.significant import significant
 
 _JITTER: Final = 0.01  # share of a step by which a time may be off and still count as equal
@@ -132,9 +132,7 @@ def _interpolated(
             continue
         at = lead.begin + lead.step * np.arange(places, places + count)
         times = clock.at(histories[key].size)
-        histories[key] = scipy.interpolate.CubicSpline(times, histories[key])(
-            np.clip(at, times[0], times[-1])
-        )
+        histories[key] = CubicPath.through(times, histories[key])(np.clip(at, times[0], times[-1]))
         if abs(clock.step / lead.step - 1.0) > _JITTER:
             notes.append(
                 f"{channels[key].column!r} was recorded at {1.0 / clock.step:.5g} Hz and interpolated at the "

@@ -3,7 +3,14 @@ from .converter import (
     expected_error as expected_error,
     vary_rounding as vary_rounding,
 )
-from .filters import low_pass as low_pass, smoothed as smoothed
+from .convolution import convolved as convolved, correlated as correlated
+from .cubic_path import CubicPath as CubicPath
+from .filters import (
+    butterworth_poles as butterworth_poles,
+    low_pass as low_pass,
+    recursively_filtered as recursively_filtered,
+    smoothed as smoothed,
+)
 from .noise import (
     CORNERS as CORNERS,
     NoiseModel as NoiseModel,
@@ -15,4 +22,10 @@ from .noise import (
     near_mains as near_mains,
     noise_shapes as noise_shapes,
 )
-from .spectra import binned as binned, periodogram as periodogram, upper_level as upper_level
+from .spectra import (
+    binned as binned,
+    hann as hann,
+    periodogram as periodogram,
+    taper as taper,
+    upper_level as upper_level,
+)

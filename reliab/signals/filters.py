@@ -2,11 +2,14 @@
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.signals.convolution import convolved
 
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 _RIPPLE = 60.0  # dB
+_BETA = 0.1102 * (_RIPPLE - 8.7)  # Kaiser's (1974) for a ripple above 50 dB
 _REACH = 0.2  # share of a history that a filter may be long
 
 
@@ -22,8 +25,16 @@ def low_pass(edge: float, rate: float) -> Array:
     nyquist = 0.5 * rate
     if not edge < _ROOM * nyquist:
         return np.ones(1)
-    taps, beta = scipy.signal.kaiserord(_RIPPLE, 0.6 * edge / nyquist)
-    return np.asarray(scipy.signal.firwin(taps | 1, edge / nyquist, window=("kaiser", beta)))
+    reach = _kaiser_taps(0.6 * edge / nyquist) // 2
+    places = np.arange(-reach, reach + 1, dtype=np.float64)
+    taper = scipy.special.i0(_BETA * np.sqrt(1.0 - (places / reach) ** 2)) / scipy.special.i0(_BETA)
+    taps = edge / nyquist * np.sinc(edge / nyquist * places) * taper
+    return np.asarray(taps / taps.sum())
+
+
+def _kaiser_taps(width: float) -> int:
+    """Odd number of coefficients of Kaiser's design, for a transition as wide as a share of Nyquist's."""
+    return int(np.ceil((_RIPPLE - 7.95) / 2.285 / (np.pi * width) + 1.0)) | 1
 
 
 def smoothed(values: Array, coefficients: Array) -> Array:
@@ -43,9 +54,7 @@ def smoothed(values: Array, coefficients: Array) -> Array:
         return values
     before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
     after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
-    return np.asarray(
-        scipy.signal.fftconvolve(np.concatenate([before, values, after]), coefficients, mode="valid")
-    )
+    return convolved(np.concatenate([before, values, after]), coefficients)
 
 
 def _end_of_line(values: Array) -> float:
@@ -53,3 +62,28 @@ def _end_of_line(values: Array) -> float:
     place = np.arange(values.size) - 0.5 * (values.size - 1)
     slope = float(place @ values) / float(place @ place)
     return float(values.mean()) + slope * float(place[-1])
+
+
+def recursively_filtered(numerator: Array, denominator: Array, values: Array) -> Array:
+    """Pass a history through Σ a_k y[i-k] = Σ b_k x[i-k] from rest.
+
+    `numerator`: b, shape (m,); `denominator`: a with a₀ = 1, shape (k,); `values`: x, shape (n,). Returns y,
+    shape (n,), by a triangular system of equations.
+
+    >>> recursively_filtered(np.array([1.0]), np.array([1.0, -0.5]), np.array([1.0, 0.0, 0.0])).tolist()
+    [1.0, 0.5, 0.25]
+    """
+    passed = np.convolve(values, numerator)[: values.size]
+    band = np.repeat(denominator[:, np.newaxis], values.size, axis=1)
+    filtered, _ = scipy.linalg.lapack.dtbtrs(band, passed, uplo="L", diag="U")
+    return np.asarray(filtered).reshape(values.size)
+
+
+def butterworth_poles(order: int) -> NDArray[np.complex128]:
+    """Poles of Butterworth's low-pass filter with the corner 1 rad/s, shape (order,).
+
+    >>> [complex(pole.round(4)) for pole in butterworth_poles(2)]
+    [(-0.7071+0.7071j), (-0.7071-0.7071j)]
+    """
+    place = np.arange(-order + 1, order, 2)
+    return np.asarray(-np.exp(1j * np.pi * place / (2 * order)))

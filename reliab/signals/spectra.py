@@ -34,6 +34,24 @@ def periodogram(values: Array, taper: Array) -> Array:
     return np.asarray(np.abs(spectrum) ** 2 / np.sum(taper**2))
 
 
+def taper(name: str, size: int) -> Array:
+    """Window of a name that SciPy knows, as it is repeated in a Fourier transform, shape (size,)."""
+    if name == "hann":
+        return hann(size)
+    from scipy.signal import get_window
+
+    return np.asarray(get_window(name, size))
+
+
+def hann(size: int) -> Array:
+    """Hann's window as it is repeated in a Fourier transform, shape (size,).
+
+    >>> hann(4).round(12).tolist()
+    [0.0, 0.5, 1.0, 0.5]
+    """
+    return 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, size + 1)[:-1])
+
+
 def upper_level(power: Array) -> float:
     """Level of noise in the upper half of a periodogram, from the median of its exponential distribution.
 

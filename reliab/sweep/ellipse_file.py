@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +34,21 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
-    encoding = {str(name): {"zlib": True, "complevel": 9, "shuffle": True} for name in ellipses.data_vars}
+    encoding = {
+        str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": _chunks(variable)}
+        for name, variable in ellipses.data_vars.items()
+    }
     with refuse_unwritable("The file of ellipses must be writable", where=path):
         write_netcdf(ellipses, path, encoding=encoding)
+
+
+def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
+    """Keep what resembles each other in one chunk: the windows, structures and errors of two motions."""
+    most = {Dimension.MOTION: 2, Dimension.METRIC: 1, Dimension.CURVE: 1, Dimension.SIDE: 1}
+    return tuple(
+        min(most.get(name, size), size)
+        for name, size in zip(variable.dims, variable.shape, strict=True)  # type: ignore[call-overload]
+    )
 
 
 def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
@@ -66,19 +78,24 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     return _in_window(_read(path), window, path)
 
 
-def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
+def open_windows(path: str | Path, *, curve: str | None = None) -> dict[str, xr.Dataset]:
     """Read a dataset of ellipses in each of its windows.
 
-    `path`: a file that `write_ellipses` wrote. Returns for each window ("record", "arias" or a number of
-    seconds) the dataset that `open_ellipses` returns. Raises InputError if the file is not a file of
-    ellipses.
+    `path`: a file that `write_ellipses` wrote; `curve`: the only kind of ellipse to read, without misfits, of
+    those that the file holds. Returns for each window ("record", "arias" or a number of seconds) the dataset
+    that `open_ellipses` returns. Raises InputError if the file is not a file of ellipses.
     """
-    dataset = _read(path)
+
+    def curve_alone(whole: xr.Dataset) -> xr.Dataset:
+        place = whole[Dimension.CURVE].values.tolist().index(curve)
+        return whole[["a", "b", "error_at_rest"]].isel({Dimension.CURVE: slice(place, place + 1)})
+
+    dataset = _read(path, None if curve is None else curve_alone)
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _read(path: str | Path) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY)
+def _read(path: str | Path, subset: Callable[[xr.Dataset], xr.Dataset] | None = None) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, subset=subset)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(

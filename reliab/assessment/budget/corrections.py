@@ -11,6 +11,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.errors import InputError
 from reliab.recordings import Recording
+from reliab.signals import CubicPath, butterworth_poles
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
@@ -51,7 +52,7 @@ class LowPass:
     @property
     def delay(self) -> float:
         """Delay of slow motions [s]."""
-        poles = scipy.signal.buttap(self.order)[1]
+        poles = butterworth_poles(self.order)
         return float(np.sum(-1.0 / poles).real / (2.0 * np.pi * self.corner))
 
     def passed(self, values: Array, time_step: float) -> Array:
@@ -92,9 +93,8 @@ def without_skew(recording: Recording, skew: float) -> Recording:
     if skew == 0.0:
         return recording
     times = np.arange(recording.measured.size) * recording.time_step
-    path = scipy.interpolate.CubicSpline(times, recording.measured)
-    moved = path(np.clip(times + skew, times[0], times[-1]))
-    return replace(recording, measured=np.asarray(moved, dtype=np.float64))
+    path = CubicPath.through(times, recording.measured)
+    return replace(recording, measured=path(np.clip(times + skew, times[0], times[-1])))
 
 
 def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:

@@ -20,7 +20,6 @@ together with the level.
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
@@ -46,7 +45,6 @@ _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
 _SIZES = np.exp(np.arange(np.log(1e-5), np.log(3.0), 0.5))  # of coefficients, over that of the command
 _ROUNDING = 1e-20  # of the command's largest power
-_NEIGHBOURS = np.array([0.25, 0.5, 0.25])
 DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
 
 
@@ -156,9 +154,7 @@ def _by_importance(others: int) -> NDArray[np.int64]:
 def _local_power(history: Array, every: int, hop: int) -> Array:
     """Power of a history about each coefficient [m²], shape (frames, hop)."""
     power = analyse(history[::every], hop) ** 2
-    for axis in (0, 1):
-        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
-    return np.asarray(power)
+    return _with_neighbours(_with_neighbours(power).T).T
 
 
 def _following(command: Array, step: float, every: int, hop: int) -> Array:
@@ -182,11 +178,16 @@ def _rounding(
         powers.append(analyse(noise.smooth(rounded)[::every], hop) ** 2)
         floors.append(white_floor(rounded))
     power = np.mean(powers, axis=0)
-    for axis in (0, 1):
-        power = scipy.ndimage.convolve1d(power, _NEIGHBOURS, axis=axis, mode="nearest")
+    power = _with_neighbours(_with_neighbours(power).T).T
     weights = np.zeros_like(noise.weights)
     weights[0] = max(noise.weights[0] - float(np.mean(floors)), 0.0)
     return power, replace(noise, weights=weights)
+
+
+def _with_neighbours(power: Array) -> Array:
+    """Average the power of each row with that of the rows beside it, which count by half."""
+    beside = np.concatenate([power[:1], power, power[-1:]])
+    return power * 0.5 + (beside[:-2] + beside[2:]) * 0.25
 
 
 def _bands(hop: int) -> NDArray[np.int64]:

@@ -17,6 +17,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.sobol import sobol_points
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
@@ -152,8 +153,7 @@ def normal_points(dimensions: int, draws: int, seed: int) -> Array:
     """Scrambled Sobol points through the normal quantile function, shape (dimensions, draws)."""
     if dimensions == 0:
         return np.zeros((0, draws))
-    points = scipy.stats.qmc.Sobol(dimensions, seed=seed).random(draws)
-    return np.asarray(scipy.special.ndtri(points.T))
+    return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
 def _fine_statistics(histories: Histories, structure: WholeStructure, state: Array) -> Array:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
+from reliab.signals import convolved
 
 _PERIODS_OF_KERNEL = 0.5
 _PER_PERIOD = 24.0  # samples of the equation in a period
@@ -37,4 +37,4 @@ class Kernel:
 
     def seen(self, history: Array, order: int) -> Array:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
-        return np.asarray(scipy.signal.fftconvolve(history, self.values[order], mode="valid"))[:: self.every]
+        return convolved(history, self.values[order])[:: self.every]

@@ -10,11 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import CORNERS, level_of_residual
-from reliab.signals import fit_levels, noise_shapes
+from reliab.signals import butterworth_poles, fit_levels, noise_shapes
 
 _ORDERS = (2, 4, 8)
 _TRIED = 32  # corners
@@ -43,7 +42,7 @@ class NoiseFilter:
     @property
     def delay(self) -> float:
         """Delay of slow motions [s]."""
-        poles = scipy.signal.buttap(self.order)[1]
+        poles = butterworth_poles(self.order)
         return float(np.sum(-1.0 / poles).real / (2.0 * np.pi * self.corner))
 
     def passed(self, frequency: Array) -> Array:
@@ -61,6 +60,7 @@ def filter_of_noise(command: Array, measured: Array, time_step: float) -> NoiseF
     >>> noise = 0.01 * np.random.default_rng(1).normal(size=time.size)
     >>> filter_of_noise(command, 0.99 * command + noise, 0.001) is None
     True
+    >>> import scipy
     >>> coefficients = scipy.signal.butter(2, 80.0, fs=1000.0)
     >>> read = scipy.signal.lfilter(*coefficients, 0.99 * command + noise)
     >>> 60.0 < filter_of_noise(command, read, 0.001).corner < 100.0

@@ -30,6 +30,7 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
+from reliab.signals import CubicPath
 
 _PER_PERIOD = 48.0  # samples in a period
 _PERIODS_OF_HOP = 4.0
@@ -76,7 +77,7 @@ class OwnFrequency:
         moves makes the computed error too small.
         """
         offsets, density = self._density
-        places = scipy.integrate.cumulative_trapezoid(density, offsets, initial=0.0)
+        places = np.append(0.0, np.cumsum(np.diff(offsets) * (density[1:] + density[:-1]) / 2.0))
         quantiles = np.interp(scipy.special.ndtr(points), places / places[-1], offsets)
         return np.where(np.arange(points.size) % 16 < _GOVERNED, self.governing, quantiles)
 
@@ -84,7 +85,7 @@ class OwnFrequency:
     def governing(self) -> float:
         """Offset that makes the error largest, of those that test and statement leave open [-]."""
         offsets, density = self._density
-        errors = scipy.interpolate.CubicSpline(self.offsets, self.errors)(offsets)
+        errors = CubicPath.through(self.offsets, self.errors)(offsets)
         return float(offsets[np.argmax(np.where(density > _LEFT_OPEN, errors, 0.0))])
 
     @property
@@ -109,7 +110,7 @@ class OwnFrequency:
     @property
     def _density(self) -> tuple[Array, Array]:
         fine = np.linspace(self.offsets[0], self.offsets[-1], _FINE)
-        likelihood = scipy.interpolate.CubicSpline(self.offsets, self.likelihood)(fine)
+        likelihood = CubicPath.through(self.offsets, self.likelihood)(fine)
         stated = 0.5 * (_FREEDOM + 1.0) * np.log1p((fine / self.stated_deviation) ** 2 / _FREEDOM)
         logarithm = likelihood - stated
         return fine, np.asarray(np.exp(logarithm - logarithm.max()))

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.signals import convolved
 from reliab.significant import significant
 
 _PER_PERIOD = 48.0  # samples in a period
@@ -70,7 +70,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     every = max(int(1.0 / (_PER_PERIOD * frequency * time_step)), 1)
 
     def seen(history: Array) -> Array:
-        return np.asarray(scipy.signal.fftconvolve(history, low_pass, mode="valid"))[::every]
+        return convolved(history, low_pass)[::every]
 
     velocity = np.gradient(measured, time_step)
     linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.effects import Kernel, Role, Setting
 from reliab.errors import InputError
+from reliab.signals import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.stepping import STATES, call_all, plan, read_delayed
 
@@ -27,9 +27,9 @@ class Motion3:
 
         `displacement` [m]; `step` [s].
         """
-        spline = scipy.interpolate.CubicSpline(np.arange(displacement.size) * step, displacement)
+        path = CubicPath.through(np.arange(displacement.size) * step, displacement)
         times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
-        return cls(values=np.stack([spline(times), spline(times, 1), spline(times, 2)]), step=step / parts)
+        return cls(values=path.read(times, (0, 1, 2)), step=step / parts)
 
     def at_each(self, every: int) -> "Motion3":
         """Return the motion at each `every`-th instant."""

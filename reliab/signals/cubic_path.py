@@ -1,0 +1,70 @@
+"""Cubic spline through samples, whose third derivative is continuous at the second and last but one."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import scipy
+
+from reliab.arrays import Array
+
+_FEWEST = 4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CubicPath:
+    """A function of time between samples, and beyond them the polynomial of the nearest pair."""
+
+    times: Array  # Instants of the samples, increasing, shape (n,)
+    coefficients: Array  # Of the powers three to zero of the time since the sample before, shape (4, n - 1)
+
+    @classmethod
+    def through(cls, times: Array, values: Array) -> Self:
+        """Lay the path through two or more samples, shape (n,) each; a line or parabola through two or three.
+
+        >>> path = CubicPath.through(np.arange(6.0), np.arange(6.0) ** 3)
+        >>> round(float(path(np.array([2.5]))[0]), 12), round(float(path(np.array([2.5]), 1)[0]), 12)
+        (15.625, 18.75)
+        """
+        if times.size < _FEWEST:
+            return cls(times=times, coefficients=scipy.interpolate.CubicSpline(times, values).c)
+        steps = np.diff(times)
+        rises = np.diff(values) / steps
+        slopes = _slopes(times, steps, rises)
+        bend = (slopes[:-1] + slopes[1:] - 2.0 * rises) / steps
+        square = (rises - slopes[:-1]) / steps - bend
+        return cls(times=times, coefficients=np.stack([bend / steps, square, slopes[:-1], values[:-1]]))
+
+    def __call__(self, at: Array, derivative: int = 0) -> Array:
+        """Read the path, or a derivative of it, at instants in any order."""
+        return self.read(at, (derivative,))[0]
+
+    def read(self, at: Array, derivatives: tuple[int, ...]) -> Array:
+        """Read several derivatives of the path at instants, shape (derivatives, instants)."""
+        place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, self.times.size - 2)
+        since = at - self.times[place]
+        cubic, square, slope, value = (row[place] for row in self.coefficients)
+        by_order = {
+            0: lambda: value + slope * since + square * (since * since) + cubic * (since * since * since),
+            1: lambda: slope + square * since * 2.0 + cubic * (since * since) * 3.0,
+            2: lambda: square * 2.0 + cubic * since * 6.0,
+        }
+        return np.stack([by_order[derivative]() for derivative in derivatives])
+
+
+def _slopes(times: Array, steps: Array, rises: Array) -> Array:
+    """Slopes at the samples, at which the second derivative is continuous."""
+    diagonal, above, below = (np.empty(size) for size in (times.size, times.size - 1, times.size - 1))
+    right = np.empty(times.size)
+    diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
+    above[1:], below[:-1] = steps[:-1], steps[1:]
+    right[1:-1] = 3.0 * (steps[1:] * rises[:-1] + steps[:-1] * rises[1:])
+    begin, end = times[2] - times[0], times[-1] - times[-3]
+    diagonal[0], above[0] = steps[1], begin
+    right[0] = ((steps[0] + 2.0 * begin) * steps[1] * rises[0] + steps[0] ** 2 * rises[1]) / begin
+    diagonal[-1], below[-1] = steps[-2], end
+    right[-1] = (steps[-1] ** 2 * rises[-2] + (2.0 * end + steps[-1]) * steps[-2] * rises[-1]) / end
+    *_, slopes, failed = scipy.linalg.lapack.dgtsv(below, diagonal, above, right)
+    if failed:
+        raise ArithmeticError("No cubic path through these samples.")
+    return np.asarray(slopes)

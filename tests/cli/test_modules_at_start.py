@@ -1,0 +1,57 @@
+"""What a command imports before its first answer: heavy parts of SciPy are not among it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TEST = str(Path(__file__).resolve().parents[2] / "datasets/sample_test/test.csv")
+STRUCTURE = ("--f", "1", "--xi", "0.02")
+DRAWING = {"matplotlib", "seaborn", "typst"}
+SPARED_BY_ALL = DRAWING | {"emcee", "zarr", "arviz_stats", "scipy.stats", "scipy.signal"}
+SPARED_BY_HELP = SPARED_BY_ALL | {"numpy", "scipy", "pandas", "xarray", "numba", "h5py"}
+SPARED_BY_VERDICTS = SPARED_BY_ALL | {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
+
+SCRIPT = """
+import io, json, sys
+from contextlib import redirect_stdout
+from reliab.cli import main
+with redirect_stdout(io.StringIO()):
+    try:
+        main()
+    except SystemExit:
+        pass
+print(json.dumps(sorted(sys.modules)))
+"""
+
+
+def modules(*arguments):
+    """Names of all modules that a command has imported in a process of its own."""
+    ended = subprocess.run(  # noqa: S603 - this very package
+        [sys.executable, "-c", SCRIPT, *arguments], capture_output=True, text=True, check=True
+    )
+    return set(json.loads(ended.stdout.splitlines()[-1]))
+
+
+def test_a_verdict_needs_none_of_the_heavy_parts():
+    assert modules("assess", TEST, *STRUCTURE) & SPARED_BY_VERDICTS == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("arguments", "spared"),
+    [
+        (("--help",), SPARED_BY_HELP),
+        (("assess", "--help"), SPARED_BY_HELP),
+        (("monitor", TEST, *STRUCTURE), SPARED_BY_VERDICTS),
+        (("assess", TEST, *STRUCTURE, "--exact"), SPARED_BY_VERDICTS),
+        (("assess", TEST, TEST, *STRUCTURE), SPARED_BY_VERDICTS),
+        (("compare", TEST, TEST, *STRUCTURE), SPARED_BY_VERDICTS),
+        (("record", TEST, "--check"), SPARED_BY_ALL),
+    ],
+    ids=lambda value: " ".join(item for item in value if len(item) < 20) if isinstance(value, tuple) else "",
+)
+def test_no_command_imports_what_it_does_not_need(arguments, spared):
+    assert modules(*arguments) & spared == set()
