@@ -20,6 +20,7 @@ together with the level.
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
