@@ -1,7 +1,8 @@
 """Tracking controllers of the multi-axial benchmark, all set up for the nominal plant.
 
-Each is a linear filter from the targets of both actuators to the commands sent, in discrete time, but for
-RoDeAC (Fermandois and co-workers 2024), which learns the coefficients of such a filter while the test runs.
+Each is a linear filter from the targets of both actuators to the commands sent, in discrete time. LQG feeds
+the readings back, too. RoDeAC (Fermandois and co-workers 2024) learns the coefficients of its filter while
+the test runs.
 """
 
 import json
@@ -19,7 +20,7 @@ from reliab.shipped import shipped
 from .plant import nominal_plant
 from .structure import RATE
 
-CONTROLLERS: Final = ("none", "decoupling", "feedforward", "rodeac")
+CONTROLLERS: Final = ("none", "decoupling", "feedforward", "lqg", "rodeac")
 """Names of the controllers of the study."""
 
 PERFECT: Final = "perfect"
@@ -28,19 +29,25 @@ PERFECT: Final = "perfect"
 _QUICK: Final = 2.0 * math.pi * 120.0  # rad/s, of the low-pass that makes an inverse realisable
 _HIGHEST: Final = 12.0  # Hz up to which the feedforward undoes an actuator
 _RIDGE: Final = 3e-4  # of the squares of its coefficients beside those of its errors
+_EFFORT: Final = 0.3  # LQG, weight ρ of the feedback's commands beside that of the errors
+_SENSOR: Final = 0.0124  # mm, noise of the displacement sensors
+_UNMODELLED: Final = 0.01  # mm a step, noise of the commands
+_DRIFT: Final = 0.03  # mm a step, by which the input drifts
+_REMAINS: Final = 0.999  # of the drift from step to step
 _CORNER: Final = 20.0  # Hz, of the filters before the parameters of RoDeAC are learned
 _TAPS: Final = 4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Controller:
-    """A linear filter w₊ = A w + B r, u = C w + D r of the targets r [mm], and what is learned beside it."""
+    """A filter w₊ = A w + B r + E y, u = C w + D r of targets r and readings y [mm], and what is learned."""
 
     name: str
-    dynamics: Array  # A, B, C and D, shapes (n, n), (n, 2), (2, n) and (2, 2)
+    dynamics: Array  # A, B, C, D and E, shapes (n, n), (n, 2), (2, n), (2, 2) and (n, 2)
     targets: Array
     states: Array
     direct: Array
+    readings: Array
     # Coefficients of the last targets of each actuator, and their covariance, shapes (2, 4) and (2, 4, 4);
     # empty where nothing is learned
     coefficients: Array
@@ -55,6 +62,7 @@ def find_controller(name: str) -> Controller:
         "none": lambda: _linear(name, np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0)), np.eye(2)),
         "decoupling": lambda: _decoupling(name),
         "feedforward": lambda: _feedforward(name),
+        "lqg": lambda: _lqg(name),
     }
     if name not in systems:
         raise InputError(
@@ -69,7 +77,7 @@ def filter_coefficients() -> tuple[Array, Array]:
     return np.asarray(numerator), np.asarray(denominator)
 
 
-def _linear(name: str, a: Array, b: Array, c: Array, d: Array) -> Controller:
+def _linear(name: str, a: Array, b: Array, c: Array, d: Array, e: Array | None = None) -> Controller:
     none = np.zeros((0, _TAPS))
     return Controller(
         name=name,
@@ -77,6 +85,7 @@ def _linear(name: str, a: Array, b: Array, c: Array, d: Array) -> Controller:
         targets=np.ascontiguousarray(b),
         states=np.ascontiguousarray(c),
         direct=np.ascontiguousarray(d),
+        readings=np.zeros_like(b) if e is None else np.ascontiguousarray(e),
         coefficients=none,
         covariance=np.zeros((0, _TAPS, _TAPS)),
     )
@@ -93,6 +102,7 @@ def _rodeac() -> Controller:
         targets=linear.targets,
         states=linear.states,
         direct=linear.direct,
+        readings=linear.readings,
         coefficients=np.array([np.ravel(content[f"theta0_{actuator}"]) for actuator in (1, 2)]),
         covariance=np.array([content[f"P0_{actuator}"] for actuator in (1, 2)]),
     )
@@ -152,3 +162,39 @@ def _feedforward(name: str) -> Controller:
     entry = np.vstack([np.eye(2), np.zeros((2 * (_TAPS - 2), 2))])
     states = np.hstack([np.diag(taps[:, tap]) for tap in range(1, _TAPS)])
     return _linear(name, shift, entry, states, np.diag(taps[:, 0]))
+
+
+def _lqg(name: str) -> Controller:
+    """Feedforward of each actuator, and linear-quadratic-Gaussian feedback of what it leaves.
+
+    The tracking error y − r is that of the nominal plant with an input that drifts (couplings, errors of the
+    model), which a Kalman filter estimates with the states. It is cancelled, and the states are led back by
+    the gain of least Σ |y − r|² + ρ|u|². The weights are ours, chosen on the nominal plant under El Centro;
+    those of the benchmark's sample controller are not public.
+    """
+    ahead = _feedforward(name)
+    a, b, c = nominal_plant().sampled(1.0 / RATE)
+    order, commands = b.shape
+    gain = _regulator(a, b, c.T @ c, _EFFORT * np.eye(commands))
+    whole = np.block([[a, b], [np.zeros((commands, order)), _REMAINS * np.eye(commands)]])
+    shown = np.hstack([c, np.zeros((2, commands))])
+    driven = np.vstack([b, np.zeros((commands, commands))])
+    process = np.zeros((order + commands, order + commands))
+    process[:order, :order] = _UNMODELLED**2 * b @ b.T
+    process[order:, order:] = _DRIFT**2 * np.eye(commands)
+    observer = _regulator(whole.T, shown.T, process, _SENSOR**2 * np.eye(2)).T
+    back = np.hstack([gain, np.eye(commands)])
+    return _linear(
+        name,
+        scipy.linalg.block_diag(ahead.dynamics, whole - driven @ back - observer @ shown),
+        np.vstack([ahead.targets, -observer]),
+        np.hstack([ahead.states, -back]),
+        ahead.direct,
+        np.vstack([np.zeros_like(ahead.targets), observer]),
+    )
+
+
+def _regulator(a: Array, b: Array, errors: Array, efforts: Array) -> Array:
+    """Gain of the linear-quadratic regulator in discrete time."""
+    cost = scipy.linalg.solve_discrete_are(a, b, errors, efforts)
+    return np.asarray(np.linalg.solve(efforts + b.T @ cost @ b, b.T @ cost @ a))

@@ -55,7 +55,13 @@ def run_test(
         np.array([X[0], THETA[0], NEIGHBOUR]),
         np.array(_SHOWN),
         plant.sampled(step),
-        (controller.dynamics, controller.targets, controller.states, controller.direct),
+        (
+            controller.dynamics,
+            controller.targets,
+            controller.states,
+            controller.direct,
+            controller.readings,
+        ),
         controller.coefficients.copy(),
         controller.covariance.copy(),
         numerator,
@@ -218,7 +224,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - a compiled kernel
     driven: Array,
     shown: Array,
     plant: tuple[Array, Array, Array],
-    controller: tuple[Array, Array, Array, Array],
+    controller: tuple[Array, Array, Array, Array, Array],
     coefficients: Array,
     covariance: Array,
     numerator: Array,
@@ -230,7 +236,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - a compiled kernel
     """Step a whole test."""
     stiffness, damping, mass = specimen
     a, b, c = plant
-    ca, cb, cc, cd = controller
+    ca, cb, cc, cd, ce = controller
     arm, angle = geometry
     size, order, states = load.size, a.shape[0], ca.shape[0]
     current, earlier, moved = np.zeros(size), np.zeros(size), np.zeros(size)
@@ -292,6 +298,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - a compiled kernel
             sent[i] = total
         for i in range(states):
             total = cb[i, 0] * target[0] + cb[i, 1] * target[1]
+            total += ce[i, 0] * measured[0] + ce[i, 1] * measured[1]
             for j in range(states):
                 total += ca[i, j] * filtering[j]
             filtered[i] = total

@@ -223,8 +223,8 @@ def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
 def _follow(reading: Reading, variance: Array, generator: np.random.Generator) -> Array:
     """Draw coefficients of what follows the command."""
     if reading.largest is None:
-        mean, root = _least_squares(reading, variance)
-        return np.asarray(mean + root @ generator.standard_normal(mean.size))
+        mean, deviations = _least_squares(reading, variance)
+        return np.asarray(mean + deviations @ generator.standard_normal(mean.size))
     rows = reading.following.shape[0]
     weighted = (reading.following / variance).reshape(rows, -1)
     normal = weighted @ reading.following.reshape(rows, -1).T

@@ -30,6 +30,7 @@ _NAMES = {
     "none": "none",
     "decoupling": "decoupling inverse",
     "feedforward": "feedforward for each actuator",
+    "lqg": "feedforward and LQG",
     "rodeac": "RoDeAC",
 }
 _SHOWN = (("J1", "ms"), ("J2", "%"), ("J5", "%"), ("J7", "%"))

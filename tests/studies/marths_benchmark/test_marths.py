@@ -103,6 +103,20 @@ def test_criteria_are_those_of_the_prototype(ground, name):
 
 
 @pytest.mark.slow
+def test_feedback_leaves_a_smaller_error_than_feedforward_alone(ground):
+    """LQG removes the coupling that one filter for each actuator leaves, and stays stable on other plants."""
+    nominal = nominal_plant()
+    left = {}
+    for name in ("feedforward", "lqg"):
+        run = run_test(ground, nominal, find_controller(name), seed=0)
+        left[name] = np.std(run.true - run.target, axis=1)
+    assert (left["lqg"] < 0.5 * left["feedforward"]).all()
+    for plant in drawn_plants(3, 7):
+        run = run_test(ground, plant, find_controller("lqg"), seed=0)
+        assert (np.std(run.true - run.target, axis=1) < left["feedforward"]).all()
+
+
+@pytest.mark.slow
 def test_perfect_actuators_leave_the_floor(ground):
     found = criteria(run_perfect(ground), reference(ground))
     assert found["J2"] == [0.0, 0.0]
