@@ -104,15 +104,15 @@ def _closed(diagnosis: Diagnosis) -> str:
     gaps = [block.gap for block in diagnosis.blocks if block.effects] or [diagnosis.gap]
     gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
     with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
-    said = (
+    of_all = (
         f"{with_effects} the error in {gap.channel} on held-out tests falls from {percent(gap.before)} to "
         f"{percent(gap.after)} of the signal: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
     if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
-        return said
-    left = percent(worst.unexplained_share, decimals=1)
-    return f"{said} Least is explained of {worst.kind}: {left} of the gap's energy remains."
+        return of_all
+    share = percent(worst.unexplained_share, decimals=1)
+    return f"{of_all} Least is explained of {worst.kind}: {share} of the gap's energy remains."
 
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
