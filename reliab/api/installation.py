@@ -21,6 +21,8 @@ _MEGABYTE = 1e6
 _KIND = "datasets"
 _SAMPLES = (
     "sample_test",
+    "sample_rig",
+    "sample_rig/tests",
     "campaigns/README.md",
     "campaigns/rig_a",
     "campaigns/rig_b",
@@ -81,7 +83,7 @@ def _compiled_code() -> str:
 
 
 def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
-    """Write the sample test, campaigns and frames into a folder; files of another content are not touched.
+    """Write the samples that ship into a folder; files of another content are not touched.
 
     Parameters
     ----------

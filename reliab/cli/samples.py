@@ -21,7 +21,7 @@ class SamplesDemand(Demand):
 
 @takes(SamplesDemand)
 def samples(demand: SamplesDemand) -> None:
-    """Write the sample test, campaigns and frames into a folder; files of another content are not touched."""
+    """Write the samples that ship into a folder; files of another content are not touched."""
     from reliab.api import copy_samples
 
     for sample in demand.ask(copy_samples):

@@ -23,8 +23,8 @@ _HEADINGS = {
 
 def show_added(content: Mapping[str, Any]) -> None:
     """Say what became of the files."""
-    _show_rows(f"{len(content['added'])} tests added to {content['rig']}", content["added"])
-    _say(f"{content['tests']} tests in the rig.")
+    _show_rows(f"Tests added to {content['rig']}: {len(content['added'])}", content["added"])
+    _say(f"Tests in the rig: {content['tests']}.")
     if content["present"]:
         _say(f"There already: {', '.join(content['present'])}.")
     for file, fault in content["faults"].items():
@@ -35,7 +35,7 @@ def show_list(content: Mapping[str, Any]) -> None:
     """Print the last tests; JSON and the exported table hold all."""
     rows = content["tests"]
     last = rows[-_LAST:]
-    title = f"{len(rows)} tests of {content['rig']}"
+    title = f"Tests of {content['rig']}: {len(rows)}"
     _show_rows(title if len(last) == len(rows) else f"{title}, the last {len(last)}", last)
     for file, fault in content["faults"].items():
         _say(f"Left out: {file}: {fault}")
