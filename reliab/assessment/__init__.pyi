@@ -37,7 +37,10 @@ from .moving_windows import Windows as Windows
 from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plausibility import require_plausible as require_plausible
-from .recorded_force import require_restoring_force as require_restoring_force
+from .recorded_force import (
+    require_restoring_force as require_restoring_force,
+    unit_like as unit_like,
+)
 from .same_test import RunOfTest as RunOfTest, SameTest as SameTest, combine_runs as combine_runs
 from .several import Assessments as Assessments
 from .tracking_index import LEVEL as LEVEL

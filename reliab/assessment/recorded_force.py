@@ -33,6 +33,7 @@ _UNITS: Final = {
     4448.2216: "kips for newtons, or newtons for kips",
     9.80665: "kilograms-force for newtons, or newtons for kilograms-force",
     4.4482216: "pounds-force for newtons, or newtons for pounds-force",
+    39.370079: "inches for metres, or metres for inches",
 }
 
 
@@ -165,19 +166,28 @@ def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: floa
     ratio, (least, most) = slope / stiffness, _STIFFNESSES
     if least <= ratio <= most:
         return
-    units = [
-        words
-        for factor, words in _UNITS.items()
-        for expected in (factor, 1.0 / factor)
-        if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE
-    ]
-    alike = f", as {units[0]} would have" if units else ""
+    unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
+    alike = f", as {unit} would have" if unit else ""
     raise InputError(
         "The recorded force must be that of the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
         remedy="State the unit in the column's name (force_kN), or check mass, frequency and share",
         where=where,
     )
+
+
+def unit_like(ratio: float, *, tolerance: float) -> str:
+    """Say which exchange of units a ratio of stiffnesses looks like, "" if none.
+
+    `tolerance`: of the ratio [-].
+
+    >>> unit_like(0.2248, tolerance=0.02)
+    'pounds-force for newtons, or newtons for pounds-force'
+    >>> unit_like(2.0, tolerance=0.02)
+    ''
+    """
+    both = ((words, expected) for factor, words in _UNITS.items() for expected in (factor, 1.0 / factor))
+    return next((words for words, expected in both if abs(ratio / expected - 1.0) < tolerance), "")
 
 
 def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:

@@ -29,6 +29,7 @@ from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import Role, Scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.signals import NoiseModel
 from reliab.simulation.hybrid_test import Motion3
 from reliab.threads import one_thread
 
@@ -40,6 +41,7 @@ _STEPS = 6  # of the search of a block
 _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz
 _FINEST = 0.1  # Hz
+_STATED = "stiffness"  # of the specimen, calibrated within its bounds
 
 
 def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) -> Diagnosis:
@@ -145,6 +147,10 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     searched = search.again()
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
+    if isinstance(block, SpecimenBlock) and _STATED in searched.null.space.on_bounds(
+        searched.null.coordinates
+    ):
+        searched = _with_open_stiffness(block, campaign, searched)
     advance()
     searched = _refined(_judged(searched))
     advance()
@@ -178,6 +184,28 @@ def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stret
     every = math.lcm(block.every, block.sketch.every)
     predictable = answered(settled(stretches, block.motions, block.memory), block.motions, block.unanswered)
     return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, every))
+
+
+def _with_open_stiffness(block: SpecimenBlock, campaign: Campaign, stated: Search) -> Search:
+    """Search with a stiffness that may have any value, and believe it where fewer parameters say more.
+
+    A stiffness that is stated wrongly, or a force in another unit, would otherwise be taken for an effect
+    that happens to bring the missing stiffness.
+    """
+    search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
+    if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated.null, stated):
+        return stated
+    search.whole()
+    opened = search.again()
+    simpler = opened.best.space.size < stated.best.space.size
+    return opened if simpler and opened.score(opened.best) > stated.score(stated.best) else stated
+
+
+def _energy(fitted: Fit, search: Search) -> float:
+    """Energy of what a model leaves at the judged frequencies."""
+    unit = NoiseModel.white(search.problem.block.rate, 1.0)
+    rows = search.problem.whitened(fitted.space, fitted.coordinates, unit)
+    return float(rows @ rows)
 
 
 def _where_informed(block: BalanceBlock, campaign: Campaign, whole: Search) -> Search:

@@ -97,6 +97,16 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
     )  # fmt: skip
 
 
+def open_stiffness(nominal: HybridTest) -> Calibration:
+    """Stiffness of the specimen, in units of its nominal value, which may be wrong by any factor."""
+    within = stiffness(nominal)
+    parameter = Parameter(
+        name="stiffness", units="-", meaning=within.parameter.meaning,
+        typical=1.0, spread=1.5, lower=1e-4, upper=1e4, starts=(1.0,),
+    )  # fmt: skip
+    return replace(within, parameter=parameter)
+
+
 def unknown_stiffness() -> Calibration:
     """Stiffness of a specimen without a stated stiffness [N/m]."""
     parameter = Parameter(

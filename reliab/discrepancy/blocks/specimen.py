@@ -8,11 +8,16 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.discrepancy.blocks.calibration import Calibration, stiffness, unknown_stiffness
+from reliab.discrepancy.blocks.calibration import (
+    Calibration,
+    open_stiffness,
+    stiffness,
+    unknown_stiffness,
+)
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import outside_terms
+from reliab.discrepancy.terms import LateForce, outside_terms
 from reliab.effects import (
     Effect,
     ForceBias,
@@ -69,6 +74,14 @@ class SpecimenBlock(ObservedBlock):
         self.motions = tuple(pistons)
         self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
 
+    def with_open_stiffness(self) -> "SpecimenBlock":
+        """Return the same block, whose stiffness may be any multiple of the stated one."""
+        opened = copy(self)
+        opened.__dict__.pop("sketch", None)
+        opened.calibrations = (open_stiffness(self.nominal),)
+        opened.move(self.motions)
+        return opened
+
     def _velocity_spreads(self) -> list[float]:
         readings = [test.channels[Channel.MEASURED] for test in self.tests]
         return [velocity_spread(reading, 1.0 / self.rate, self.highest_signal) for reading in readings]
@@ -101,6 +114,14 @@ class SpecimenBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
+        force, step = self._force(model, test), self.motions[test].step
+        for effect in model.acting(Role.FORCE_READING):
+            if isinstance(effect, LateForce):
+                force = effect.delayed(force, step)
+        return force
+
+    def _force(self, model: HybridTest, test: int) -> Array:
+        """Predict the force as if all channels had one clock."""
         piston = self.motions[test]
         if self.smoothed and model.acting(Role.DISPLACEMENT_READING):
             piston = _without_reading(model, piston)

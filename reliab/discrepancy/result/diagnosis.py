@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from reliab.assessment import unit_like
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.block_diagnosis import NOMINAL_VALUES, BlockDiagnosis, Verdict
@@ -22,6 +23,7 @@ _NAMES = {Block.NUMERICAL: "numerical substructure"}
 SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
+_UNIT_TOLERANCE = 0.03  # of a calibrated stiffness
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
@@ -228,9 +230,11 @@ def is_explained(block: BlockDiagnosis) -> bool:
 def contradiction(item: Estimate) -> str:
     """Say with which value, other than the stated one, the tests ran."""
     nominal = NOMINAL_VALUES[item.name]
+    unit = unit_like(item.value, tolerance=_UNIT_TOLERANCE) if item.name == "stiffness" else ""
+    alike = f", as {unit} would have" if unit else ""
     return (
         f"The tests ran with a {nominal.meaning} of {significant(item.value, 4)} ± {significant(item.sd, 1)} "
-        f"times the stated one: {nominal.check}."
+        f"times the stated one{alike}: {nominal.check}."
     )
 
 

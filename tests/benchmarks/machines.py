@@ -1,0 +1,211 @@
+"""Measure `diagnose` on machines that are not made of the library's effects, restartable.
+
+`python tests/benchmarks/machines.py FOLDER [--seed 1] [--count 2] [--machines NAME ...] [--pairs]` simulates
+`--count` campaigns of each machine of `machine_models.py`, from `--seed` on, diagnoses each, keeps what was
+found in FOLDER and prints the shares that matter: dominant effects named, or rightly called unknown; a false
+name beside them; `named` only where at most 20 % of the worst kind of held-out test is unexplained; with
+`--pairs` the held-out error beside that of the best pair of the library's effects, all of which are fitted.
+What an expert calls each machine stands in `machine_models.py`, fixed before the first run.
+"""
+
+import argparse
+import itertools
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import signal
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from benchmarks.machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine  # noqa: E402
+
+from reliab.arrays import Array  # noqa: E402
+from reliab.discrepancy import BlockDiagnosis, Diagnosis, diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy.fitting.fit import fit  # noqa: E402
+from reliab.discrepancy.fitting.screening import screened  # noqa: E402
+from reliab.discrepancy.fitting.space import ModelSpace  # noqa: E402
+from reliab.discrepancy.proof import held_out_nrmse, residuals  # noqa: E402
+
+EVERY = 5
+"""Steps of the simulation in a sample: 400 Hz."""
+
+DURATION = 10.0  # s
+NOISE = 10.0 ** (-50.0 / 20.0)
+LARGEST_REMAINDER = 0.2
+CLOSE = 1.15
+HELD_OUT = (4, 5)
+
+
+def motions_of(random: np.random.Generator) -> list[Array]:
+    """Draw two irregular motions, a growing sine and a sweep to fit, an irregular one and a sine to judge."""
+    time = np.arange(0.0, DURATION, STEP)
+    peak, rise = random.uniform(0.02, 0.06), np.minimum(np.minimum(time, DURATION - time) / 1.0, 1.0)
+    irregular = [_irregular(random, time) * rise for _ in range(3)]
+    sines = [np.sin(2.0 * np.pi * random.uniform(0.6, 1.5) * time) for _ in range(2)]
+    sweep = signal.chirp(time, 0.3, DURATION, 4.0, phi=-90.0) / np.linspace(1.0, 2.5, time.size)
+    shapes = [
+        irregular[0],
+        0.5 * irregular[1],
+        sines[0] * rise * np.linspace(0.1, 1.0, time.size),
+        0.8 * sweep * rise,
+        0.8 * irregular[2],
+        random.uniform(0.4, 0.8) * sines[1] * rise,
+    ]
+    return [peak * shape for shape in shapes]
+
+
+def _irregular(random: np.random.Generator, time: Array) -> Array:
+    """Noise between 0.3 and 3 Hz with a peak of one."""
+    band = signal.butter(3, (0.3, 3.0), btype="bandpass", fs=1.0 / STEP, output="sos")
+    values = signal.sosfiltfilt(band, random.standard_normal(time.size))
+    envelope = np.exp(-(((time - 4.0) / 3.0) ** 2))
+    shaped = np.asarray(values * envelope)
+    return shaped / np.abs(shaped).max()
+
+
+def simulate(machine: Machine, seed: int, folder: Path) -> None:
+    """Write a campaign of a machine."""
+    random = np.random.default_rng([seed, 36])
+    motions = motions_of(random)
+    answers, nominal = machine.answer(random, motions)
+    names = ("command_m", "measured_m") if machine.actuator else ("measured_m", "force_n")
+    text = 'name = "rig"\n'
+    text += "[actuator]\ngain = 1.0\ndelay_s = 0.0\n" if machine.actuator else ""
+    text += "".join(["[specimen]\n", *(f"{key} = {value!r}\n" for key, value in nominal.items())]) * (
+        not machine.actuator
+    )
+    text += f"[sampling]\nrate_hz = {1.0 / STEP / EVERY!r}\n"
+    for k, (motion, answer) in enumerate(zip(motions, answers, strict=True)):
+        held_out = str(k in HELD_OUT).lower()
+        text += f'[[tests]]\nfile = "test_{k}.csv"\nmotion = "{k}"\nheld_out = {held_out}\n'
+        given, read = motion[::EVERY].copy(), answer[::EVERY].copy()
+        read += NOISE * read.std() * random.standard_normal(read.size)
+        if not machine.actuator:
+            given += NOISE * given.std() * random.standard_normal(given.size)
+        time_s = np.arange(given.size) * STEP * EVERY
+        np.savetxt(
+            folder / f"test_{k}.csv",
+            np.column_stack([time_s, given, read]),
+            delimiter=",",
+            header=",".join(["time_s", *names]),
+            comments="",
+            fmt="%.9g",
+        )
+    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+
+
+def examined(name: str, seed: int, *, pairs: bool) -> dict[str, Any]:
+    """Simulate and diagnose a campaign, and compare with what an expert says."""
+    machine = MACHINES[name]
+    with tempfile.TemporaryDirectory() as scratch:
+        simulate(machine, seed, Path(scratch))
+        begin = time.process_time()
+        found = diagnose(read_campaign(Path(scratch)))
+        spent = time.process_time() - begin
+    (block,) = found.blocks
+    row = {**judged(machine, found), "processor_seconds": spent}
+    if pairs:
+        row["best_pair"] = min(errors_of_pairs(block).items(), key=lambda item: item[1])
+    return row
+
+
+def judged(machine: Machine, found: Diagnosis) -> dict[str, Any]:
+    """Compare names and verdict with what an expert says of a machine."""
+    (block,) = found.blocks
+    names = [effect.name for effect in (*found.effects, *found.doubtful)]
+    allowed = frozenset().union(*machine.dominant) | machine.accepted | ALWAYS_ACCEPTED
+    verdict = str(found.verdict)
+    unexplained = block.gap.worst_unexplained_share or 0.0
+    right = all(group & set(names) for group in machine.dominant)
+    return {
+        "verdict": verdict,
+        "names": names,
+        "right": right or (machine.unknown and verdict == "unknown_effect"),
+        "false": sorted(set(names) - allowed),
+        "unknown": None if found.unknown is None else found.unknown.to_dict(),
+        "before": block.gap.before,
+        "after": block.gap.after,
+        "worst_unexplained": unexplained,
+        "overstated": verdict == "named" and unexplained > LARGEST_REMAINDER,
+        "probability": {effect.name: effect.probability for effect in found.effects},
+    }
+
+
+def errors_of_pairs(found: BlockDiagnosis) -> dict[str, float]:
+    """Held-out error of each pair of effects of the library, and of each single one."""
+    problem = found.problem
+    null = found.calibrated
+    singles = {}
+    for one in screened(problem, null, found.block.candidates, null):
+        if one.start.size:
+            space = ModelSpace(found.block, (one.kind,))
+            singles[one.kind] = fit(problem, space, [one.start, *one.others], null.noise)
+    errors = {}
+    for kind, single in singles.items():
+        errors[str(kind.name)] = held_out_nrmse(found.proof, residuals(found.proof, single))
+        for one in screened(problem, single, found.block.candidates, null):
+            if one.start.size and one.kind not in single.space.effects:
+                space = ModelSpace(found.block, (kind, one.kind))
+                pair = fit(problem, space, [one.start], single.noise)
+                error = held_out_nrmse(found.proof, residuals(found.proof, pair))
+                key = " + ".join(sorted((str(kind.name), str(one.kind.name))))
+                errors[key] = min(error, errors.get(key, np.inf))
+    return errors
+
+
+def show(rows: Mapping[str, Mapping[str, Any]]) -> None:
+    """Print the shares over all campaigns."""
+    every = list(rows.values())
+    told = {
+        "dominant effect named, or rightly unknown": [row["right"] for row in every],
+        "a false name beside it": [bool(row["false"]) for row in every],
+        "named although more than 20 % of a kind of test is unexplained": [
+            row["overstated"] for row in every
+        ],
+    }
+    beside = [row["after"] <= CLOSE * row["best_pair"][1] for row in every if "best_pair" in row]
+    if beside:
+        told["held-out error within 1.15 times that of the best pair"] = beside
+    for words, answers in told.items():
+        print(f"{words}: {sum(answers)} of {len(answers)}, {np.mean(answers):.0%}")
+    seconds = [row["processor_seconds"] for row in every]
+    print(f"processor time: {np.median(seconds):.0f} s in the median, {max(seconds):.0f} at most")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=2)
+    parser.add_argument("--machines", nargs="*", default=list(MACHINES), choices=list(MACHINES))
+    parser.add_argument("--pairs", action="store_true", help="fit all pairs of effects, which takes longer")
+    given = parser.parse_args(arguments)
+    given.folder.mkdir(parents=True, exist_ok=True)
+    rows = {}
+    for seed, name in itertools.product(range(given.seed, given.seed + given.count), given.machines):
+        file = given.folder / f"{name}_{seed}.json"
+        if not file.exists():
+            file.write_text(json.dumps(examined(name, seed, pairs=given.pairs)), encoding="utf-8")
+        rows[file.stem] = row = json.loads(file.read_text(encoding="utf-8"))
+        mark = "right" if row["right"] and not row["false"] else "WRONG"
+        beside = (
+            f", best pair {row['best_pair'][1]:.4f} ({row['best_pair'][0]})" if "best_pair" in row else ""
+        )
+        print(
+            f"{file.stem}: {mark}: {row['verdict']} {', '.join(row['names'])}, {row['before']:.4f} → "
+            f"{row['after']:.4f}{beside} ({row['processor_seconds']:.0f} s)",
+            flush=True,
+        )
+    show(rows)
+
+
+if __name__ == "__main__":
+    main()
