@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.search import BESIDE, MATERIAL, Search
 from reliab.discrepancy.locating.noise_test import is_model_error
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
@@ -147,12 +148,12 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     searched = search.again()
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
-    if isinstance(block, SpecimenBlock) and _STATED in searched.null.space.on_bounds(
-        searched.null.coordinates
-    ):
-        searched = _with_open_stiffness(block, campaign, searched)
     advance()
-    searched = _refined(_judged(searched))
+    searched = _judged(searched)
+    null = searched.null
+    if isinstance(block, SpecimenBlock) and _STATED in null.space.on_bounds(null.coordinates):
+        searched = _with_open_stiffness(block, campaign, searched)
+    searched = _refined(searched)
     advance()
     finally_judged = _judged(searched)  # refinement may have uncovered an error of the model
     if finally_judged is not searched:
@@ -187,24 +188,30 @@ def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stret
 
 
 def _with_open_stiffness(block: SpecimenBlock, campaign: Campaign, stated: Search) -> Search:
-    """Search with a stiffness that may have any value, and believe it where fewer parameters say more.
+    """Search with a stiffness that may have any value.
+
+    It is believed where fewer parameters say more with it, or where left-out tests are predicted far better.
 
     A stiffness that is stated wrongly, or a force in another unit, would otherwise be taken for an effect
     that happens to bring the missing stiffness.
     """
     search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
-    if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated.null, stated):
+    if _energy(search.null, search) > (1.0 - MATERIAL) * _energy(stated.null, stated):
         return stated
     search.whole()
-    opened = search.again()
-    simpler = opened.best.space.size < stated.best.space.size
-    return opened if simpler and opened.score(opened.best) > stated.score(stated.best) else stated
+    opened = _judged(search.again())
+    best, former = opened.best, stated.best
+    if opened.error(best).at_most(1.0 - BESIDE, stated.error(former)):
+        return opened
+    alike = opened.problem.flat is stated.problem.flat
+    better = opened.score(best) > stated.score(former) if alike else stated.problem.flat
+    return opened if better and best.space.size < former.space.size else stated
 
 
 def _energy(fitted: Fit, search: Search) -> float:
-    """Energy of what a model leaves at the judged frequencies."""
-    unit = NoiseModel.white(search.problem.block.rate, 1.0)
-    rows = search.problem.whitened(fitted.space, fitted.coordinates, unit)
+    """Energy of what a model leaves at the judged frequencies, in the square of the channel's unit."""
+    plain = replace(search.problem, tempering=(), powers=())
+    rows = plain.whitened(fitted.space, fitted.coordinates, NoiseModel.white(plain.block.rate, 1.0))
     return float(rows @ rows)
 
 

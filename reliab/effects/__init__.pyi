@@ -25,5 +25,6 @@ from .registry import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP, find_effect as fin
 from .second_order_dynamics import SecondOrderDynamics as SecondOrderDynamics
 from .sensor_bias import SensorBias as SensorBias
 from .sensor_drift import SensorDrift as SensorDrift
+from .series_play import SeriesPlay as SeriesPlay
 from .stroke_saturation import StrokeSaturation as StrokeSaturation
 from .viscous_damping import ViscousDamping as ViscousDamping

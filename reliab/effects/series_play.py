@@ -11,19 +11,23 @@ from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # State: started, y. What the spring and the damper miss of the piston's motion.
-    x, half = motion[0], 0.5 * coefficients[0]
+    # State: started, y. What spring and damper miss of the piston's motion; the effects that come after it
+    # in the specimen see the motion beyond the play.
+    x, v, half = motion[0], motion[1], 0.5 * coefficients[0]
     y = x if state[0] == 0.0 else min(max(state[1], x - half), x + half)
     rests = state[0] != 0.0 and y == state[1]
-    state[0], state[1] = 1.0, y
-    return coefficients[1] * (y - x) - (coefficients[2] * motion[1] if rests else 0.0)
+    state[0], state[1], motion[0] = 1.0, y, y
+    if rests:
+        motion[1] = motion[2] = 0.0
+    return coefficients[1] * (y - x) - (coefficients[2] * v if rests else 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SeriesPlay(SteppedEffect):
-    """The linear specimen answers k·y + c·y', where y rests until the piston has crossed the play.
+    """The specimen answers the motion y, which rests until the piston has crossed the play.
 
-    Unlike the two-sided dead zone of a gap the specimen stays where it was pushed to.
+    Unlike the two-sided dead zone of a gap the specimen stays where it was pushed to. Play is in series with
+    all of it: the linear spring and damper, and every other effect in the specimen.
     """
 
     name = "series_play"
@@ -39,7 +43,7 @@ class SeriesPlay(SteppedEffect):
             typical=0.03,
             lower=1e-5,
             upper=1.0,
-            starts=(0.01, 0.1),
+            starts=(0.01, 0.03, 0.1),
         ),
     )
     kernel = Kernel(function=_force, states=2)

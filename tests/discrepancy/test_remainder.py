@@ -10,7 +10,9 @@ from reliab.discrepancy.naming import unexplained
 from reliab.vocabulary import Block
 
 PROVED = SimpleNamespace(
-    by_kind=(SimpleNamespace(unexplained_share=0.99, model_error=0.16),), after=0.16, model_error=0.16
+    by_kind=(SimpleNamespace(unexplained_share=0.99, model_error=0.16, after=0.16, noise=0.0),),
+    after=0.16,
+    model_error=0.16,
 )
 MODEL = SimpleNamespace(space=SimpleNamespace(effects=("any",)), coordinates=None)
 

@@ -168,6 +168,16 @@ def test_effects_are_the_answer_where_they_explain_four_fifths_of_every_kind_of_
     assert (unexplained._remainder(problem, model, gap) is None) is named  # noqa: SLF001 - what is tested
 
 
+@pytest.mark.parametrize(("floor", "named"), [(0.0055, True), (0.0045, False), (None, True)])
+def test_a_small_gap_of_which_much_remains_is_named_only_near_the_noise(floor, named):
+    """From 0.02 to 0.01 of the signal: a fifth or more of the energy remains, twice the noise or less."""
+    floors = {} if floor is None else {"repeated tests": floor}
+    gap = replace(a_gap(a=("sine", 0.02, 0.01)), before=0.02, after=0.01, floors=floors)
+    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
+    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
+    assert (unexplained._remainder(problem, model, gap) is None) is named  # noqa: SLF001 - what is tested
+
+
 def test_a_remainder_is_described_by_what_it_looks_like():
     left = [
         SimpleNamespace(kind="frequency_band", detail="In force_n of the specimen X.", share_of_residual=0.9),

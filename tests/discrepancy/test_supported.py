@@ -57,6 +57,15 @@ def test_a_second_effect_explains_more_of_the_first_one_s_error_than_it_leaves(r
     assert models.supports(CUBIC)
 
 
+@pytest.mark.parametrize(("remaining", "supported"), [(0.008, True), (0.012, False)])
+def test_beside_a_far_larger_effect_one_is_named_that_takes_more_than_half_of_what_that_leaves(
+    remaining, supported
+):
+    """The first effect leaves a fiftieth of the whole gap, so that the second can take no thirtieth of it."""
+    models = Known({(CUBIC,): 0.02, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining})
+    assert models.supports(CUBIC, VISCOUS) is supported
+
+
 @pytest.mark.parametrize(("remaining", "supported"), [(0.75e-4, True), (0.85e-4, False)])
 def test_beside_a_much_larger_effect_one_is_named_that_takes_a_tenth_off_the_noise(remaining, supported):
     models = Known({(CUBIC,): 1e-4, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining}, flat=False)

@@ -10,8 +10,15 @@ from scipy.interpolate import CubicSpline
 from reliab.effects import LinearEffect, Role, Scales, Setting, find_effect, library
 from reliab.errors import InputError
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load, read_displacement
-from reliab.structures import Specimen
+from reliab.simulation.hybrid_test import (
+    HybridTest,
+    Motion3,
+    drive,
+    load,
+    read_displacement,
+    run_closed_loop,
+)
+from reliab.structures import Specimen, Structure
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
@@ -236,6 +243,39 @@ def test_play_in_series_leaves_the_specimen_where_it_was_pushed_to():
     np.testing.assert_allclose(
         force_of("series_play", width_m=play), 50.0 * (np.array(answered) - X), atol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("cubic_stiffness", {"cubic_n_per_m3": 40.0}),
+        ("hysteresis", {"force_n": 9.0, "displacement_m": 0.05}),
+        ("coulomb_friction", {"force_n": 3.0, "regularisation_velocity_m_per_s": 0.01}),
+    ],
+)
+def test_play_is_in_series_with_every_effect_in_the_specimen(name, parameters):
+    """Named in any order; the motion beyond the play is that of backlash in the drive."""
+    effect, play = find_effect(name)(**parameters), find_effect("series_play")(width_m=0.1)
+    specimen = Specimen(stiffness=50.0, damping=2.0)
+    beyond = drive(HybridTest(effects=(find_effect("backlash")(width_m=0.1),)), MOTION)
+    expected = load(HybridTest(specimen=specimen, effects=(effect,)), beyond)
+    for effects in ((effect, play), (play, effect)):
+        found = load(HybridTest(specimen=specimen, effects=effects), MOTION)
+        np.testing.assert_allclose(found[1:], expected[1:], atol=1e-9 * np.abs(expected).max())
+
+
+def test_play_in_a_closed_loop_is_that_along_the_same_motion():
+    effects = (
+        find_effect("series_play")(width_m=0.05),
+        find_effect("hysteresis")(force_n=9.0, displacement_m=0.05),
+    )
+    test = HybridTest(
+        structure=Structure(frequency=1.0, damping_ratio=0.05),
+        actuator=Actuator(delay=0.005),
+        effects=effects,
+    )
+    histories = run_closed_loop(test, np.sin(6.0 * TIME), STEP)
+    np.testing.assert_allclose(load(test, histories.piston), histories.force, atol=1e-6)
 
 
 def test_rectified_sensor_folds_one_side():

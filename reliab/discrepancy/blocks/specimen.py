@@ -26,6 +26,7 @@ from reliab.effects import (
     Role,
     Scales,
     SensorDrift,
+    SeriesPlay,
     SteppedEffect,
     library,
 )
@@ -127,7 +128,9 @@ class SpecimenBlock(ObservedBlock):
             piston = _without_reading(model, piston)
         if self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects):
             return read_force(model, piston, self._expected_load(model, piston, test))
-        if piston is not self.motions[test]:
+        if piston is not self.motions[test] or any(
+            isinstance(effect, SeriesPlay) for effect in model.effects
+        ):
             return read_force(model, piston, load(model, piston))
         setting = model.setting(piston.step)
         force = load(replace(model, effects=()), piston)

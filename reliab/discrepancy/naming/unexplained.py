@@ -28,11 +28,12 @@ What remains is then at most half of what the effects explain, in RMS. Beyond it
 `unknown_effect`."""
 
 SMALLEST_REMAINDER = 0.03
-"""RMS of a remainder beside named effects, over that of the signal, below which it is no effect."""
+"""RMS of a remainder beside named effects, over that of the signal, below which it is no effect where the
+noise floor is not known."""
 
 _ABOVE_FLOOR = 2.0
-"""Times the noise floor from which a remainder is called an effect where no effect was found: three quarters
-of its energy are then no noise."""
+"""Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
+noise."""
 
 SMALLEST_GAP = 0.1
 """RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
@@ -80,7 +81,8 @@ def _remainder(problem: Problem, best: Fit, proved: Gap, remaining: Sequence[Fin
     worst = next(iter(proved.by_kind), None)
     if best.space.effects and worst is not None:
         share = worst.unexplained_share or 0.0
-        large = worst.model_error > SMALLEST_REMAINDER and share > LARGEST_REMAINDER
+        above_noise = worst.after > _ABOVE_FLOOR * worst.noise > 0.0
+        large = share > LARGEST_REMAINDER and (worst.model_error > SMALLEST_REMAINDER or above_noise)
     else:
         large = proved.model_error > SMALLEST_GAP
         large = large or (proved.floor is not None and proved.after > _ABOVE_FLOOR * proved.floor)

@@ -46,4 +46,4 @@ class LateForce(OutsideTerm):
     def delayed(self, force: Array, step: float) -> Array:
         """Force as it is recorded, shape (n,), at steps [s]; before the first sample it is the first."""
         time = np.arange(force.size) * step
-        return np.interp(time - self.lag_s, time, force)
+        return np.asarray(np.interp(time - self.lag_s, time, force))
