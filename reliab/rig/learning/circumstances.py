@@ -56,13 +56,16 @@ class Likeness:
             respects += [f"time {length:g}" for length in _LENGTHS if count > 2 * length]
         return cls(learned=learned, centres=centres, respects=tuple(respects))
 
-    def among_learned(self) -> list[Array]:
-        """One matrix for each respect."""
+    def among_learned(self) -> Array:
+        """One matrix for each respect, shape (respects, learned, learned)."""
         return self.between(self.learned)
 
-    def between(self, others: Circumstances) -> list[Array]:
-        """One matrix for each respect, shape (others, learned)."""
-        return [self._in(respect, others, self.learned) for respect in self.respects]
+    def between(self, others: Circumstances) -> Array:
+        """One matrix for each respect, shape (respects, others, learned)."""
+        matrices = np.zeros((len(self.respects), len(others), len(self.learned)))
+        for matrix, respect in zip(matrices, self.respects, strict=True):
+            matrix[:] = self._in(respect, others, self.learned)
+        return matrices
 
     def of_each_alone(self, others: Circumstances) -> list[Array]:
         """Likeness of each other test to itself, shape (others,) for each respect."""

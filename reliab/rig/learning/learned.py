@@ -40,12 +40,9 @@ class Learned:
         between, alone = self.likeness.between(others), self.likeness.of_each_alone(others)
         among = self.likeness.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
-        mean, variance = self._at(self.variances.mode, standard, among, between, len(others))
+        mean, variance = self._at(self.variances.mode, standard, among, between)
         chosen = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
-        means = [
-            self._at(theta, standard, among, between, len(others))[0]
-            for theta in self.variances.draws[chosen]
-        ]
+        means = [self._at(theta, standard, among, between)[0] for theta in self.variances.draws[chosen]]
         prior = sum(
             (
                 np.exp(2.0 * log_spread) * alike
@@ -56,15 +53,13 @@ class Learned:
         deviation = np.sqrt(np.maximum(prior - variance + np.var(means, axis=0), _SMALLEST))
         return self.centre + self.spread * mean, self.spread * deviation
 
-    def _at(
-        self, theta: Array, standard: Array, among: list[Array], between: list[Array], count: int
-    ) -> tuple[Array, Array]:
+    def _at(self, theta: Array, standard: Array, among: Array, between: Array) -> tuple[Array, Array]:
         """Mean of other tests, and the variance that the learned ones take off, at given variances."""
         size = standard.size
-        matrix = covariance(among, theta, (size, size))
+        matrix = covariance(among, theta)
         matrix[np.diag_indices(size)] += np.exp(2.0 * theta[-1]) / self.variances.weights
         factor = scipy.linalg.cho_factor(matrix, lower=True, check_finite=False)
-        across = covariance(between, theta, (count, size))
+        across = covariance(between, theta)
         solved = scipy.linalg.cho_solve(factor, across.T, check_finite=False)
         return solved.T @ standard, np.einsum("ij,ji->i", across, solved)
 
@@ -149,11 +144,11 @@ def _median_spread(values: Array, centre: float) -> float:
 
 
 def _left_out(
-    standard: Array, among: list[Array], variances: Variances, events: NDArray[np.str_]
+    standard: Array, among: Array, variances: Variances, events: NDArray[np.str_]
 ) -> tuple[Array, Array]:
     """Residual of each test, and spread of an ordinary test, predicted without its earthquake."""
     noise = np.exp(2.0 * variances.mode[-1])
-    matrix = covariance(among, variances.mode, (standard.size, standard.size))
+    matrix = covariance(among, variances.mode)
     matrix[np.diag_indices(standard.size)] += noise / variances.weights
     inverse, _ = inverse_of(matrix)
     solved = inverse @ standard

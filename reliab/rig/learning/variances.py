@@ -3,8 +3,9 @@
 The quantity is y = level + Σ effects + noise; each effect is normal with a likeness matrix B_c of its own and
 a variance that is learned, so that the covariance is K = 100 + Σ σ_c² B_c + σ² W⁻¹. The odd test has a small
 weight in W, as under Student's t distribution of four degrees of freedom, from its residual when it is left
-out. The posterior of the logarithms of all σ is normal about its mode (Laplace), corrected by importance
-weights of draws in four independent batches, from which R-hat and effective sizes come.
+out. The posterior of the logarithms of all σ is drawn by importance sampling: first about its mode by its
+curvature there, then about the mean of these draws by their covariance (population Monte Carlo: Cappé and
+others 2004), in four independent batches from which R-hat and effective sizes come.
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,10 @@ _PRIOR_OF_TIME = (float(np.log(0.1)), 1.0)
 _PRIOR_OF_NOISE = (float(np.log(0.7)), 0.7)
 _DEGREES = 4.0
 _ROUNDS = 3
-_BATCHES, _DRAWS, _DRAWS_OF_MANY, _MANY = 4, 32, 12, 300
+_BATCHES, _FEWEST_DRAWS, _MOST_DRAWS = 4, 40, 128
+_WORK = 1e9  # draws in a batch times the cube of the tests
+_POPULATIONS = 3
+_AS_MANY = 3.0  # draws for each effect, that the covariance of before counts as
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,10 +40,8 @@ class Variances:
     effective_size: float
 
 
-def fit_variances(
-    values: Array, likeness: Sequence[Array], respects: Sequence[str], *, seed: int = 0
-) -> Variances:
-    """Learn from standardised values, shape (tests,), with one likeness matrix for each respect."""
+def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, seed: int = 0) -> Variances:
+    """Learn from standardised values, shape (tests,), and their likeness, shape (respects, tests, tests)."""
     priors = np.array(
         [_PRIOR_OF_TIME if respect.startswith("time") else _PRIOR for respect in respects] + [_PRIOR_OF_NOISE]
     )
@@ -56,24 +58,21 @@ def fit_variances(
     )
 
 
-def covariance(likeness: Sequence[Array], theta: Array, shape: tuple[int, int]) -> Array:
-    """Covariance of values without noise, from likeness matrices of a shape."""
-    total = np.full(shape, LEVEL)
-    for matrix, log_spread in zip(likeness, theta, strict=False):
-        total += np.exp(2.0 * log_spread) * matrix
-    return total
+def covariance(likeness: Array, theta: Array) -> Array:
+    """Covariance of values without noise, from their likeness, shape (respects, others, tests)."""
+    return np.asarray(LEVEL + np.tensordot(np.exp(2.0 * theta[: len(likeness)]), likeness, axes=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Problem:
     values: Array
-    likeness: Sequence[Array]
+    likeness: Array
     weights: Array
     priors: Array  # Mean and spread of each ln σ
 
     def _covariance(self, theta: Array) -> Array:
         count = self.values.size
-        total = covariance(self.likeness, theta, (count, count))
+        total = covariance(self.likeness, theta)
         total[np.diag_indices(count)] += np.exp(2.0 * theta[-1]) / self.weights
         return total
 
@@ -122,31 +121,48 @@ def inverse_of(matrix: Array) -> tuple[Array, float]:
     """Inverse of a positive definite matrix, and the logarithm of its determinant."""
     factor, _ = scipy.linalg.cho_factor(matrix, lower=True, check_finite=False)
     inverse, _ = scipy.linalg.lapack.dpotri(factor, lower=1)
-    inverse = np.tril(inverse) + np.tril(inverse, -1).T
+    inverse = np.where(np.tri(len(inverse), dtype=bool), inverse, inverse.T)
     return inverse, 2.0 * float(np.log(np.diag(factor)).sum())
 
 
 def _importance_draws(problem: _Problem, mode: Array, rng: np.random.Generator) -> tuple[Array, float, float]:
     """Draws of the posterior, their R-hat over batches, and how many independent ones they are worth."""
-    factor = _spread_about(problem, mode)
-    per_batch = _DRAWS if problem.values.size <= _MANY else _DRAWS_OF_MANY
-    normal = rng.standard_normal((_BATCHES * per_batch, mode.size))
-    longer = np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (len(normal), 1)))
-    proposed = mode + (normal * longer) @ factor.T
-    degrees = _DEGREES + mode.size
-    density = -0.5 * degrees * np.log1p(((normal * longer) ** 2).sum(axis=1) / _DEGREES)
-    logarithms = np.array([-problem.loss(theta) for theta in np.clip(proposed, -12.0, 6.0)]) - density
-    weights = np.exp(logarithms - logarithms.max())
-    weights = np.minimum(weights, weights.mean() * np.sqrt(weights.size))  # truncated, Ionides 2008
-    weights = weights / weights.sum()
+    per_batch = int(np.clip(_WORK / problem.values.size**3, _FEWEST_DRAWS, _MOST_DRAWS))
+    centre, factor = mode, _spread_about(problem, mode)
+    for _ in range(_POPULATIONS):
+        drawn, weights = _weighted_draws(problem, centre, factor, _BATCHES * per_batch, rng)
+        centre, factor = _moments(drawn, weights, factor)
     batches = weights.reshape(_BATCHES, -1)
-    shares = batches.sum(axis=1)
-    means = np.einsum("bi,bip->bp", batches, proposed.reshape(_BATCHES, -1, mode.size)) / shares[:, None]
-    chosen = rng.choice(weights.size, size=weights.size, p=weights)
-    draws = proposed[chosen]
+    means = np.einsum("bi,bip->bp", batches, drawn.reshape(_BATCHES, per_batch, mode.size))
+    means /= batches.sum(axis=1)[:, None]
+    draws = drawn[rng.choice(weights.size, size=weights.size, p=weights)]
     within = draws.var(axis=0) + 1e-12
     r_hat = float(np.sqrt(1.0 + means.var(axis=0, ddof=1) / within).max())
     return draws, r_hat, float(1.0 / (weights**2).sum())
+
+
+def _weighted_draws(
+    problem: _Problem, centre: Array, factor: Array, count: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Draws of Student's t distribution, and what each counts in the posterior, with a sum of 1."""
+    normal = rng.standard_normal((count, centre.size))
+    normal *= np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (count, 1)))
+    drawn = np.clip(centre + normal @ factor.T, -12.0, 6.0)
+    density = -0.5 * (_DEGREES + centre.size) * np.log1p((normal**2).sum(axis=1) / _DEGREES)
+    logarithms = np.array([-problem.loss(theta) for theta in drawn]) - density
+    weights = np.exp(logarithms - logarithms.max())
+    weights = np.minimum(weights, weights.mean() * np.sqrt(count))  # truncated, Ionides 2008
+    return drawn, weights / weights.sum()
+
+
+def _moments(drawn: Array, weights: Array, factor: Array) -> tuple[Array, Array]:
+    """Mean and factor of the covariance of weighted draws, the nearer to that of before the fewer count."""
+    centre = weights @ drawn
+    spread = drawn - centre
+    counted = 1.0 / float((weights**2).sum())
+    share = counted / (counted + _AS_MANY * drawn.shape[1])
+    matrix = share * (weights[:, None] * spread).T @ spread + (1.0 - share) * factor @ factor.T
+    return centre, np.linalg.cholesky(matrix)
 
 
 def _spread_about(problem: _Problem, mode: Array) -> Array:
