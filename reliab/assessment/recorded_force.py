@@ -134,7 +134,7 @@ def _without_line(values: Array) -> Array:
     """Take off the straight line of least squares."""
     centred = values - values.mean()
     place = np.arange(values.size) - 0.5 * (values.size - 1)
-    return centred - place * (float(place @ centred) / float(place @ place))
+    return np.asarray(centred - place * (float(place @ centred) / float(place @ place)))
 
 
 def unexamined_unit(recording: Recording, structure: Structure) -> str:

@@ -129,7 +129,7 @@ def _sampled_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array
     into = held - rising + states @ rising
     denominator = np.poly(states)
     read = np.poly(states - into @ np.array([[1.0, 0.0]]))
-    return read + (rising[0, 0] - 1.0) * denominator, denominator
+    return np.asarray(read + (rising[0, 0] - 1.0) * denominator), np.asarray(denominator)
 
 
 def _per_squared_error(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:

@@ -1,25 +1,28 @@
 """Cubic spline through samples, whose third derivative is continuous at the second and last but one."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 
 _FEWEST = 4
+
+_Numbers = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CubicPath:
     """A function of time between samples, and beyond them the polynomial of the nearest pair."""
 
-    times: Array  # Instants of the samples, increasing, shape (n,)
+    times: _Numbers  # Instants of the samples, increasing, shape (n,)
     coefficients: Array  # Of the powers three to zero of the time since the sample before, shape (4, n - 1)
 
     @classmethod
-    def through(cls, times: Array, values: Array) -> Self:
+    def through(cls, times: _Numbers, values: _Numbers) -> Self:
         """Lay the path through two or more samples, shape (n,) each; a line or parabola through two or three.
 
         >>> path = CubicPath.through(np.arange(6.0), np.arange(6.0) ** 3)
@@ -35,11 +38,11 @@ class CubicPath:
         square = (rises - slopes[:-1]) / steps - bend
         return cls(times=times, coefficients=np.stack([bend / steps, square, slopes[:-1], values[:-1]]))
 
-    def __call__(self, at: Array, derivative: int = 0) -> Array:
+    def __call__(self, at: _Numbers, derivative: int = 0) -> Array:
         """Read the path, or a derivative of it, at instants in any order."""
-        return self.read(at, (derivative,))[0]
+        return np.asarray(self.read(at, (derivative,))[0])
 
-    def read(self, at: Array, derivatives: tuple[int, ...]) -> Array:
+    def read(self, at: _Numbers, derivatives: tuple[int, ...]) -> Array:
         """Read several derivatives of the path at instants, shape (derivatives, instants)."""
         place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, self.times.size - 2)
         since = at - self.times[place]
@@ -52,7 +55,7 @@ class CubicPath:
         return np.stack([by_order[derivative]() for derivative in derivatives])
 
 
-def _slopes(times: Array, steps: Array, rises: Array) -> Array:
+def _slopes(times: _Numbers, steps: _Numbers, rises: _Numbers) -> Array:
     """Slopes at the samples, at which the second derivative is continuous."""
     diagonal, above, below = (np.empty(size) for size in (times.size, times.size - 1, times.size - 1))
     right = np.empty(times.size)

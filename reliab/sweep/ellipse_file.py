@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -44,10 +44,14 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
 
 def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
     """Keep what resembles each other in one chunk: the windows, structures and errors of two motions."""
-    most = {Dimension.MOTION: 2, Dimension.METRIC: 1, Dimension.CURVE: 1, Dimension.SIDE: 1}
+    most: dict[Hashable, int] = {
+        Dimension.MOTION: 2,
+        Dimension.METRIC: 1,
+        Dimension.CURVE: 1,
+        Dimension.SIDE: 1,
+    }
     return tuple(
-        min(most.get(name, size), size)
-        for name, size in zip(variable.dims, variable.shape, strict=True)  # type: ignore[call-overload]
+        min(most.get(name, size), size) for name, size in zip(variable.dims, variable.shape, strict=True)
     )
 
 

@@ -188,7 +188,7 @@ def _rounding(
 def _with_neighbours(power: Array) -> Array:
     """Average the power of each row with that of the rows beside it, which count by half."""
     beside = np.concatenate([power[:1], power, power[-1:]])
-    return power * 0.5 + (beside[:-2] + beside[2:]) * 0.25
+    return np.asarray(power * 0.5 + (beside[:-2] + beside[2:]) * 0.25)
 
 
 def _bands(hop: int) -> NDArray[np.int64]:
