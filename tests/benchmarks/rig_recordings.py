@@ -148,7 +148,7 @@ def state(name: str, rows: pd.DataFrame) -> None:
     shares = ", ".join(f"{column} {rows[column].mean():.0%}" for column in ("A", "d_ms", "rms"))
     scores = ", ".join(
         f"{column.removeprefix('score ')} {rows[column].mean():.2f}"
-        for column in rows
+        for column in map(str, rows)
         if column.startswith("score ")
     )
     print(f"{name}, {len(rows)} tests: {shares}; log score {scores}", flush=True)
