@@ -40,7 +40,7 @@ def file_report(
 
     Parameters
     ----------
-    assessment : Assessment or FrameAssessment
+    assessment : Assessment, FrameAssessment or CoupledAssessment
         What :func:`reliab.assess` answered.
     report : str or pathlib.Path
         The PDF.
@@ -54,19 +54,23 @@ def file_report(
     InputError
         If the file cannot be written.
     """
-    if isinstance(assessment, CoupledAssessment):
-        raise unused("report", "beside a `structure` with several actuators; `details` prints all")
     from reliab.report import write_pdf
-    from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
+    from reliab.report.kinds.assessment import (
+        assessment_report,
+        coupled_assessment_report,
+        frame_assessment_report,
+    )
 
     files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
     if structure is not None:
         files["structure"] = Path(structure)
-    document = (
-        assessment_report(assessment, provenance=_checksums(files))
-        if isinstance(assessment, Assessment)
-        else frame_assessment_report(assessment, provenance=_checksums(files))
-    )
+    checksums = _checksums(files)
+    if isinstance(assessment, Assessment):
+        document = assessment_report(assessment, provenance=checksums)
+    elif isinstance(assessment, CoupledAssessment):
+        document = coupled_assessment_report(assessment, provenance=checksums)
+    else:
+        document = frame_assessment_report(assessment, provenance=checksums)
     write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
 
 

@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 
 import reliab
+from reliab import cli
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording
+from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
 from reliab.simulation.frames import coupled_response, read_frame, read_structure
 
@@ -38,9 +40,14 @@ def recorded(tmp_path_factory):
     return file, path, np.sqrt(np.mean(strayed**2, axis=1)) / peak
 
 
-def test_json_holds_each_degree_and_the_governing_one(recorded):
-    file, frame, true = recorded
-    answer = reliab.assess(file, frame).to_dict()
+@pytest.fixture(scope="module")
+def assessed(recorded):
+    return reliab.assess(recorded[0], recorded[1])
+
+
+def test_json_holds_each_degree_and_the_governing_one(recorded, assessed):
+    true = recorded[2]
+    answer = assessed.to_dict()
     json.dumps(answer, allow_nan=False)
     degrees = answer["error"]["degrees_of_freedom"]
     assert set(degrees) == {"x", "theta"}
@@ -54,7 +61,7 @@ def test_json_holds_each_degree_and_the_governing_one(recorded):
     assert 0.0 < answer["stability_margin"] < 1.0
 
 
-def test_a_recording_and_interface_coordinates_give_the_same(recorded, tmp_path):
+def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed, tmp_path):
     file, path, _ = recorded
     frame, table = read_structure(path), pd.read_csv(file)
     at_actuators = [table[[f"{name}_1", f"{name}_2"]].to_numpy().T for name in ("command", "measured")]
@@ -63,8 +70,7 @@ def test_a_recording_and_interface_coordinates_give_the_same(recorded, tmp_path)
     command, measured = (frame.to_interface @ history for history in at_actuators)
     recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
     found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
-    same = reliab.assess(file, path)
-    for one, another in zip(found.error.degrees, same.error.degrees, strict=True):
+    for one, another in zip(found.error.degrees, assessed.error.degrees, strict=True):
         assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
 
 
@@ -80,7 +86,7 @@ def test_matrices_may_stand_in_files(tmp_path):
     np.testing.assert_allclose(again.partition.stiffness, frame.partition.stiffness, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
+BAD = pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
         ("[1.0, -0.25]", "[1.0, 0.25]", "must not be singular"),
@@ -90,6 +96,9 @@ def test_matrices_may_stand_in_files(tmp_path):
         ("    [-4.0e5, 9.0e5, 2.0e5],\n", "    [-4.0e5, 9.0e5],\n", "rows of a matrix"),
     ],
 )
+
+
+@BAD
 def test_a_bad_description_ends_in_a_sentence(recorded, tmp_path, old, new, sentence):
     text = recorded[1].read_text(encoding="utf-8")
     assert old in text
@@ -97,6 +106,35 @@ def test_a_bad_description_ends_in_a_sentence(recorded, tmp_path, old, new, sent
     bad.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError, match=sentence):
         read_structure(bad)
+
+
+@BAD
+def test_a_bad_description_is_one_sentence_and_exit_code_2(recorded, tmp_path, capsys, old, new, sentence):
+    bad = tmp_path / "bad.toml"
+    bad.write_text(recorded[1].read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    assert cli.run(["assess", str(recorded[0]), "--structure", str(bad)]) == 2
+    out, said = capsys.readouterr()
+    assert not out
+    assert sentence in said
+    assert "Traceback" not in said
+
+
+def test_its_report_holds_each_degree_and_the_parts(assessed):
+    document = coupled_assessment_report(assessed, provenance={})
+    errors, _ = document.blocks[0].blocks
+    assert errors.frame["0"].tolist() == ["x", "theta"]
+    parts = document.blocks[2].blocks[1]
+    assert "delay of actuator 2" in parts.frame["0"].tolist()
+    assert "ᴿ" in document.verdict
+    assert "^" not in document.verdict
+
+
+@pytest.mark.slow
+def test_its_report_is_written(recorded, tmp_path):
+    file, frame, _ = recorded
+    report = tmp_path / "report.pdf"
+    assert cli.run(["assess", str(file), "--structure", str(frame), "--report", str(report)]) == 0
+    assert report.read_bytes().startswith(b"%PDF")
 
 
 def test_what_takes_one_actuator_refuses_several(recorded):

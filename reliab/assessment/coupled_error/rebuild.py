@@ -34,6 +34,7 @@ _FEWEST_PER_PERIOD = 10.0
 _IN_PERIOD_OF_BAND = 0.25
 _PER_PERIOD = 24.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
+_NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that are linear between samples
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _LEAST = 0.05
 _STILL = 1e-12
@@ -324,7 +325,7 @@ def _samples_in_step(structure: CoupledPartition, band: float, step: float, samp
     """Return the number of samples of which one is enough while draws are swept."""
     frequency, _, moved = structure.modes
     share = np.diag(structure.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2
-    governing = frequency[(share > _TAKES_PART * share.sum()) & (frequency <= _ABOVE_BAND * band)]
+    governing = frequency[(share > _TAKES_PART * share.sum()) & (frequency <= _NEAR_BAND * band)]
     fastest = float(governing.max()) if governing.size else float(frequency[0])
     of_structure = max(int(1.0 / (_PER_PERIOD * fastest * step)), 1)
     of_band = max(int(_IN_PERIOD_OF_BAND / (band * step)), 1)
