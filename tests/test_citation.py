@@ -3,14 +3,17 @@
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+from reliab.criterion.methods import METHODS
+from reliab.effects import library
 from reliab.report.sources import SOURCES
 from reliab.version import __version__
 
 ROOT = Path(__file__).parents[1]
 MOST_WORDS = 1000  # of the summary, without its head
-NAMING = ("README.md", "reliab/README.md", "reports/site/paper.md", "reports/summary.md", "reports")
+NAMING = ("README.md", "reliab/README.md", "reports/site/paper.md", "reports")
 
 
 def test_the_citation_states_this_version():
@@ -22,11 +25,33 @@ def test_the_citation_states_this_version():
 
 
 def test_the_summary_has_the_sections_and_the_length_of_a_software_journal():
-    _, head, text = (ROOT / "reports" / "summary.md").read_text(encoding="utf-8").split("---\n", maxsplit=2)
+    _, head, text = (ROOT / "reports" / "paper.md").read_text(encoding="utf-8").split("---\n", maxsplit=2)
     assert "authors:" in head
     sections = re.findall(r"^# (.*)$", text, re.MULTILINE)
-    assert {"Summary", "Statement of need", "Comparison with other software", "References"} <= set(sections)
+    assert {"Summary", "Statement of need", "State of the field", "References"} <= set(sections)
     assert len(text.split()) <= MOST_WORDS
+
+
+def test_the_paper_cites_what_its_list_holds_and_nothing_else():
+    text = (ROOT / "reports/paper.md").read_text(encoding="utf-8")
+    entries = re.findall(
+        r"^@\w+\{(\w+),$", (ROOT / "reports/paper.bib").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert sorted(set(re.findall(r"@(\w+\d{4})", text))) == sorted(entries)
+    assert f"title = {{{paper_title()}}}" in listed.casefold()
+
+
+def test_numbers_of_the_paper_are_those_of_the_package():
+    text = (ROOT / "reports/paper.md").read_text(encoding="utf-8")
+    table = pd.read_csv(ROOT / "reports/site/other_methods.csv")
+    names = ("tracking_indicator", "pei", "fei", "face", "rebuilt")
+    ranks = ", ".join(f"{table[name].corr(table['true'], method='spearman'):.2f}" for name in names)
+    assert f"| {len(table)} tests; {ranks} |" in text
+    assert f"On {len(table)} tests" in text
+    assert f"| {len(METHODS)} methods |" in text
+    assert f"| {len(list(library()))} effects |" in text
+    earthquakes = pd.read_csv(ROOT / "datasets/real_suite/earthquakes.csv")
+    assert f"| 100 motions, {len(earthquakes)} earthquakes |" in text
 
 
 def paper_title():

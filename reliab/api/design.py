@@ -49,6 +49,7 @@ def design_test(
     *,
     f: Quantity | Sequence[Quantity] = 1.0,
     xi: Quantity = 0.02,
+    alpha: Quantity = 1.0,
     threshold: float | None = None,
     confidence: Numbers | None = None,
     metric: str | None = None,
@@ -62,6 +63,10 @@ def design_test(
         Natural frequencies [Hz].
     xi : float, optional
         Damping ratio [-].
+    alpha : float, optional
+        Share of the stiffness in the laboratory [-]; limits of wholly experimental structures are carried to
+        it by a law for springs, which holds from ten times the damping ratio on. A criterion of one's own
+        speaks for its own share.
     threshold : float, optional
         Error of the whole test [-], 0.05 by default; a criterion brings its own.
     confidence : float or sequence of float, optional
@@ -89,11 +94,17 @@ def design_test(
     [(1.0, 0.95)]
     """
     if criterion is not None:
-        given = {"threshold": threshold, "confidence": confidence, "metric": metric}
+        share_given = None if _exact(alpha, "alpha") == 1.0 else alpha
+        given = {
+            "threshold": threshold,
+            "confidence": confidence,
+            "metric": metric,
+            "alpha": share_given,
+        }
         for name in (name for name, value in given.items() if value is not None):
             raise unused(name, "beside `criterion`, which brings its own")
     read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
-    ratio = _exact(xi, "xi")
+    ratio, share = _exact(xi, "xi"), _exact(alpha, "alpha")
 
     def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:
         return tuple(
@@ -104,6 +115,7 @@ def design_test(
                 confidences=CONFIDENCES if confidence is None else several(confidence),
                 metric=str(metric or Metric.RMS),
                 criterion=read,
+                experimental_fraction=share,
             )
         )
 

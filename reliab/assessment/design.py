@@ -1,14 +1,14 @@
 """Before the test: how much delay and amplitude error a rig may have."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
 from reliab.assessment.placement import carried_limits
-from reliab.criterion import Criterion
+from reliab.criterion import Criterion, growth
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
 from reliab.vocabulary import MILLI
@@ -23,8 +23,8 @@ class Tolerance:
 
     Attributes
     ----------
-    frequency, damping_ratio : float
-        The structure [Hz, -].
+    frequency, damping_ratio, experimental_fraction : float
+        The structure [Hz, -, -].
     threshold : float
         Error of the whole test [-].
     confidence : float
@@ -50,6 +50,7 @@ class Tolerance:
     b: float
     critical_delay: float
     outside_validity: bool
+    experimental_fraction: float = 1.0
     population: str = ""
     scope: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
@@ -75,6 +76,7 @@ class Tolerance:
         return {
             "f": self.frequency,
             "xi": self.damping_ratio,
+            "alpha": self.experimental_fraction,
             "threshold": self.threshold,
             "confidence": self.confidence,
             "a": self.a,
@@ -119,6 +121,7 @@ def tolerable_errors(
     confidences: Sequence[float] = CONFIDENCES,
     metric: str = "rms",
     criterion: Criterion | None = None,
+    experimental_fraction: float = 1.0,
 ) -> list[Tolerance]:
     """State tolerable errors before a test.
 
@@ -137,6 +140,9 @@ def tolerable_errors(
     criterion : Criterion, optional
         A criterion that brings its own threshold, metric and confidence; by default the one that ships
         with the package, at each of the confidences.
+    experimental_fraction : float, optional
+        Share α of the stiffness in the laboratory [-], to which limits of α = 1 are carried by the law of
+        :func:`reliab.criterion.growth`.
 
     Returns
     -------
@@ -144,9 +150,10 @@ def tolerable_errors(
         By frequency, then by confidence. Outside of the criterion's validity the nearest structure
         stands for the one asked for, by dimensionless errors.
     """
-    tolerances = []
+    tolerances, larger = [], float(growth(experimental_fraction, damping_ratio))
     for frequency in frequencies:
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
+        in_laboratory = replace(structure, experimental_fraction=experimental_fraction)
         criteria = (
             [criterion]
             if criterion is not None
@@ -163,9 +170,10 @@ def tolerable_errors(
                     damping_ratio=damping_ratio,
                     threshold=candidate.threshold,
                     confidence=candidate.confidence,
-                    a=a,
-                    b=b,
-                    critical_delay=float(critical_delay(structure)),
+                    experimental_fraction=experimental_fraction,
+                    a=larger * a,
+                    b=larger * b,
+                    critical_delay=float(critical_delay(in_laboratory)),
                     outside_validity=carried_from is not None,
                     population=candidate.provenance.population,
                     scope=candidate.provenance.scope,

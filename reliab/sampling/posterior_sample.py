@@ -60,17 +60,20 @@ class PosteriorSample:
         }
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 
-    def write_netcdf(self, path: Path) -> None:
-        """Write the draws as a group `posterior`, which ArviZ reads, one chain for each ensemble.
-
-        The file is made in memory, because HDF5 loses the error of a full disk when it closes one.
-        """
+    def to_datatree(self) -> xr.DataTree:
+        """Put the draws into a group `posterior` as ArviZ has it, a chain for each ensemble."""
         chains = walkers_in_turn(self.draws)
         coordinates = dict(zip(("chain", "draw"), map(np.arange, chains.shape[:2]), strict=True))
         variables = {name: (tuple(coordinates), chains[..., k]) for k, name in enumerate(self.names)}
-        groups = xr.DataTree.from_dict({"posterior": xr.Dataset(variables, coordinates)})
+        return xr.DataTree.from_dict({"posterior": xr.Dataset(variables, coordinates)})
+
+    def write_netcdf(self, path: Path) -> None:
+        """Write the draws as `to_datatree` gives them.
+
+        The file is made in memory, because HDF5 loses the error of a full disk when it closes one.
+        """
         with written_whole(path) as file:
-            file.write_bytes(groups.to_netcdf(engine="h5netcdf"))
+            file.write_bytes(self.to_datatree().to_netcdf(engine="h5netcdf"))
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`ConvergenceWarning` with every complaint."""

@@ -206,7 +206,7 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("good.csv", "--f", 1, "--model", "none.toml"), "must be a readable TOML"),
         (("good.csv", "--f", 1, "--figure", "chart.svg"), "`figure` has no meaning without"),
         (("good.csv", "--design"), "A test's file has no meaning"),
-        (("--design", "--alpha", 0.5), "`alpha` has no meaning"),
+        (("--design", "--alpha", 0.1), "at least 10 ξ"),
         (("--design", "--check"), "`check` has no meaning"),
         (("--design", "--report", "a.pdf"), "`report` has no meaning"),
         (("--design", "--motion", "ground.txt"), "`motion` has no meaning"),

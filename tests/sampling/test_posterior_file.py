@@ -23,6 +23,12 @@ def test_the_group_of_draws_has_one_chain_for_each_ensemble(tmp_path):
             assert posterior[name].values.tolist() == DRAWS[..., k].transpose(0, 2, 1).reshape(2, -1).tolist()
 
 
+def test_the_tree_is_what_the_file_holds(tmp_path):
+    SAMPLE.write_netcdf(tmp_path / "draws.nc")
+    with xr.open_dataset(tmp_path / "draws.nc", group="posterior", engine="h5netcdf") as posterior:
+        assert posterior.load().equals(SAMPLE.to_datatree()["posterior"].to_dataset())
+
+
 def test_the_same_draws_make_the_same_file(tmp_path):
     for name in ("one.nc", "two.nc"):
         SAMPLE.write_netcdf(tmp_path / name)

@@ -114,3 +114,30 @@ def test_site_is_built_without_a_warning(tmp_path):
     assert build_main(["-W", "--keep-going", "-q", "-b", "html", str(SITE), str(tmp_path / "site")]) == 0
     reference = (tmp_path / "site" / "api.html").read_text(encoding="utf-8")
     assert re.findall(r"&lt;(?:function|class|.* object at) ", reference) == []
+
+
+WORDS = (
+    *("units", "semicolon", "TDMS", "skew", "delimiter", "decimal comma", "millimetres", "MATLAB"),
+    "Simulink",
+    *("LabVIEW", "HDF5", "header", "clipping", "spikes", "encoder", "undecided", "threshold", "compensator"),
+    *("backlash", "friction", "batch", "exit codes", "proxy", "Windows", "Docker", "conda", "uninstall"),
+    *("OpenSees", "tracking indicator", "FACE", "PEI", "memory", "damping", "storeys"),
+)
+"""What users type into the search."""
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")
+def test_the_search_finds_what_users_type(tmp_path):
+    pytest.importorskip("myst_nb", reason="the site is built by sphinx and myst-nb")
+    pytest.importorskip("furo", reason="the theme furo is not installed here")
+    from sphinx.cmd.build import build_main
+    from sphinx.search.en import SearchEnglish
+
+    unexecuted = ["-D", "nb_execution_mode=off", "-q", "-b", "html", str(SITE), str(tmp_path)]
+    assert build_main(unexecuted) == 0
+    written = (tmp_path / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(written.removeprefix("Search.setIndex(").removesuffix(")"))
+    language = SearchEnglish({})
+    stems = {language.stem(word.lower()) for words in WORDS for word in words.split()}
+    assert {stem for stem in stems if stem not in {**index["terms"], **index["titleterms"]}} == set()

@@ -20,7 +20,7 @@ def show_design(design: "Design") -> None:
     """Print tolerable errors, and those over the frequency as bars."""
     rows, first = design.tolerances, design.tolerances[0]
     shown = table(
-        f"Tolerable errors at ξ = {first.damping_ratio:g} for an error of "
+        f"Tolerable errors at ξ = {first.damping_ratio:g}{_share(first)} for an error of "
         f"{percent(first.threshold, decimals=0)}",
         dict.fromkeys(
             ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
@@ -46,6 +46,12 @@ def show_design(design: "Design") -> None:
             "Note: * lies outside of the criterion's validity and is carried over by dimensionless errors."
         )
     _show_chart(design.chart, terminal)
+
+
+def _share(tolerance: "Tolerance") -> str:
+    """Name the share in the laboratory where it is not the whole."""
+    whole = tolerance.experimental_fraction == 1.0
+    return "" if whole else f" and α = {tolerance.experimental_fraction:g}"
 
 
 def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: ANN401 - Rich's console
