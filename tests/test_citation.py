@@ -34,9 +34,8 @@ def test_the_summary_has_the_sections_and_the_length_of_a_software_journal():
 
 def test_the_paper_cites_what_its_list_holds_and_nothing_else():
     text = (ROOT / "reports/paper.md").read_text(encoding="utf-8")
-    entries = re.findall(
-        r"^@\w+\{(\w+),$", (ROOT / "reports/paper.bib").read_text(encoding="utf-8"), re.MULTILINE
-    )
+    listed = (ROOT / "reports/paper.bib").read_text(encoding="utf-8")
+    entries = re.findall(r"^@\w+\{(\w+),$", listed, re.MULTILINE)
     assert sorted(set(re.findall(r"@(\w+\d{4})", text))) == sorted(entries)
     assert f"title = {{{paper_title()}}}" in listed.casefold()
 
