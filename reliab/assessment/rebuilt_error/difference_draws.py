@@ -149,7 +149,7 @@ def _by_importance(others: int) -> NDArray[np.int64]:
     powers = _DEGREE + 1
     rows = np.arange(1 + 2 * powers * (1 + others))
     constant = (rows > 0) & ((rows - 1) % powers == 0)
-    return np.concatenate([rows[constant], rows[:1], rows[~constant][1:]])
+    return np.asarray(np.concatenate([rows[constant], rows[:1], rows[~constant][1:]]))
 
 
 def _local_power(history: Array, every: int, hop: int) -> Array:

@@ -88,7 +88,7 @@ def _stability(assessment: CoupledAssessment) -> str:
 
 
 def _errors(assessment: CoupledAssessment) -> Table:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for degree in assessment.error.degrees:
         if not degree.judged:
             rows.append((degree.name, "not judged", "", "", "", ""))
@@ -122,7 +122,7 @@ def _histories(assessment: CoupledAssessment, degree: DegreeError) -> Figure:
     )
     return Figure(
         drawing=error_over_time(
-            times=step * np.arange(size),
+            times=np.linspace(0.0, step * (size - 1), size),
             reference=degree.reference,
             measured=degree.reference + mean,
             error=mean,
