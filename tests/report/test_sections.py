@@ -9,6 +9,8 @@ import pytest
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.report.document import Figure, Paragraph, Table
+from reliab.report.kinds.criterion.reported import ReportedCriteria
+from reliab.report.kinds.criterion.result import result_section
 from reliab.report.kinds.discrepancy import report as discrepancy
 from reliab.report.sections.method import (
     _FITTED,
@@ -149,3 +151,11 @@ def test_a_residual_of_which_nothing_was_found_is_noise_only_where_all_is_explai
     section = discrepancy.location_section(SimpleNamespace(where=(), is_explained=explained, blocks=()))
     (only,) = section.blocks
     assert said in words([only])
+
+
+@pytest.mark.parametrize(("motions", "said"), [(5, 1), (100, 0)])
+def test_a_criterion_of_too_few_motions_is_said_to_promise_nothing(ellipses_of, motions, said):
+    few = ellipses_of((1.0,), (0.02,)).isel(motion=slice(0, motions))
+    criterion = derive_criterion(few, f=1.0, xi=0.02, method=method_of("dirichlet"), joint=True)
+    section = result_section(ReportedCriteria(ellipses=few, criteria=(criterion,)), "motions")
+    assert words(section.blocks).count("too few for the promise at 95 %") == said
