@@ -7,7 +7,7 @@ import pytest
 
 import reliab
 from reliab.errors import InputError
-from reliab.recordings.readers import hierarchical, layouts, registry
+from reliab.recordings.readers import hierarchical, layouts, registry, text as texts
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
@@ -135,4 +135,14 @@ def test_numbers_of_a_file_are_bounded_together_and_before_they_are_read(monkeyp
     assert reliab.read_recording(path).command.size == MOVING.size
     monkeypatch.setattr(hierarchical, "_MOST_BYTES", 3 * 8 * MOVING.size - 1)
     with pytest.raises(InputError, match=r"may hold 0\.047999 MB of numbers at most"):
+        reliab.read_recording(path)
+
+
+def test_a_text_is_bounded_before_it_is_read_and_the_remedy_is_another_format(monkeypatch, tmp_path):
+    path = tmp_path / "test.csv"
+    TABLE.to_csv(path, index=False)
+    monkeypatch.setattr(texts, "_MOST_BYTES", path.stat().st_size)
+    assert reliab.read_recording(path).command.size == MOVING.size
+    monkeypatch.setattr(texts, "_MOST_BYTES", path.stat().st_size - 1)
+    with pytest.raises(InputError, match="or export it as HDF5"):
         reliab.read_recording(path)
