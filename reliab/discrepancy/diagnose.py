@@ -20,7 +20,7 @@ from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import BESIDE, MATERIAL, Search
+from reliab.discrepancy.fitting.search import BESIDE, Search
 from reliab.discrepancy.locating.noise_test import is_model_error
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
@@ -196,7 +196,7 @@ def _with_open_stiffness(block: SpecimenBlock, campaign: Campaign, stated: Searc
     that happens to bring the missing stiffness.
     """
     search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
-    if _energy(search.null, search) > (1.0 - MATERIAL) * _energy(stated.null, stated):
+    if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated.null, stated):
         return stated
     search.whole()
     opened = _judged(search.again())

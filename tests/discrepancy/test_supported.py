@@ -66,6 +66,12 @@ def test_beside_a_far_larger_effect_one_is_named_that_takes_more_than_half_of_wh
     assert models.supports(CUBIC, VISCOUS) is supported
 
 
+def test_an_effect_of_many_parameters_may_be_no_more_than_what_a_far_larger_one_leaves():
+    hysteresis = find_effect("hysteresis")
+    models = Known({(CUBIC,): 0.02, (hysteresis,): 0.9, (CUBIC, hysteresis): 0.002})
+    assert not models.supports(CUBIC, hysteresis)
+
+
 @pytest.mark.parametrize(("remaining", "supported"), [(0.75e-4, True), (0.85e-4, False)])
 def test_beside_a_much_larger_effect_one_is_named_that_takes_a_tenth_off_the_noise(remaining, supported):
     models = Known({(CUBIC,): 1e-4, (VISCOUS,): 0.9, (CUBIC, VISCOUS): remaining}, flat=False)

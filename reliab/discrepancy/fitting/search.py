@@ -47,8 +47,8 @@ It then explains more than half of the error that the others leave. An effect th
 be a part of the model's error that happens to resemble it."""
 
 _LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
-# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close,
-# unless it takes more than half of what the others leave
+# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close;
+# an effect of few parameters need not, if it takes more than half of what the others leave
 _NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
 NOTICEABLE = 0.002
 """Share of the error's energy on left-out tests, a thousandth of its RMS in the channel's unit, that every
@@ -151,14 +151,16 @@ class Search:
         rows = candidate.residual
         remaining = float(rows @ rows)
         gained = self._energy(smaller, candidate.noise) - remaining
-        unknown = any(is_outside(kind) for kind in set(candidate.space.effects) - set(smaller.space.effects))
+        added = set(candidate.space.effects) - set(smaller.space.effects)
+        unknown = any(is_outside(kind) for kind in added)
         if unknown and gained < AUDIBLE * remaining:
             return False
         if self.problem.flat:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
             of_the_whole = gained > least * self._energy(self.null, candidate.noise)
-            of_what_is_left = BESIDE if smaller.space.effects and not of_the_whole else MATERIAL
-            large = gained > of_what_is_left * (remaining + gained)
+            simple = not unknown and all(len(kind.parameters) <= _SIMPLE for kind in added)
+            of_what_is_left = MATERIAL if of_the_whole else BESIDE
+            large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
             share = beside if smaller.space.effects else MATERIAL
             return large and self._predicts(candidate, smaller, 1.0 - share)
         if smaller is self.null:
