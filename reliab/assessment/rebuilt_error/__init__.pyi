@@ -17,7 +17,7 @@ from .specimen_check import (
     SpecimenCheck as SpecimenCheck,
     examine_specimen as examine_specimen,
 )
-from .spread import Estimate as Estimate
+from .spread import HALF_WIDTH as HALF_WIDTH, Estimate as Estimate
 from .stability_indicator import (
     FALSE_ALARMS as FALSE_ALARMS,
     FOLLOWS as FOLLOWS,

@@ -7,7 +7,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment import CoupledAssessment, Word, cause_in_words, probability_text
 from reliab.assessment.coupled_error import DegreeError
-from reliab.assessment.rebuilt_error.spread import HALF_WIDTH
+from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.kinds.assessment.error import TONES, quantities_table
