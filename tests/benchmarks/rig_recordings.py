@@ -48,8 +48,7 @@ def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict
     rows = []
     for number in range(TESTS):
         record = records.iloc[rng.integers(len(records))]
-        ground = lab.read_at2(folder / record["file"], RATE)[: int(30.0 * RATE)]
-        ground *= rng.uniform(0.3, 1.0)
+        ground = rng.uniform(0.3, 1.0) * strongest(lab.read_at2(folder / record["file"], RATE))
         structure = Structure(frequency=float(rng.choice([0.8, 1.0, 1.5])), damping_ratio=0.03)
         day, place = divmod(number, PER_DAY)
         late = lag + 1e-3 * (0.8 / (1.0 + place) + 0.2 * rng.normal() + LATER_MS * (number >= TESTS // 2))
@@ -85,6 +84,12 @@ def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict
             continue
         rows.append({**describe_test(found, labels, {}).to_dict(), "true": outcome.rms})
     return rows
+
+
+def strongest(ground: np.ndarray) -> np.ndarray:
+    """Thirty seconds of a record, from ten before its peak."""
+    begin = max(int(np.abs(ground).argmax() - 10.0 * RATE), 0)
+    return ground[begin : begin + int(30.0 * RATE)]
 
 
 def predictions(rows: list[dict], earthquakes: int, seed: int) -> list[dict]:
