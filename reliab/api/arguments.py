@@ -5,13 +5,14 @@ line writes them as its options.
 """
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
-    from reliab.assessment import LowPass
+    from reliab.assessment import Equipment, LowPass
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
@@ -58,6 +59,19 @@ def stated_threshold(threshold: float | None) -> float:
             "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
         )
     return limit
+
+
+def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment | None":
+    """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default; None if exact."""
+    from reliab.assessment import ordinary_equipment, read_equipment
+
+    if exact:
+        if equipment is not None:
+            raise unused("equipment", "beside `exact`, which leaves nothing unknown")
+        return None
+    if isinstance(equipment, str | Path):
+        return read_equipment(equipment)
+    return equipment or ordinary_equipment()
 
 
 def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":

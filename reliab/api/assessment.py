@@ -6,7 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
-from reliab.api.arguments import Quantity, require_positive, stated_filters, stated_values, unused
+from reliab.api.arguments import (
+    Quantity,
+    known_equipment,
+    require_positive,
+    stated_filters,
+    stated_values,
+    unused,
+)
 from reliab.api.channels import Channels, Test
 from reliab.api.several_tests import Judge, assess_each, name_of_test
 from reliab.assessment import (
@@ -19,8 +26,6 @@ from reliab.assessment import (
     assess_coupled,
     assess_frame,
     corrected,
-    ordinary_equipment,
-    read_equipment,
     stated_of_filters,
 )
 from reliab.assessment.assess import assess as assess_structure
@@ -337,14 +342,6 @@ class _Terms:
     def _own_criterion(self) -> Criterion | None:
         return Criterion.read(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
 
-    def _equipment(self) -> Equipment | None:
-        if self.exact:
-            self._refuse(("equipment",), "beside `exact`, which leaves nothing unknown")
-            return None
-        if isinstance(self.equipment, str | Path):
-            return read_equipment(self.equipment)
-        return self.equipment or ordinary_equipment()
-
     def _judge_of_structures(self, structure: Structure | None) -> Judge:
         model = read_model(self.model) if isinstance(self.model, str | Path) else self.model
         motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
@@ -352,7 +349,7 @@ class _Terms:
         measured = self._specimen_is_measured()
         numbers = {**({} if structure is None else _exactly(structure)), **self.numbers}
         numbers |= stated_of_filters(self.filters)
-        equipment = self._equipment()
+        equipment = known_equipment(self.equipment, exact=self.exact)
 
         def judge(channels: Channels, test: Test) -> Assessment:
             recording = channels.read(test)

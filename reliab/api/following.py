@@ -1,21 +1,21 @@
 """`reliab.follow_test`: the error of a test while it runs, message by message."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values
+from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
 from reliab.assessment.rebuilt_error import (
     DRAWS,
     FALSE_ALARMS,
     FALSE_ERROR_ALARMS,
     ErrorSoFar,
     Monitor,
-    Tolerances,
 )
 from reliab.errors import InputError
 from reliab.recordings import (
@@ -74,6 +74,8 @@ def follow_test(
     alpha: Quantity = 1.0,
     scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
+    equipment: str | Path | Equipment | None = None,
+    exact: bool = False,
     threshold: float = 0.05,
     metric: str = "rms",
     command: str | None = None,
@@ -99,6 +101,9 @@ def follow_test(
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
         fed back late [ms].
+    equipment, exact
+        What is not known where nothing is stated, or that nothing is, as for `reliab.assess`. The specimen is
+        taken as linear.
     threshold : float, optional
         Largest error of a good test [-].
     metric : {"rms", "mte"}, optional
@@ -144,15 +149,20 @@ def follow_test(
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
-    exact = {"scale": StatedValue(1.0), "skew": StatedValue(0.0), "hysteresis": StatedValue(0.0)}
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
-    stated = {**exact, **laboratory.calibration, **of_test}
+    stated = {"scale": StatedValue(1.0), **laboratory.calibration, **of_test}
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
         stated=laboratory.stated,
     )
-    watch = _Watch(stated=stated, threshold=threshold, metric=Metric.parse(metric), every=every)
+    watch = _Watch(
+        stated=stated,
+        equipment=known_equipment(equipment, exact=exact),
+        threshold=threshold,
+        metric=Metric.parse(metric),
+        every=every,
+    )
     return watch.follow(rows, laboratory.rate_hz)
 
 
@@ -174,9 +184,11 @@ class _Watch:
     """Follows rows, and says what is known."""
 
     stated: Mapping[str, StatedValue]
+    equipment: Equipment | None
     threshold: float  # [-]
     metric: Metric
     every: float  # [s]
+    sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
     alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
 
     def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
@@ -185,7 +197,7 @@ class _Watch:
         `rate` [Hz].
         """
         step, rows = _time_step(rows, rate)
-        if skew := self.stated["skew"].value * _MILLISECONDS:
+        if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
@@ -203,21 +215,18 @@ class _Watch:
                 begin = end
         yield self._end(monitor)
 
+    def _value(self, name: str) -> float:
+        """Value of what is stated; zero where it is not."""
+        return self.stated[name].value if name in self.stated else 0.0
+
     def _monitor(self, step: float) -> Monitor:
-        f, xi, alpha, scale, lag, skew, hysteresis = (
-            self.stated[name] for name in ("f", "xi", "alpha", "scale", "feedback_lag", "skew", "hysteresis")
-        )
-        tolerances = Tolerances(
-            frequency=f.deviation / f.value,
-            damping_ratio=xi.deviation / xi.value,
-            experimental_fraction=alpha.deviation / alpha.value,
-            sensor_scale=scale.deviation / scale.value,
-            feedback_lag=lag.deviation * _MILLISECONDS,
-            time_shift=skew.deviation * _MILLISECONDS,
-            lagging_hysteresis=hysteresis.value,
-        )
-        structure = Structure(frequency=f.value, damping_ratio=xi.value, experimental_fraction=alpha.value)
-        return Monitor(structure, step, feedback_lag=lag.value * _MILLISECONDS, tolerances=tolerances)
+        f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
+        structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+        self.sizes.update(sizes_of_unknown(self.stated, structure, self.equipment, step))
+        tolerances = tolerances_of(self.sizes)
+        if "hysteresis" in self.stated:  # which is not taken off here
+            tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
+        return Monitor(structure, step, feedback_lag=lag * _MILLISECONDS, tolerances=tolerances)
 
     def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once."""
@@ -233,7 +242,7 @@ class _Watch:
                 "error",
                 monitor,
                 f"the error is above twice {percent(self.threshold, decimals=2)}; of tests that end below "
-                f"that threshold about {percent(FALSE_ERROR_ALARMS)} have this alarm",
+                f"that threshold {percent(FALSE_ERROR_ALARMS)} at most have this alarm",
             )
 
     def _alarm(self, name: str, monitor: Monitor, sentence: str) -> Iterator[Message]:
@@ -276,7 +285,7 @@ class _Watch:
             "until_s": monitor.now.time,
             "metric": str(self.metric),
             "threshold": self.threshold,
-            "probability": asked.probability(self.threshold, self.metric),
+            "probability": as_certain_as(self.sizes, asked.probability(self.threshold, self.metric)),
         }
 
 

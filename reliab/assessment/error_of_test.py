@@ -13,6 +13,7 @@ from reliab.assessment.budget import (
     Equipment,
     Size,
     Source,
+    as_certain_as,
     budget_of_error,
     sizes_of_unknown,
     tolerances_of,
@@ -40,7 +41,6 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
-_LARGEST_ASSUMED = 0.99
 """Largest probability where sizes of what is unknown are assumed."""
 
 PART_NAMES: Final[Mapping[str, str]] = {
@@ -157,9 +157,7 @@ class ErrorOfTest:
         if self.contested:
             every = [probability, *(another.probability for another in self.alternatives)]
             probability = float(np.mean(every))
-        if any(size.source is Source.DEFAULT for size in self.sizes.values()):
-            return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
-        return probability
+        return as_certain_as(self.sizes, probability)
 
     @property
     def _own_probability(self) -> float:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import reliab
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.recordings import chunks_of_text, read_recording, rows_as_written
@@ -52,7 +53,7 @@ def follow(path: Path | str, *more: str) -> list[str]:
 
 
 def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
-    assert run(follow(good, "--threshold", "0.5")) == 0
+    assert run(follow(good, "--threshold", "0.5", "--exact")) == 0
     said = messages(capsys.readouterr().out)
     recording = read_recording(good)
     whole = rebuild(recording.command, recording.measured, 1.0 / RATE, STRUCTURE)
@@ -306,7 +307,7 @@ def test_every_option_changes_the_answer(short, capsys, option, value):
 
 def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     """A reading that is late and too large, told so by channels.toml, has the error of the sound reading."""
-    run(follow(good, "--threshold", "1"))
+    run(follow(good, "--threshold", "1", "--exact"))
     sound = messages(capsys.readouterr().out)[-1]["error"]["rms"]
     table = np.loadtxt(good, delimiter=",", skiprows=1)
     time, command, measured = table.T
@@ -315,15 +316,39 @@ def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     rows = "\n".join(f"{t:.6f},{c:.9e},{m:.9e}" for t, c, m in zip(time, command, late, strict=True))
     spoiled.write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
     channels.write_text("[calibration]\nskew_ms = 10.0\nskew_sd_ms = 0.1\nscale = 1.02\n", encoding="utf-8")
-    run(follow(spoiled, "--threshold", "1"))
+    run(follow(spoiled, "--threshold", "1", "--exact"))
     raw = messages(capsys.readouterr().out)[-1]["error"]["rms"]
-    run(follow(spoiled, "--threshold", "1", "--channels", str(channels)))
+    run(follow(spoiled, "--threshold", "1", "--channels", str(channels), "--exact"))
     mended = messages(capsys.readouterr().out)[-1]["error"]["rms"]
     assert raw["value"] > 2.0 * sound["value"]
     assert mended["value"] == pytest.approx(sound["value"], rel=0.03)
     assert mended["high"] - mended["low"] > 2.0 * (sound["high"] - sound["low"])
     run(follow(spoiled, "--threshold", "1", "--channels", str(channels), "--scale", "1"))
     assert messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"] > 1.15 * sound["value"]
+
+
+def test_what_is_not_stated_is_as_uncertain_as_in_assess(good, tmp_path, capsys):
+    """Two doors, one interval: that of a linear specimen with ordinary equipment."""
+    sizes = tmp_path / "ours.toml"
+    sizes.write_text("scale = 0.0\nf = 0.0\n", encoding="utf-8")
+    widths = []
+    for more in (["--exact"], ["--equipment", str(sizes)], []):
+        run(follow(good, "--threshold", "0.2", *more))
+        error = messages(capsys.readouterr().out)[-1]["error"]
+        widths.append(error["rms"]["high"] - error["rms"]["low"])
+    assert sorted(widths) == widths
+    assert error["probability"] == 0.99  # beyond which assumed sizes are not known
+    beside = reliab.assess(good, f=1, xi=0.05, threshold=0.2, specimen="linear").error.rebuilt.rms
+    assert error["rms"]["value"] == pytest.approx(beside.value, rel=1e-6)
+    assert error["rms"]["low"] == pytest.approx(beside.low, rel=0.1)
+    assert error["rms"]["high"] == pytest.approx(beside.high, rel=0.1)
+
+
+def test_equipment_that_nothing_would_use_is_refused(good, tmp_path, capsys):
+    sizes = tmp_path / "ours.toml"
+    sizes.write_text("scale = 0.0\n", encoding="utf-8")
+    assert run(follow(good, "--exact", "--equipment", str(sizes))) == 2
+    assert "no meaning beside --exact" in capsys.readouterr().err
 
 
 def test_messages_state_how_often_alarms_are_false(good, capsys):

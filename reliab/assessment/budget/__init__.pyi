@@ -14,6 +14,7 @@ from .equipment import (
 from .sizes import (
     Size as Size,
     Source as Source,
+    as_certain_as as as_certain_as,
     sizes_of_unknown as sizes_of_unknown,
     tolerances_of as tolerances_of,
 )

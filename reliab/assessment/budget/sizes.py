@@ -41,6 +41,7 @@ _ABSOLUTE = {  # stated in milliseconds
     "filter_delay": "filter_delay",
 }
 _OF_HYSTERESIS = 0.2  # of a hysteresis that is stated without its deviation, as a calibration gives it
+_LARGEST_ASSUMED = 0.99
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
 
 
@@ -86,6 +87,13 @@ def _deviation_stated(sizes: Mapping[str, Size]) -> float:
 def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     """Put sizes into the form in which the error is drawn."""
     return Tolerances(**{name: size.deviation for name, size in sizes.items()})
+
+
+def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:
+    """Limit a probability to 0.01 to 0.99 where sizes are assumed: rare sizes are not known so well."""
+    if any(size.source is Source.DEFAULT for size in sizes.values()):
+        return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
+    return probability
 
 
 def _assumed(structure: Structure, equipment: Equipment, time_step: float) -> dict[str, Size]:

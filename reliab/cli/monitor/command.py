@@ -11,7 +11,7 @@ import typer
 
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import ChannelsFile, Column, MetricName
+from reliab.cli.options import ChannelsFile, Column, EquipmentFile, MetricName, TakenAsExact
 from reliab.cli.output import console, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
@@ -61,6 +61,8 @@ class MonitorDemand(Demand):
         str,
         typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
     ] = "0"
+    equipment: EquipmentFile = None
+    exact: TakenAsExact = False
     structure: Annotated[
         Path | None,
         typer.Option(
