@@ -11,18 +11,22 @@ package. FACE has two further runs, with twice and three times the gain error an
 
 import argparse
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
-import imperfect_recordings as single  # which puts the laboratory on the path
 import numpy as np
 import pandas as pd
-from rebuilt_error import laboratory as lab
 
-from reliab.assessment import assess, ordinary_equipment
-from reliab.indices import phase_amplitude_errors, tracking_indicator
-from reliab.recordings import Recording
-from reliab.structures import Structure
+sys.path[:0] = [str(Path(__file__).parent)]
+
+import imperfect_recordings as single  # noqa: E402 - which puts the laboratory on the path
+from rebuilt_error import laboratory as lab  # noqa: E402
+
+from reliab.assessment import assess, ordinary_equipment  # noqa: E402
+from reliab.indices import phase_amplitude_errors, tracking_indicator  # noqa: E402
+from reliab.recordings import Recording  # noqa: E402
+from reliab.structures import Structure  # noqa: E402
 
 MULTIPLES = (1.0, 2.0, 3.0)  # of gain error and delay in the runs
 TO_ZERO = np.array([3.0, -3.0, 1.0])  # the parabola through them, at no error
