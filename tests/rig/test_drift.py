@@ -73,4 +73,4 @@ def test_a_step_of_two_spreads_is_noticed_within_five_tests():
     for seed in range(200):
         changes = drift_chart(rig_table(rig_with_step([9, seed], 200)).rows).changes
         noticed += any(100 <= change.noticed < 105 for change in changes)
-    assert noticed > 170
+    assert noticed > 160  # 83 to 87 % are noticed; three standard errors of 200 are 8 %
