@@ -7,15 +7,14 @@ function without using derivatives. *Advances in Engineering Software* 28, 145-1
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from reliab.arrays import Array
 
 _MOST_STEPS = 200
 _RESOLUTION = 4.0 * float(np.finfo(np.float64).eps)
 
 
-def roots_of_increasing(function: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
+def roots_of_increasing(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Find the root of each of several increasing functions to rounding; NaN where there is none.
 
     `function` takes and returns one value for each of them, shape (functions,); `low` and `high`: interval in
@@ -46,7 +45,7 @@ def roots_of_increasing(function: Callable[[Floats], Floats], low: Floats, high:
     return np.where(np.isfinite(width), best, np.nan)
 
 
-def _bracket(function: Callable[[Floats], Floats], low: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _bracket(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
     """Widen intervals, each step twice as far as the one before, until their ends have opposite signs."""
     low, high, reach = low.astype(np.float64), high.astype(np.float64), high - low
     for _ in range(_MOST_STEPS):
@@ -57,7 +56,7 @@ def _bracket(function: Callable[[Floats], Floats], low: Floats, high: Floats) ->
     return np.where(above | below, np.nan, low), high
 
 
-def _interpolated(a: Floats, b: Floats, c: Floats, at_a: Floats, at_b: Floats, at_c: Floats) -> Floats:
+def _interpolated(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:
     """Share of the way from a to b of the root by inverse quadratic interpolation; a half where unsafe."""
     with np.errstate(divide="ignore", invalid="ignore"):
         place, height = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)

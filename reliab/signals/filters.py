@@ -87,3 +87,12 @@ def butterworth_poles(order: int) -> NDArray[np.complex128]:
     """
     place = np.arange(-order + 1, order, 2)
     return np.asarray(-np.exp(1j * np.pi * place / (2 * order)))
+
+
+def butterworth_delay(corner: float, order: int) -> float:
+    """Delay of slow motions [s] by Butterworth's low-pass filter with a corner [Hz].
+
+    >>> round(1e3 * butterworth_delay(100.0, 2), 2)
+    2.25
+    """
+    return float(np.sum(-1.0 / butterworth_poles(order)).real / (2.0 * np.pi * corner))

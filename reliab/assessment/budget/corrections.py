@@ -11,7 +11,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.errors import InputError
 from reliab.recordings import Recording
-from reliab.signals import CubicPath, butterworth_poles
+from reliab.signals import CubicPath, butterworth_delay
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
@@ -52,8 +52,7 @@ class LowPass:
     @property
     def delay(self) -> float:
         """Delay of slow motions [s]."""
-        poles = butterworth_poles(self.order)
-        return float(np.sum(-1.0 / poles).real / (2.0 * np.pi * self.corner))
+        return butterworth_delay(self.corner, self.order)
 
     def passed(self, values: Array, time_step: float) -> Array:
         """Pass a history through the filter, exactly for straight lines between its samples."""

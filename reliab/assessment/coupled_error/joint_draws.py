@@ -18,9 +18,8 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.difference_draws import DITHERED, draw_differences
+from reliab.assessment.rebuilt_error.difference_draws import coarse_step, draw_differences
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, followed
-from reliab.signals import converter_step
 
 _LEAST_NOISE = 1e-9  # of the motion: channels with less are taken to be without noise
 _LINES = 8.0  # times the median of the bins: a line of the mains and no noise
@@ -54,19 +53,12 @@ def draw_jointly(
 
 def _mixing(command: Array, measured: Array, noises: Sequence[SensorNoise]) -> Array:
     """B, the identity where channels are rounded so coarsely that their noise is not white."""
-    if len(command) == 1 or any(
-        _rounded(history, noise) for history, noise in zip(measured, noises, strict=True)
-    ):
+    if len(command) == 1 or any(map(coarse_step, measured, noises)):
         return np.eye(len(command))
     rest = np.stack([row - followed(command, row, noises[0].time_step) for row in measured])
     within = np.stack([noise.smooth(row) for noise, row in zip(noises, rest, strict=True)])
     _, vectors = scipy.linalg.eigh(np.cov(within), _noise_covariance(rest, measured))
     return np.asarray(vectors.T)
-
-
-def _rounded(measured: Array, noise: SensorNoise) -> bool:
-    step = converter_step(measured)
-    return step > 0.0 and bool(noise.weights[0] < DITHERED * step**2 / 12.0)
 
 
 def _noise_covariance(rest: Array, measured: Array) -> Array:

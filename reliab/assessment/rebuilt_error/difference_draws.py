@@ -46,7 +46,7 @@ _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
 _SIZES = np.exp(np.arange(np.log(1e-5), np.log(3.0), 0.5))  # of coefficients, over that of the command
 _ROUNDING = 1e-20  # of the command's largest power
-DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
+_DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,7 +155,7 @@ def _by_importance(others: int) -> NDArray[np.int64]:
 def _local_power(history: Array, every: int, hop: int) -> Array:
     """Power of a history about each coefficient [m²], shape (frames, hop)."""
     power = analyse(history[::every], hop) ** 2
-    return _with_neighbours(_with_neighbours(power).T).T
+    return _with_neighbours(power)
 
 
 def _following(command: Array, step: float, every: int, hop: int) -> Array:
@@ -171,24 +171,31 @@ def _rounding(
     motion: Array, measured: Array, noise: SensorNoise, every: int, hop: int
 ) -> tuple[Array, SensorNoise]:
     """Variance of the rounding noise in each coefficient [m²], and the noise that is not rounding."""
-    step = converter_step(measured) if noise.resolution is None else noise.resolution
-    if step == 0.0 or noise.weights[0] >= DITHERED * step**2 / 12.0:
+    step = coarse_step(measured, noise)
+    if step == 0.0:
         return np.zeros((1, hop)), noise
     powers, floors = [], []
     for rounded in vary_rounding(motion, step):
         powers.append(analyse(noise.smooth(rounded)[::every], hop) ** 2)
         floors.append(white_floor(rounded))
-    power = np.mean(powers, axis=0)
-    power = _with_neighbours(_with_neighbours(power).T).T
+    power = _with_neighbours(np.mean(powers, axis=0))
     weights = np.zeros_like(noise.weights)
     weights[0] = max(noise.weights[0] - float(np.mean(floors)), 0.0)
     return power, replace(noise, weights=weights)
 
 
 def _with_neighbours(power: Array) -> Array:
-    """Average the power of each row with that of the rows beside it, which count by half."""
-    beside = np.concatenate([power[:1], power, power[-1:]])
-    return np.asarray(power * 0.5 + (beside[:-2] + beside[2:]) * 0.25)
+    """Average the power of each coefficient in both axes with those beside it, which count by half."""
+    for _ in power.shape:
+        beside = np.concatenate([power[:1], power, power[-1:]])
+        power = np.asarray(power * 0.5 + (beside[:-2] + beside[2:]) * 0.25).T
+    return power
+
+
+def coarse_step(measured: Array, noise: SensorNoise) -> float:
+    """Step of the converter [m] whose rounding is no white noise; zero where there is none, or it is."""
+    step = converter_step(measured) if noise.resolution is None else noise.resolution
+    return 0.0 if noise.weights[0] >= _DITHERED * step**2 / 12.0 else step
 
 
 def _bands(hop: int) -> NDArray[np.int64]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import CORNERS, level_of_residual
-from reliab.signals import butterworth_poles, fit_levels, noise_shapes
+from reliab.signals import butterworth_delay, fit_levels, noise_shapes
 
 _ORDERS = (2, 4, 8)
 _TRIED = 32  # corners
@@ -42,8 +42,7 @@ class NoiseFilter:
     @property
     def delay(self) -> float:
         """Delay of slow motions [s]."""
-        poles = butterworth_poles(self.order)
-        return float(np.sum(-1.0 / poles).real / (2.0 * np.pi * self.corner))
+        return butterworth_delay(self.corner, self.order)
 
     def passed(self, frequency: Array) -> Array:
         """Share of the power that passes at frequencies [Hz]."""

@@ -16,7 +16,7 @@ from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
 from reliab.discrepancy.terms import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
-from reliab.signals import NoiseModel, near_mains
+from reliab.signals import NoiseModel, hann, near_mains
 from reliab.significant import percent, significant
 from reliab.vocabulary import Block
 
@@ -223,7 +223,7 @@ def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
     rows = []
     for segment in problem.segments:
         stretch = signal.detrend(values[segment.test][segment.begin : segment.end])
-        power = np.abs(fft.rfft(stretch * signal.windows.hann(stretch.size, sym=False))) ** 2 / stretch.size
+        power = np.abs(fft.rfft(stretch * hann(stretch.size))) ** 2 / stretch.size
         rows.append(np.interp(grid, fft.rfftfreq(stretch.size, 1.0 / segment.rate), power))
     return np.stack(rows)
 
@@ -237,7 +237,7 @@ def _amplitude(problem: Problem, residual: dict[int, Array], frequency: float) -
 def _amplitude_in(segment: Segment, values: Array, frequency: float) -> float:
     stretch = values[segment.begin : segment.end]
     turn = 2.0 * np.pi * frequency / segment.rate * np.arange(stretch.size)
-    weights = signal.windows.hann(stretch.size, sym=False)
+    weights = hann(stretch.size)
     return float(2.0 * np.abs((weights * stretch) @ np.exp(-1j * turn)) / weights.sum())
 
 

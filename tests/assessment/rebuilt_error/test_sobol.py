@@ -7,7 +7,7 @@ import scipy
 from reliab.assessment.rebuilt_error.sobol import sobol_points
 
 
-@pytest.mark.parametrize("dimensions", [1, 2, 17, 100])
+@pytest.mark.parametrize("dimensions", [1, 2, 17, 40, 41, 100, 150])
 @pytest.mark.parametrize("count", [1, 2, 256])
 @pytest.mark.parametrize("seed", [0, 5])
 def test_points_are_those_of_scipy_to_the_last_bit(dimensions, count, seed):
