@@ -35,19 +35,25 @@ class _Session:
 
     def __init__(self, work: list[Work], note: Callable[[Mutant, str], None]) -> None:
         self.work, self.note = work, note
+        self.compiled: list[Dispatcher | Kernel] = []
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session):
         for mutant, _, _ in self.work:
             importlib.import_module(module_of(mutant.file))
-        functions = _functions()
+        functions, self.compiled = _functions(), _compiled()
         for mutant, names, seconds in self.work:
             code = _changed_code(mutant)
             targets = functions.get(_key(code), []) if code is not None and names else []
             if targets:
-                run = partial(_run, session, targets, code, {str(ROOT / file) for file in stale(mutant)})
+                run = partial(_run, session, targets, code, self._stale(mutant))
                 self.note(mutant, judged(names, run, seconds))
         return True
+
+    def _stale(self, mutant: Mutant) -> tuple[set[str], list[Dispatcher | Kernel]]:
+        """Files whose kernels a change reaches, and what was compiled from them."""
+        sources = {str(ROOT / file) for file in stale(mutant)}
+        return sources, [thing for thing in self.compiled if _source(thing) in sources]
 
 
 def _functions() -> dict[tuple[str, int, str], list[FunctionType]]:
@@ -57,6 +63,16 @@ def _functions() -> dict[tuple[str, int, str], list[FunctionType]]:
         if isinstance(thing, FunctionType) and thing.__code__.co_filename.startswith(str(ROOT / "reliab")):
             functions[_key(thing.__code__)].append(thing)
     return functions
+
+
+def _compiled() -> list[Dispatcher | Kernel]:
+    """Compiled functions that are alive; a copy of the process no longer lists what was there before it."""
+    return [thing for thing in gc.get_objects() if isinstance(thing, Dispatcher | Kernel)]
+
+
+def _source(thing: Dispatcher | Kernel) -> str:
+    function = thing.function if isinstance(thing, Kernel) else thing.py_func
+    return str(function.__code__.co_filename)
 
 
 def _key(code: CodeType) -> tuple[str, int, str]:
@@ -82,7 +98,7 @@ def _run(
     session: pytest.Session,
     targets: list[FunctionType],
     code: CodeType,
-    sources: set[str],
+    outdated: tuple[set[str], list[Dispatcher | Kernel]],
     names: list[str],
     note: Path,
     *,
@@ -92,7 +108,7 @@ def _run(
     if changed:
         for function in targets:
             function.__code__ = code
-        _compile_anew(sources)
+    _compile_anew(*outdated)
     items = list(session.items)
     Chosen(names).pytest_collection_modifyitems(items)
     for item, following in zip(items, [*items[1:], None], strict=True):
@@ -104,13 +120,13 @@ def _run(
     return 0
 
 
-def _compile_anew(sources: set[str]) -> None:
+def _compile_anew(sources: set[str], compiled: list[Dispatcher | Kernel]) -> None:
     """Forget what was compiled from some files, in memory and on disk."""
     if not sources:
         return
     forget_kernels(sources)
-    for thing in gc.get_objects():
-        if isinstance(thing, Dispatcher) and thing.py_func.__code__.co_filename in sources:
-            getattr(thing, "_reset_overloads")()  # noqa: B009 - Numba has no other way, and states no type
-        elif isinstance(thing, Kernel) and thing.function.__code__.co_filename in sources:
+    for thing in compiled:
+        if isinstance(thing, Kernel):
             vars(thing).pop("_compiled", None)
+        else:
+            getattr(thing, "_reset_overloads")()  # noqa: B009 - Numba has no other way, and states no type

@@ -9,7 +9,8 @@ import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,7 @@ OPTIONS = [
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
 FIXTURE = "fixture:"
+NOTICED = ("killed", "endless")
 
 Run = Callable[..., int]
 """Runs tests with or without a change, notes the one that fails in a file, and gives pytest's exit code."""
@@ -131,22 +133,45 @@ class Reach:
             first = first or set(self.seconds)
         files = {file_of(name) for name in first}
         rest = {name for name in self.seconds if file_of(name) in files} - first
-        return self._within_budget(self._by_cost(first) + self._by_cost(rest))
+        near = partial(_nearness, Path(mutant.file))
+        return self._by_cost(*self._within_budget(first, rest, near=near), near=near)
 
-    def _within_budget(self, names: list[str]) -> list[str]:
-        """Tests of a change up to the longest time; a share that is too low, never too high, comes of it."""
-        total = 0.0
-        for number, name in enumerate(names):
-            total += self.seconds[name]
-            if total > self.budget and number:
-                return names[:number]
+    def _within_budget(self, *groups: set[str], near: Callable[[str], int]) -> list[set[str]]:
+        """Of each group the nearest and quickest tests, up to the longest time.
+
+        A share that is too low, never too high, comes of it.
+        """
+        left, kept = self.budget, []
+        for group in groups:
+            fitting = set()
+            for name in sorted(group, key=lambda name: (near(name), self.seconds[name], name)):
+                if self.seconds[name] <= left or not (kept or fitting):
+                    fitting.add(name)
+                    left -= self.seconds[name]
+            kept.append(fitting)
+        return kept
+
+    def _by_cost(self, *groups: set[str], near: Callable[[str], int]) -> list[str]:
+        """Tests group by group, near and cheap files first."""
+        names = []
+        for group in groups:
+            cost: dict[str, float] = defaultdict(float)
+            for name in group:
+                cost[file_of(name)] += self.seconds[name]
+            names += sorted(
+                group, key=lambda name: (near(name), cost[file_of(name)], file_of(name), self.seconds[name])
+            )
         return names
 
-    def _by_cost(self, names: set[str]) -> list[str]:
-        cost: dict[str, float] = defaultdict(float)
-        for name in names:
-            cost[file_of(name)] += self.seconds[name]
-        return sorted(names, key=lambda name: (cost[file_of(name)], file_of(name), self.seconds[name]))
+
+def _nearness(source: Path, test: str) -> int:
+    """Zero for tests that are named as a module or stand in it, then by the folders that they share."""
+    file = Path(file_of(test))
+    if file.name == f"test_{source.name}" or file == source:
+        return 0
+    folders = zip(source.parts[1:-1], file.parts[1:-1], strict=False)
+    shared = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], folders))
+    return len(source.parts) - shared
 
 
 def together(records: list[dict]) -> dict:
@@ -239,20 +264,23 @@ def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
 def judged(names: list[str], run: Run, seconds: float) -> str:
     """Run tests with a change; if they fail, up to the one that failed also without it.
 
-    A change counts as noticed only if these tests pass without it, in the same order and the same way; else
-    the outcome is "unsound".
+    A change counts as noticed only if these tests pass without it, in the same order, the same way and
+    within the same limit, compilation counted; else the outcome is "unsound".
     """
     with tempfile.TemporaryDirectory() as folder:
         note = Path(folder) / "failed"
         answer = outcome(in_fresh_process(lambda: run(names, note, changed=True), seconds))
-        if answer != "killed":
+        if answer not in NOTICED:
             return answer
-        failed = note.read_text() if note.exists() else names[0]
+        # without a note nothing was collected, or nothing ended
+        failed = note.read_text() if note.exists() else names[0 if answer == "killed" else -1]
         same = names[: names.index(failed) + 1]
-        return answer if in_fresh_process(lambda: run(same, note, changed=False)) == 0 else "unsound"
+        return answer if in_fresh_process(lambda: run(same, note, changed=False), seconds) == 0 else "unsound"
 
 
 def _try(mutant: Mutant, names: list[str], note: Path, *, changed: bool) -> int:
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("reliab", "blind_campaigns")]:
+        del sys.modules[name]
     sys.meta_path.insert(0, _Changed(mutant, mutated(mutant) if changed else parsed(mutant.file)))
     forget_kernels({str(ROOT / file) for file in stale(mutant)})
     importlib.import_module(module_of(mutant.file))

@@ -4,18 +4,20 @@
     python tests/benchmarks/mutants.py all --count 200 --kind statements --budget 15 --reach reach/*.json
 
 The tests of the room run once to see which lines each reaches (`pip install coverage`); a change is then
-tried by those tests only that reach it, quick ones first, until the first fails, in a copy of a process that
-has collected them; where code stands outside functions, in a process that imports it anew.
-Code that is compiled is reached by whatever names it, tests too. Nothing on disk is changed.
-A mutant is a line of the output as soon as it is judged, so that a run that is stopped loses nothing and one
-that is started again with the same seed goes on. Slow tests are left out. Changes that no test can notice
-are listed with their reasons in equivalent_mutants.toml and count neither way. `all` draws over all rooms by
-their size; what tests reach may have been measured room by room (`ROOM --count 0 --reach reach/ROOM.json`).
+tried by those tests only that reach it, near and quick ones first as far as the budget goes, until the
+first fails, in a copy of a process that has collected them; where code stands outside functions, in a
+process that imports it anew. Code that is compiled is reached by whatever names it, tests too. Nothing on
+disk is changed. A mutant is a line of the output as soon as it is judged, so that a run that is stopped
+loses nothing and one that is started again with the same seed goes on. Slow tests are left out. Changes
+that no test can notice are listed with their reasons in equivalent_mutants.toml and count neither way.
+`all` draws over all rooms by their size; what tests reach may have been measured room by room (`ROOM
+--count 0 --reach reach/ROOM.json`).
 
 A change counts as noticed only if the same tests, up to the one that failed, pass without it in the same
-way; else it is "unsound". Limits are processor time, so that a busy machine does not decide. "endless" is a
-change whose tests use a minute and five times what they used without it: it counts as noticed. "stuck" is one
-whose tests wait for nothing, or want more memory than there is: it does not count as noticed.
+way and within the same limit; else it is "unsound". Limits are processor time, so that a busy machine does
+not decide. "endless" is a change whose tests use a minute and five times what they used without it: it
+counts as noticed. "stuck" is one whose tests wait for nothing, or want more memory than there is: it does
+not count as noticed.
 """
 
 import argparse
@@ -23,16 +25,15 @@ import json
 import random
 import sys
 import tomllib
-from collections import Counter
+from collections import Counter, defaultdict
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
 from benchmarks.mutant_places import KINDS, ROOT, Mutant, mutants  # noqa: E402
 from benchmarks.mutant_session import judge_together  # noqa: E402
-from benchmarks.mutant_tests import Reach, judge, measured_reach, together  # noqa: E402
-
-_KILLED = ("killed", "endless")
+from benchmarks.mutant_tests import NOTICED, Reach, judge, measured_reach, together  # noqa: E402
+from blind_campaigns.scoring import wilson_interval  # noqa: E402
 
 
 def main() -> None:
@@ -113,20 +114,31 @@ def _judged(out: Path) -> dict[tuple[str, str, int], str]:
 
 
 def _score(chosen: list[Mutant], judged: dict[tuple[str, str, int], str]) -> str:
-    """Share of mutants that a test notices, with and without those that none can notice."""
+    """Share of mutants that a test notices, with and without those that none can notice, and by room."""
     listed = tomllib.loads((ROOT / "tests/benchmarks/equivalent_mutants.toml").read_text(encoding="utf-8"))
     equivalent = {(row["file"], row["line"], row["change"]) for row in listed.get("equivalent", [])}
-    outcomes = Counter(
-        "killed"
-        if judged[_key(mutant)] in _KILLED
-        else "equivalent"
-        if (mutant.file, mutant.text, mutant.change) in equivalent
-        else "survived"
-        for mutant in chosen
+    rooms: dict[str, Counter[str]] = defaultdict(Counter)
+    for mutant in chosen:
+        outcome = (
+            "killed"
+            if judged[_key(mutant)] in NOTICED
+            else "equivalent"
+            if (mutant.file, mutant.text, mutant.change) in equivalent
+            else "survived"
+        )
+        rooms[mutant.file.split("/")[1]][outcome] += 1
+    outcomes = sum(rooms.values(), Counter())
+    killed = outcomes["killed"]
+    seen = killed + outcomes["survived"]
+    low, high = wilson_interval(killed, seen)
+    by_room = ", ".join(
+        f"{room} {row['killed']} of {row['killed'] + row['survived']}" for room, row in sorted(rooms.items())
     )
-    killed, survived = outcomes["killed"], outcomes["survived"]
-    share, of_all = 100.0 * killed / max(killed + survived, 1), 100.0 * killed / max(len(chosen), 1)
-    return f"{dict(outcomes)}: {share:.0f} % killed, {of_all:.0f} % with equivalent ones"
+    return (
+        f"{by_room}\n{dict(outcomes)}: {100 * killed / max(seen, 1):.0f} % killed "
+        f"({100 * low:.0f} to {100 * high:.0f} % by Wilson), "
+        f"{100 * killed / max(len(chosen), 1):.0f} % with equivalent ones"
+    )
 
 
 if __name__ == "__main__":

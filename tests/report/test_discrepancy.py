@@ -15,6 +15,7 @@ from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy import discrepancy_blocks
 from reliab.report.kinds.discrepancy import discrepancy_report
 from reliab.report.kinds.discrepancy.figures import posterior_figure
+from reliab.report.kinds.discrepancy.report import missing_effects_section
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
@@ -121,3 +122,21 @@ def test_guilty_blocks_are_coloured():
     one = discrepancy_blocks(lacking={Block.SPECIMEN: "friction"}, observed=set(Block))
     assert svg(none).count(b"#f7d9c6") == 1  # the legend's
     assert svg(one).count(b"#f7d9c6") == 2
+
+
+def test_a_model_that_explains_the_tests_has_a_residual_like_noise(damped):
+    """Of both pairs of sentences each stands where it holds."""
+    blank = {block.block: replace(block, findings=()) for block in damped.blocks}
+    explained = replace(damped, blocks=tuple(blank.values()))
+    content = json.dumps(text_of(discrepancy_report(explained, provenance={})))
+    assert explained.is_explained
+    assert "does not differ from noise" in content
+    assert "varies with no quantity of the motion" not in content
+
+
+def test_what_was_calibrated_stands_with_what_is_missing(damped):
+    section = missing_effects_section(damped, {})
+    calibrated = section.blocks[-1].frame
+    found = [(e.name, e.value) for block in damped.blocks for e in block.calibration]
+    assert found
+    assert list(zip(calibrated["parameter"], calibrated["value"], strict=True)) == found

@@ -1,0 +1,141 @@
+"""Kernels step by step without compilation, with numbers of which none is one."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from reliab.effects import Scales, Setting, find_effect
+from reliab.effects.effect import Parameter
+from reliab.errors import InputError
+
+SETTING = Setting(step=0.04, stiffness=7.0, damping=3.0)
+
+
+def stepped(name, motions, setting=SETTING, **parameters):
+    """What a kernel returns and the motions that it leaves, and its last state."""
+    effect = find_effect(name)(**parameters)
+    state, coefficients = np.zeros(max(effect.kernel.states, 1)), effect.coefficients(setting)
+    returned, left = [], []
+    for place, motion in enumerate(motions):
+        moved = np.array(motion, dtype=float)
+        time = place * setting.step
+        returned.append(effect.kernel(moved, time, setting.step, coefficients, state))
+        left.append(moved)
+    return np.array(returned), np.array(left), state
+
+
+def test_a_limited_piston_moves_at_the_limit_to_either_side():
+    motions = [[3.0, 9.0, 5.0], [3.01, 9.0, 5.0], [4.0, 9.0, 5.0], [2.0, 9.0, 5.0]]
+    _, left, _ = stepped("rate_limit", motions, velocity_limit_m_per_s=0.5)
+    expected = [[3.0, 9.0, 5.0], [3.01, 9.0, 5.0], [3.03, 0.5, 0.0], [3.01, -0.5, 0.0]]
+    np.testing.assert_allclose(left, expected, atol=1e-12)
+
+
+def test_play_stands_still_while_it_is_crossed():
+    motions = [[1.0, 4.0, 2.0], [1.1, 4.0, 2.0], [1.3, 4.0, 2.0], [1.2, -4.0, 2.0], [0.9, -4.0, 2.0]]
+    _, left, _ = stepped("backlash", motions, width_m=0.3)
+    expected = [[1.0, 4.0, 2.0], [1.0, 0.0, 0.0], [1.15, 4.0, 2.0], [1.15, 0.0, 0.0], [1.05, -4.0, 2.0]]
+    np.testing.assert_allclose(left, expected, atol=1e-12)
+    returned, beyond, _ = stepped("series_play", motions, width_m=0.3)
+    np.testing.assert_allclose(beyond, expected, atol=1e-12)
+    asked = np.array(motions)
+    rests = np.array([False, True, False, True, False])
+    lost = 7.0 * (beyond[:, 0] - asked[:, 0]) - 3.0 * asked[:, 1] * rests
+    np.testing.assert_allclose(returned, lost, atol=1e-12)
+
+
+def test_a_stop_takes_speed_and_acceleration():
+    _, left, _ = stepped(
+        "stroke_saturation", [[0.2, 4.0, 2.0], [0.4, 4.0, 2.0], [-0.5, -4.0, 2.0]], stroke_m=0.3
+    )
+    np.testing.assert_array_equal(left, [[0.2, 4.0, 2.0], [0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "system"),
+    [
+        (
+            "first_order_lag",
+            {"time_constant_s": 0.1},
+            lambda u, v, y: [(u - y[0]) / 0.1, (v - (u - y[0]) / 0.1) / 0.1],
+        ),
+        (
+            "second_order_dynamics",
+            {"natural_frequency_hz": 1.5, "damping_ratio": 0.3},
+            lambda u, _v, y: [y[1], (3.0 * np.pi) ** 2 * (u - y[0]) - 1.8 * np.pi * y[1]],
+        ),
+    ],
+)
+def test_a_servo_follows_a_ramp_with_its_speed_and_acceleration(name, parameters, system):
+    """Along a ramp the line that the kernel assumes within a step is exact."""
+    rate, time = 1.7, SETTING.step * np.arange(20)
+    _, left, _ = stepped(name, [[0.5 + rate * t, rate, 0.0] for t in time], **parameters)
+
+    def slopes(t, y):
+        return system(0.5 + rate * t, rate, y)
+
+    start = [0.5, 0.0]
+    exact = solve_ivp(slopes, (0.0, time[-1]), start, t_eval=time, rtol=1e-10, atol=1e-12).y
+    np.testing.assert_allclose(left[:, 0], exact[0], atol=1e-8)
+    np.testing.assert_allclose(
+        left[:, 1:], [system(0.5 + rate * t, rate, y) for t, y in zip(time, exact.T, strict=True)], atol=1e-6
+    )
+
+
+PATH = 0.9 * np.sin(np.linspace(0.0, 9.0, 40))
+SHAPE = {"force_n": 10.0, "displacement_m": 0.3, "gamma": 0.4, "exponent": 1.7}
+
+
+def pushed(path, **parameters):
+    force, _, state = stepped("degrading_hysteresis", [[x, 0.0, 0.0] for x in path], **SHAPE, **parameters)
+    return force, state
+
+
+@pytest.mark.parametrize("name", ["hysteresis", "degrading_hysteresis"])
+def test_a_spring_loses_a_share_of_the_stiffness_that_the_hysteresis_brings(name):
+    motions = [[x, 0.0, 0.0] for x in PATH]
+    whole, less = (stepped(name, motions, **SHAPE, lost_share=share)[0] for share in (0.0, 0.6))
+    np.testing.assert_allclose(whole - less, 0.6 * 10.0 * PATH / 0.3, rtol=1e-9)
+
+
+@pytest.mark.parametrize("losses", [{}, {"strength_loss": 0.3, "stiffness_loss": 0.2}, {"slip": 0.5}])
+def test_long_steps_of_a_hysteresis_are_divided(losses):
+    """Force and dissipated energy of steps of several yield displacements are those of small ones."""
+    corners = np.array([0.0, 2.0, -1.5, 0.7, 1.4])
+    fine = np.concatenate([np.linspace(a, b, 400, endpoint=False) for a, b in pairwise(corners)])
+    coarse, state = pushed(corners, **losses)
+    steps, last = pushed([*fine, corners[-1]], **losses)
+    np.testing.assert_allclose(coarse, [*steps[::400]], rtol=0.01, atol=0.05)
+    assert state[3] == pytest.approx(last[3], rel=0.01)
+
+
+def test_parameters_are_told_by_their_coordinates():
+    scales = Scales(displacement=0.1, velocity=0.7, acceleration=5.0, force=300.0, duration=40.0)
+    size = Parameter(
+        name="size",
+        units="m",
+        meaning="a size",
+        scale=(("displacement", 1.0),),
+        lower=0.2,
+        upper=3.0,
+        starts=(1.0,),
+    )
+    sign = Parameter(
+        name="sign", units="N", meaning="a force", scale=(("force", 1.0),), signed=True, neutral=0.4,
+        typical=0.6, lower=-0.9, upper=0.8, starts=(0.4,),
+    )  # fmt: skip
+    assert size.coordinate_bounds == pytest.approx((np.log(0.2), np.log(3.0)))
+    assert sign.coordinate_bounds == pytest.approx((-1.3, 0.4))
+    assert size.coordinate_prior == (0.0, 1.5)
+    assert sign.coordinate_prior == (0.0, 0.6)
+    for parameter, at in ((size, 0.7), (sign, -0.3)):
+        change = parameter.value(at + 1e-6, scales) - parameter.value(at - 1e-6, scales)
+        assert parameter.derivative(at, scales) == pytest.approx(change / 2e-6)
+
+
+@pytest.mark.parametrize(("lower", "upper", "rule"), [(2.0, 1.0, "below the upper"), (0.0, 1.0, "positive")])
+def test_bounds_of_a_parameter_are_an_order(lower, upper, rule):
+    with pytest.raises(InputError, match=rule):
+        Parameter(name="p", units="m", meaning="p", lower=lower, upper=upper, starts=(1.0,))
