@@ -143,3 +143,21 @@ def test_a_period_of_ten_samples_is_enough():
         checked_histories(command, command, 0.1001, whole)
     with pytest.raises(InputError, match="at least 64 samples"):
         checked_histories(command[1:], command[1:], 0.1, whole)
+
+
+@pytest.mark.parametrize(("frequency", "step"), [(1.0, STEP), (0.25, 4.0 * STEP), (8.0, STEP / 8.0)])
+@pytest.mark.parametrize(("factor", "concludes"), [(0.98, False), (1.02, True)])
+def test_a_rest_concludes_once_a_structure_of_any_frequency_would_have_moved(
+    frequency, step, factor, concludes
+):
+    """Its answer is four times what counts as rest; slow motion hides what the rest of the record shows."""
+    rest, size, share = 64, 4096, 0.6
+    swing = 4.0 * np.sin(2.0 * np.pi * np.arange(size - rest) / (size - rest))
+    command = np.concatenate([np.zeros(rest), vibrating(0, size - rest) + 0.01 * swing])
+    peak = np.abs(command).max()
+    still = int(np.argmax(np.abs(command) > 2e-3 * peak))
+    answer = 4.0 * max(np.abs(command[:still]).max(), 2e-3 * peak)
+    offset = factor * answer / (share * (1.0 - np.cos(2.0 * np.pi * still * STEP)))
+    start = examine_start(command, command + offset, step, frequency, WHITE, SLOW, share)
+    assert start.offset == pytest.approx(offset)
+    assert (start.offset_deviation < 0.1 * offset) == concludes
