@@ -108,7 +108,7 @@ def _run(
     if changed:
         for function in targets:
             function.__code__ = code
-    _compile_anew(*outdated)
+        _compile_anew(*outdated)
     items = list(session.items)
     Chosen(names).pytest_collection_modifyitems(items)
     for item, following in zip(items, [*items[1:], None], strict=True):

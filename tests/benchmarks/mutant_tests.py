@@ -265,7 +265,7 @@ def judged(names: list[str], run: Run, seconds: float) -> str:
     """Run tests with a change; if they fail, up to the one that failed also without it.
 
     A change counts as noticed only if these tests pass without it, in the same order, the same way and
-    within the same limit, compilation counted; else the outcome is "unsound".
+    within the same limit; else the outcome is "unsound".
     """
     with tempfile.TemporaryDirectory() as folder:
         note = Path(folder) / "failed"
