@@ -220,6 +220,15 @@ def _name(node: ast.AST) -> str:
     return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
+def classes_with(file: str, names: set[str]) -> set[str]:
+    """Classes of a file that mention names, as an effect has its kernel."""
+    return {
+        node.name
+        for node in ast.walk(parsed(file))
+        if isinstance(node, ast.ClassDef) and not names.isdisjoint(map(_name, ast.walk(node)))
+    }
+
+
 def callers(names: set[str]) -> tuple[list[tuple[str, ast.FunctionDef]], set[tuple[str, str]]]:
     """Plain functions that mention names, also through kernels; and files and names of these kernels."""
     plain: list[tuple[str, ast.FunctionDef]] = []

@@ -19,6 +19,7 @@ from benchmarks.mutant_places import (
     ROOT,
     Mutant,
     callers,
+    classes_with,
     home,
     kernels,
     lines,
@@ -125,7 +126,8 @@ class Reach:
         for file, function in plain:
             first |= self.at(file, lines_of_body(function))
         if names:
-            words = frozenset({*names, *(name for _, name in compiled), Path(mutant.file).stem})
+            classes = classes_with(mutant.file, names)
+            words = frozenset({*names, *(name for _, name in compiled), *classes, Path(mutant.file).stem})
             first |= {test for test in self.seconds if _mentions(file_of(test), words)}
         if not first and (not place.in_body or names):
             bodies = [part for part in ast.walk(parsed(mutant.file)) if isinstance(part, ast.FunctionDef)]
