@@ -103,7 +103,9 @@ class Reach:
         self.budget = budget
         self.seconds: dict[str, float] = record["seconds"]
         self.lines: dict[str, dict[str, list[str]]] = record["lines"]
-        self.fixtures: dict[str, list[str]] = record["fixtures"]
+        self.fixtures: dict[str, list[str]] = {
+            name: fixtures for name, fixtures in record["fixtures"].items() if name in self.seconds
+        }
 
     def at(self, file: str, numbers: range) -> set[str]:
         """Tests that reach any of some lines of a file, themselves or by a fixture."""
