@@ -107,6 +107,11 @@ class Reach:
             name: fixtures for name, fixtures in record["fixtures"].items() if name in self.seconds
         }
 
+    def knows(self, mutant: Mutant) -> bool:
+        """Whether the tests of a room were measured, if it has a folder of tests."""
+        folder = f"tests/{mutant.file.split('/')[1]}"
+        return not (ROOT / folder).is_dir() or any(name.startswith(f"{folder}/") for name in self.seconds)
+
     def at(self, file: str, numbers: range) -> set[str]:
         """Tests that reach any of some lines of a file, themselves or by a fixture."""
         reached = self.lines.get(file, {})

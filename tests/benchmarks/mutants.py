@@ -11,7 +11,7 @@ disk is changed. A mutant is a line of the output as soon as it is judged, so th
 loses nothing and one that is started again with the same seed goes on. Slow tests are left out. Changes
 that no test can notice are listed with their reasons in equivalent_mutants.toml and count neither way.
 `all` draws over all rooms by their size; what tests reach may have been measured room by room (`ROOM
---count 0 --reach reach/ROOM.json`).
+--count 0 --reach reach/ROOM.json`), and rooms whose own tests were not measured are left out.
 
 A change counts as noticed only if the same tests, up to the one that failed, pass without it in the same
 way and within the same limit; else it is "unsound". Limits are processor time, so that a busy machine does
@@ -44,6 +44,7 @@ def main() -> None:
     chosen = shuffled[: options.count][options.part - 1 :: options.parts]
     tests = options.tests or [f"tests/{room.partition('/')[0]}".rstrip("/"), f"reliab/{room}".rstrip("/")]
     reach = Reach(_record(options.room, tests, options.reach), options.budget)
+    chosen = [mutant for mutant in chosen if reach.knows(mutant)]
     _try(chosen, tests, reach, options.out)
     judged = _judged(options.out)
     for mutant in chosen:
