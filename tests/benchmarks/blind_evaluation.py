@@ -1,8 +1,8 @@
 """Measure `diagnose` on blind campaigns that nobody has seen, restartable.
 
 `python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]
-[--variant NAME]` draws the campaigns of the seeds from `--seed` on, makes them harder as the variant says,
-diagnoses each, keeps labels and results in FOLDER, and writes
+[--variant NAME] [--kind KIND]` draws the campaigns of the seeds from `--seed` on (of one kind only, if one is
+given), makes them harder as the variant says, diagnoses each, keeps labels and results in FOLDER, and writes
 FOLDER/figures.json, the table of `tests/blind_campaigns/score.py` and how long it took. What is there
 already is not done again; several runs may share the work, each with its own range of seeds.
 """
@@ -21,24 +21,30 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from benchmarks.campaign_variants import NOISY_DB, VARIANTS  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
+from blind_campaigns.kinds import Kind  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
 
-from reliab.discrepancy import add, diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy import BlockDiagnosis, add, diagnose, read_campaign  # noqa: E402
+from reliab.discrepancy.spectra.segment import energy_of  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 
 LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""
 
 
-def evaluate(seed: int, folder: Path, *, with_rivals: bool, variant: str | None = None) -> None:
+def evaluate(
+    seed: int, folder: Path, *, with_rivals: bool, variant: str | None = None, kind: str | None = None
+) -> None:
     """Draw, diagnose and record the campaign of one seed; the measured data are thrown away."""
     name = f"campaign_{seed}"
     with tempfile.TemporaryDirectory() as scratch:
         campaign = Path(scratch) / name
         try:
             snr_db = NOISY_DB if variant == "noisy" else None
-            label = generate(seed, campaign, options=Options(with_rivals=with_rivals, snr_db=snr_db))
+            drawn = None if kind is None else Kind(kind)
+            options = Options(kind=drawn, with_rivals=with_rivals, snr_db=snr_db)
+            label = generate(seed, campaign, options=options)
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
@@ -60,11 +66,43 @@ def answer(folder: Path) -> dict[str, Any]:
     except InputError as refusal:
         return {"verdict": "refused", "effects": [], "refusal": str(refusal)}
     result = found.to_dict()
+    result["foretold"] = [row for block in found.blocks for row in foretold(block)]
     result["seconds"] = time.perf_counter() - begin
     add(found)
     result["seconds_with_posterior"] = time.perf_counter() - begin
     result["processor_seconds"] = time.process_time() - worked
     return result
+
+
+def foretold(found: BlockDiagnosis) -> list[dict[str, Any]]:
+    """Compare the interval of the error on a further test with that on each held-out test.
+
+    Both are those of the believed model, at the frequencies at which models are judged.
+    """
+    if found.further is None:
+        return []
+    proof, block = found.proof, found.proof.block
+    predicted = proof.predictions(found.best.space, found.best.coordinates)
+    rows = []
+    for test in sorted({segment.test for segment in proof.segments}):
+        missed = signal = 0.0
+        for segment in (s for s in proof.segments if s.test == test):
+            measured = segment.spectrum(proof.measured(test))
+            missed += energy_of(measured - segment.coarse_spectrum(predicted[test], block.every))
+            signal += energy_of(measured)
+        error = (missed / signal) ** 0.5
+        covers = found.further.low <= error <= found.further.high
+        rows.append(
+            {
+                "block": str(block.block),
+                "file": block.tests[test].file,
+                "effects": len(found.best.space.effects),
+                "error": error,
+                "covers": covers,
+                **found.further.to_dict(),
+            }
+        )
+    return rows
 
 
 def show_times(folder: Path) -> None:
@@ -91,12 +129,16 @@ def main() -> None:
         help="Do not find out which other effects could pass for the hidden one: the same campaigns, faster.",
     )
     parser.add_argument("--variant", choices=sorted(VARIANTS), help="Make every campaign harder in this way.")
+    parser.add_argument(
+        "--kind", choices=[str(kind) for kind in Kind], help="Draw campaigns of one kind only."
+    )
     given = parser.parse_args()
     for part in ("labels", "results"):
         (given.folder / part).mkdir(parents=True, exist_ok=True)
     for seed in range(given.seed, given.seed + given.count):
         if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
-            evaluate(seed, given.folder, with_rivals=not given.without_rivals, variant=given.variant)
+            rivals = not given.without_rivals
+            evaluate(seed, given.folder, with_rivals=rivals, variant=given.variant, kind=given.kind)
     score(
         [
             *(str(given.folder / part) for part in ("labels", "results")),

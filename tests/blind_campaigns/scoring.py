@@ -131,7 +131,24 @@ def coverage(outcomes: list[Outcome], names: Names) -> dict[str, Any]:
     by_parameter = {
         name: share(c for other, c in hits if other == name) for name in sorted({name for name, _ in hits})
     }
-    return {**whole, "target": [0.85, 0.95], "reached": reached, "by_parameter": by_parameter}
+    by_number = {}
+    for number in sorted({len(outcome.label.effects) for outcome in outcomes} - {0}):
+        of_number = [o for o in of_kind(outcomes, *_NAMED_KINDS) if len(o.label.effects) == number]
+        by_number[str(number)] = share(covers for o in of_number for _, covers in o.intervals(names))
+    return {
+        **whole,
+        "target": [0.85, 0.95],
+        "reached": reached,
+        "by_parameter": by_parameter,
+        "by_number": by_number,
+    }
+
+
+def foretold(outcomes: list[Outcome]) -> dict[str, dict[str, Any]]:
+    """Return how often 90 % intervals of the error on a further test cover, by the number of effects."""
+    rows = [row for outcome in outcomes for row in (outcome.result or {}).get("foretold", [])]
+    numbers = sorted({int(row["effects"]) for row in rows})
+    return {str(n): share(row["covers"] for row in rows if row["effects"] == n) for n in numbers}
 
 
 def reliability(outcomes: list[Outcome], bins: int = 10) -> dict[str, Any]:
@@ -195,6 +212,7 @@ def score(outcomes: list[Outcome], names: Names) -> dict[str, Any]:
         "rates": rates(outcomes),
         "closed_fraction": closed_quantiles(outcomes),
         "coverage": coverage(outcomes, names),
+        "foretold": foretold(outcomes),
         "reliability": reliability(outcomes),
         "confusion": confusion(outcomes),
         "breakdowns": breakdowns(outcomes),
@@ -239,6 +257,10 @@ def table(figures: dict[str, Any]) -> str:
         _row("90 % intervals that cover", {**figures["coverage"], "target": None, "at_most": False})
         + "  0.85…0.95"
     )
+    for number, figure in figures["coverage"]["by_number"].items():
+        lines.append(_row(f"  of parameters, {number} hidden effects", {**figure, "target": None}))
+    for number, figure in figures["foretold"].items():
+        lines.append(_row(f"  of held-out errors, {number} effects", {**figure, "target": None}))
     lines += ["", "closed fraction: " + _inline(figures["closed_fraction"])]
     calibration = figures["reliability"]
     lines += [

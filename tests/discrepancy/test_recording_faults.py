@@ -1,19 +1,26 @@
 """What was recorded or stated wrongly is told as such, and not as an effect that happens to look like it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms.late_force import LateForce
+from reliab.discrepancy.terms import ClockOffset, LeadingReading, with_clock
+from reliab.simulation import Actuator
+from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Specimen
 
 RATE, STIFFNESS = 200.0, 4.0e4
 TIME = np.arange(0.0, 8.0, 1.0 / RATE)
 
 
-def campaign_of(*, stated=1.0, unit=1.0, lag=0.0):
-    """Tests of a linear spring: its stated stiffness over the true one, unit of the force, lag [s]."""
+def campaign_of(*, stated=1.0, unit=1.0, lag=0.0, damping=0.0):
+    """Tests of a linear spring: its stated stiffness over the true one, unit of the force, lag [s].
+
+    `damping` [N·s/m].
+    """
     tests = []
     for k in range(3):
         rng = np.random.default_rng(k)
@@ -22,7 +29,9 @@ def campaign_of(*, stated=1.0, unit=1.0, lag=0.0):
         def moved(time, waves=waves):
             return 0.005 * sum(np.sin(2.0 * np.pi * f * time + phase) for f, phase in waves)
 
-        force = unit * STIFFNESS * moved(TIME - lag)
+        late = TIME - lag
+        speed = (moved(late + 1e-4) - moved(late - 1e-4)) / 2e-4
+        force = unit * (STIFFNESS * moved(late) + damping * speed)
         channels = {Channel.MEASURED: moved(TIME), Channel.FORCE: force}
         noisy = {name: x + 0.003 * x.std() * rng.standard_normal(x.size) for name, x in channels.items()}
         tests.append(MeasuredTest(file=f"{k}.csv", motion="", held_out=k == 2, channels=noisy))
@@ -50,16 +59,69 @@ def test_pounds_force_are_called_so():
     assert "as pounds-force for newtons, or newtons for pounds-force would have" in found.remarks[0]
 
 
+def names_of(found):
+    return {effect.name for effect in (*found.effects, *found.doubtful)}
+
+
+def rivals_of(found):
+    return {rival.name for effect in found.doubtful for rival in effect.rivals if rival.probability > 0.1}
+
+
 @pytest.mark.slow
 def test_a_force_that_lags_is_a_clock_offset():
     found = diagnose(campaign_of(lag=0.004))
-    assert found.effects == ()
-    assert "the force lags the displacement" in found.unknown.description
-    assert float(found.unknown.expression.split("lag_s = ")[1].split()[0]) == pytest.approx(0.004, rel=0.05)
+    (effect,) = found.effects
+    assert effect.name == "clock_offset"
+    assert effect.estimates[0].value == pytest.approx(0.004, rel=0.05)
+    assert "ms later than the displacement" in " ".join(found.remarks)
 
 
-@pytest.mark.parametrize("lag", [0.001, 0.0025, 0.02])
+@pytest.mark.slow
+@pytest.mark.parametrize("lag", [-0.001, -0.002])
+def test_a_force_that_is_a_little_early_is_a_clock_offset_or_a_damper(lag):
+    found = diagnose(campaign_of(lag=lag))
+    assert found.verdict == "not_identifiable"
+    assert names_of(found) | rivals_of(found) >= {"clock_offset", "viscous_damping"}
+
+
+@pytest.mark.slow
+def test_a_force_that_is_early_is_told_from_a_damper_by_the_mass_that_is_missing():
+    found = diagnose(campaign_of(lag=-0.016))
+    (effect,) = found.effects
+    assert effect.name == "clock_offset"
+    assert effect.estimates[0].value == pytest.approx(-0.016, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_damper_without_an_offset_is_a_damper():
+    found = diagnose(campaign_of(damping=0.016 * STIFFNESS))
+    assert [effect.name for effect in found.effects] == ["viscous_damping"]
+
+
+@pytest.mark.slow
+def test_a_displacement_that_leads_its_command_is_a_clock_offset():
+    def led(channels):
+        return {Channel.COMMAND: channels[Channel.MEASURED], Channel.MEASURED: channels[Channel.FORCE]}
+
+    recorded = campaign_of(lag=-0.004, unit=1.0 / STIFFNESS)
+    tests = tuple(replace(test, channels=led(test.channels)) for test in recorded.tests)
+    actuator = Actuator(gain=1.0, delay=0.001)
+    found = diagnose(replace(recorded, tests=tests, specimen=None, actuator=actuator))
+    (effect,) = found.effects
+    assert effect.name == "clock_offset"
+    assert effect.estimates[0].value > 0.004 - 2.0 * effect.estimates[0].sd
+
+
+@pytest.mark.parametrize("lag", [-0.02, -0.001, 0.001, 0.0025, 0.02])
 def test_a_late_force_is_that_of_earlier(lag):
-    late = LateForce(lag_s=lag).delayed(np.sin(3.0 * TIME), 1.0 / RATE)
-    assert late[10:] == pytest.approx(np.sin(3.0 * (TIME - lag))[10:], abs=1e-4)
-    assert late[0] == 0.0
+    model = HybridTest(effects=(ClockOffset(lag_s=lag),))
+    late = with_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
+    inner = slice(10, -10)
+    assert late[inner] == pytest.approx(np.sin(3.0 * (TIME - lag))[inner], abs=1e-7)
+
+
+def test_a_reading_that_leads_is_that_of_later():
+    model = HybridTest(effects=(LeadingReading(lead_s=0.003),))
+    early = with_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
+    assert early[10:-10] == pytest.approx(np.sin(3.0 * (TIME + 0.003))[10:-10], abs=1e-7)
+    assert early[-1] == np.sin(3.0 * TIME[-1])

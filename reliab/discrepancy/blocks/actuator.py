@@ -10,7 +10,7 @@ from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import outside_terms
+from reliab.discrepancy.terms import LeadingReading, outside_terms, with_clock
 from reliab.effects import Role, Scales, SensorBias, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
 from reliab.vocabulary import Block
@@ -37,9 +37,8 @@ class ActuatorBlock(ObservedBlock):
         self.offsets = (SensorBias,)
         roles = (*_ON_THE_WAY, Role.DISPLACEMENT_READING)
         effects = library().values()
-        self.candidates = tuple(
-            e for e in effects if e.role in roles and e is not SensorBias and e.refines is None
-        )
+        effects_here = (e for e in effects if e.role in roles and e is not SensorBias and e.refines is None)
+        self.candidates = (*effects_here, LeadingReading)
         self.outside = outside_terms(self.block)
         parts = _parts(campaign)
         commands = [
@@ -74,7 +73,8 @@ class ActuatorBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (n,)."""
-        return read_displacement(model, self.piston(model, test))
+        piston = self.piston(model, test)
+        return with_clock(model, read_displacement(model, piston), piston.step)
 
 
 def _parts(campaign: Campaign) -> int:

@@ -8,7 +8,8 @@ is used. Below, whatever was demanded above is folded onto it at the controller'
 with such an error are judged only up to the frequency to which the command explains the force. The last
 demands of a record are answered after its end, which is left out. Natural frequency, damping ratio and mass
 are calibrated, because an operator may state them wrongly; a wrong value would otherwise look like an error
-of the integration, and so would an offset of the recorded force that the controller did not feel.
+of the integration, and so would an offset of the recorded force that the controller did not feel, or a force
+that was recorded by another clock.
 """
 
 from copy import copy
@@ -29,6 +30,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.terms import ClockOffset, with_clock
 from reliab.effects import ForceBias, IntegrationError, Parameter, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
@@ -59,7 +61,8 @@ class BalanceBlock(ObservedBlock):
         )
         self.offsets = ()
         roles = (Role.RECORD, Role.INTEGRATION)
-        self.candidates = tuple(effect for effect in library().values() if effect.role in roles)
+        effects = (effect for effect in library().values() if effect.role in roles)
+        self.candidates = (*effects, ClockOffset)
         self.outside = ()
         nominal = self.nominal
         self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
@@ -102,7 +105,8 @@ class BalanceBlock(ObservedBlock):
                 likely -= structure.damping * moved[1].spectrum + lead * moved[2].spectrum
                 acceleration = self._demanded(effect, moved[2], likely)
         offset = sum(effect.bias_n for effect in model.effects if isinstance(effect, ForceBias))
-        return np.asarray(offset - model.mass * (returned + acceleration))
+        force = np.asarray(offset - model.mass * (returned + acceleration))
+        return with_clock(model, force, 1.0 / self.rate)
 
     def _demanded(self, effect: IntegrationError, moved: "ClosedSignal", likely: Spectrum) -> Array:
         """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""

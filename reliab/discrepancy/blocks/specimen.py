@@ -17,7 +17,7 @@ from reliab.discrepancy.blocks.calibration import (
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import LateForce, outside_terms
+from reliab.discrepancy.terms import ClockOffset, outside_terms, with_clock
 from reliab.effects import (
     Effect,
     ForceBias,
@@ -64,7 +64,7 @@ class SpecimenBlock(ObservedBlock):
             effect for effect in library().values() if effect.role is Role.FORCE and effect.refines is None
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
-        self.candidates = (*in_force, *of_sensor)
+        self.candidates = (*in_force, *of_sensor, ClockOffset)
         self.outside = outside_terms(self.block)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
@@ -115,11 +115,7 @@ class SpecimenBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
-        force, step = self._force(model, test), self.motions[test].step
-        for effect in model.acting(Role.FORCE_READING):
-            if isinstance(effect, LateForce):
-                force = effect.delayed(force, step)
-        return force
+        return with_clock(model, self._force(model, test), self.motions[test].step)
 
     def _force(self, model: HybridTest, test: int) -> Array:
         """Predict the force as if all channels had one clock."""

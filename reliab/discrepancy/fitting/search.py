@@ -11,7 +11,7 @@ from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import is_outside
+from reliab.discrepancy.terms import ClockOffset, is_outside
 from reliab.effects import Effect, library
 from reliab.signals import NoiseModel
 
@@ -101,6 +101,12 @@ class Search:
         key = frozenset(candidate.space.names)
         self.rejected.add(key)
         self.fitted.pop(key, None)
+
+    @property
+    def candidates(self) -> tuple[type[Effect], ...]:
+        """Effects that may be missing; a lag of the force may be an error of the model where errors judge."""
+        every = self.problem.block.candidates
+        return tuple(kind for kind in every if kind is not ClockOffset) if self.problem.flat else every
 
     def score(self, candidate: Fit) -> float:
         """Logarithm of how credible a fitted model is, up to a constant.
@@ -313,12 +319,12 @@ class Search:
     def whole(self, begin: Fit | None = None) -> Fit:
         """Search the library, and terms outside it where one of them would explain the remainder."""
         block = self.problem.block
-        inside = self.forward(begin or self.null, block.candidates)
+        inside = self.forward(begin or self.null, self.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
         remaining = self._screened(inside, outside)
         if not remaining or remaining[0].gain < self.noticeable(inside):
             return inside
-        every = (*block.candidates, *outside)
+        every = (*self.candidates, *outside)
         best = max(inside, self.forward(self.null, every, deepest=_DEEPEST_OUTSIDE), key=self.score)
         return best if best is not inside else self.forward(inside, every, deepest=1)
 
@@ -362,7 +368,7 @@ class Search:
 
     def exchange(self, best: Fit) -> None:
         """Try every other effect in the place of each of a model's, as long as that makes it better."""
-        candidates = best.space.block.candidates
+        candidates = self.candidates
         for _ in range(_MOST_EXCHANGES):
             if len(best.space.effects) < 2:  # noqa: PLR2004 - single effects were all tried
                 return

@@ -221,7 +221,7 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     space = ModelSpace(block, best.space.effects)
     start = space.inherited(best.space, best.coordinates)
     without = reweighted(problem, fit(problem, space, [start], best.noise))
-    promising = screened(problem, without, block.candidates, without)
+    promising = screened(problem, without, search.candidates, without)
     if not promising or not promising[0].gain > 0.0:
         return None
     first = promising[0]

@@ -13,7 +13,7 @@ from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Un
 from reliab.html_table import html_table
 from reliab.renamed import renamed_method
 from reliab.significant import percent, significant
-from reliab.vocabulary import PERCENT, Block
+from reliab.vocabulary import MILLI, PERCENT, Block
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,6 +24,7 @@ SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
 _UNIT_TOLERANCE = 0.03  # of a calibrated stiffness
+_CLOCK = "clock_offset"
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
@@ -154,6 +155,7 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
             f"{significant(block.not_fed_back.sd, 1)} N that the controller did not feel."
         )
     remarks += [offset.remark for offset in block.uncertain_offsets]
+    remarks += [clock_remark(effect) for effect in block.effects if effect.name == _CLOCK]
     effects = {effect.name for effect in (*block.effects, *block.doubtful)}
     if block.block.inputs == (Channel.GROUND,) and effects & _LIKE_A_STRUCTURE:
         remarks.append(
@@ -173,6 +175,20 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
     if not block.leaves_noise:
         remarks.append(remainder_statement(name, gap, block.structured_share))
     return remarks
+
+
+def clock_remark(effect: MissingEffect) -> str:
+    """Say which channel is ahead of which, and that no model should make up for it."""
+    (lag,) = effect.estimates
+    if lag.name == "lag_s":
+        channels = "force", "later" if lag.value > 0.0 else "earlier", "displacement"
+    else:
+        channels = "measured displacement", "earlier", "command"
+    return (
+        f"The {channels[0]} was recorded {significant(abs(MILLI * lag.value), 2)} ± "
+        f"{significant(MILLI * lag.sd, 1)} ms {channels[1]} than the {channels[2]}, as by clocks, filters or"
+        " multiplexers that differ: align the columns. No model is changed for it."
+    )
 
 
 def table_of_diagnosis(

@@ -1,3 +1,7 @@
-from .late_force import LateForce as LateForce
+from .clock_offset import (
+    ClockOffset as ClockOffset,
+    LeadingReading as LeadingReading,
+    with_clock as with_clock,
+)
 from .outside_term import OutsideTerm as OutsideTerm, is_outside as is_outside
 from .outside_terms import outside_terms as outside_terms

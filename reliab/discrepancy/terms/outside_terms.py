@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar
 
-from reliab.discrepancy.terms.late_force import LateForce
 from reliab.discrepancy.terms.monomial import monomial
 from reliab.discrepancy.terms.outside_term import OutsideTerm
 from reliab.effects import Effect, Kernel, Numbers, Parameter, Role
@@ -195,7 +194,7 @@ def outside_terms(block: Block) -> tuple[type[Effect], ...]:
     """Terms of a block."""
     if block is Block.SPECIMEN:
         terms = [monomial(Role.FORCE, **exponents) for exponents in _FORCES]
-        return (*terms, OneSidedSpring, Relaxation, WornSpring, GrowingSlack, LateForce)
+        return (*terms, OneSidedSpring, Relaxation, WornSpring, GrowingSlack)
     if block is Block.ACTUATOR:
         terms = [monomial(Role.PISTON, **exponents) for exponents in _PISTON]
         return (*terms, AmplitudeDelay)

@@ -1,0 +1,80 @@
+"""A channel that was recorded earlier or later than another: clocks, filters or multiplexers that differ."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from reliab.arrays import Array
+from reliab.effects import Kernel, Numbers, Parameter, Role, SteppedEffect
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.vocabulary import Block
+
+
+def _nothing(_motion: Numbers, _time: float, _step: float, _coefficients: Numbers, _state: Numbers) -> float:
+    return 0.0
+
+
+_TIME: Final = (("displacement", 1.0), ("velocity", -1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClockOffset(SteppedEffect):
+    """The whole force F(t − τ) in the place of F(t).
+
+    A force that lags the displacement gives energy, which no passive specimen does. One that leads it looks
+    like a damper c = kτ with a mass kτ²/2 to second order in ωτ: where the data do not show the mass, neither
+    is preferred to the other.
+    """
+
+    name = "clock_offset"
+    block = Block.SENSOR
+    role = Role.FORCE_READING
+    description = "force and displacement were recorded by clocks or filters that differ by a time"
+    parameters = (
+        Parameter(
+            name="lag_s", units="s", meaning="time by which the force is recorded later",
+            signed=True, typical=0.01, lower=-0.5, upper=0.5, starts=(0.002,),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_nothing)
+
+    lag_s: float  # τ [s], negative where the force is recorded earlier
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeadingReading(SteppedEffect):
+    """The displacement x(t + τ) in the place of x(t).
+
+    One that lags cannot be told from the delay of the actuator, which makes up for a part of a lead, too: how
+    large it is follows from the stated delay.
+    """
+
+    name = "leading_displacement"
+    reported_name = "clock_offset"
+    block = Block.SENSOR
+    role = Role.DISPLACEMENT_READING
+    description = "the measured displacement leads the command, as that of no actuator does: clocks differ"
+    parameters = (
+        Parameter(
+            name="lead_s", units="s", meaning="time by which the displacement is recorded earlier",
+            scale=_TIME, typical=0.03, spread=1.5, lower=1e-4, upper=0.5, starts=(0.02,),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_nothing)
+
+    lead_s: float  # τ [s]
+
+
+def with_clock(model: HybridTest, values: Array, step: float) -> Array:
+    """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s].
+
+    Beyond its ends it has its last value.
+    """
+    lag = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
+    lag -= sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
+    if not lag:
+        return values
+    time = np.arange(values.size) * step
+    return np.asarray(CubicSpline(time, values)(np.clip(time - lag, 0.0, time[-1])))
