@@ -1,3 +1,4 @@
+# mypy: disable-error-code="attr-defined"
 """Panels end where their data do: margins, rows of their own, and what the frame would cut."""
 
 from types import SimpleNamespace
