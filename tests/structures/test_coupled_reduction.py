@@ -1,0 +1,111 @@
+"""A structure that is reduced keeps its slow modes and its statics; what has no mass follows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy
+
+from reliab.simulation.frames.coupled_tables import damping_of
+from reliab.simulation.frames.frame_tables import DampingTable
+from reliab.structures import CoupledPartition
+from reliab.structures.frames import modal_damping, rayleigh_damping, shear_frame
+
+
+def tall(stories=60):
+    """A frame of many stories, of which the third and the fortieth are driven."""
+    mass, stiffness = shear_frame(np.linspace(3e3, 2e3, stories).tolist(), [4e7] * stories)
+    interface = np.zeros((stories, 2))
+    interface[2, 0] = interface[39, 1] = 1.0
+    return CoupledPartition(
+        mass=mass,
+        damping=modal_damping(mass, stiffness, 0.03),
+        stiffness=stiffness,
+        interface=interface,
+        specimen_stiffness=np.array([[3e5, 0.0], [0.0, 2e5]]),
+    )
+
+
+def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
+    whole = tall()
+    highest = 0.5 * (whole.natural_frequencies[6] + whole.natural_frequencies[7])
+    less = whole.below(highest)
+    assert 7 + 2 < less.size <= 7 + 2 * 2  # a static shape may nearly be one of the modes
+    np.testing.assert_allclose(less.mass, np.eye(less.size), atol=1e-5)
+    np.testing.assert_allclose(less.natural_frequencies[:7], whole.natural_frequencies[:7], rtol=1e-8)
+    assert less.natural_frequencies[7] > highest
+    np.testing.assert_allclose(less.static_transfer, whole.static_transfer, rtol=1e-7)
+    for found, kept in zip(less.modes, whole.modes, strict=True):
+        np.testing.assert_allclose(np.abs(found[..., :7]), np.abs(kept[..., :7]), rtol=1e-5, atol=1e-9)
+    inertia = whole.mass @ np.linalg.solve(whole.stiffness, whole.interface)
+    first = np.linalg.solve(whole.stiffness, whole.interface).T @ inertia
+    reduced = np.linalg.solve(less.stiffness, less.interface)
+    np.testing.assert_allclose(reduced.T @ less.mass @ reduced, first, rtol=1e-6)
+
+
+def test_a_small_structure_or_one_that_is_wanted_whole_is_not_reduced():
+    small, whole = tall(41), tall()
+    assert whole.below(2.0 * whole.natural_frequencies[-1]) is whole
+    few = CoupledPartition(
+        mass=np.diag([4.0, 3.0, 2.0]),
+        damping=0.1 * np.eye(3),
+        stiffness=np.diag([90.0, 80.0, 70.0]),
+        interface=np.eye(3)[:, :2],
+        specimen_stiffness=np.eye(2),
+    )
+    assert few.below(0.1) is few
+    assert small.below(small.natural_frequencies[1] * 1.01).size == 2 + 4
+
+
+def test_a_structure_scaled_has_frequencies_damping_and_specimen_of_its_own():
+    whole = replace(tall(5 + 40), specimen_damping=np.eye(2) * 7.0, specimen_mass=np.eye(2) * 30.0)
+    changed = whole.scaled(frequency=1.3, damping_ratio=0.7, share=0.6)
+    f, xi, shapes = whole.modes
+    new_f, new_xi, new_shapes = changed.modes
+    np.testing.assert_allclose(new_f, 1.3 * f, rtol=1e-9)
+    np.testing.assert_allclose(new_xi, 0.7 * xi, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(new_shapes), np.abs(shapes), atol=1e-9)
+    s = 2.0j
+    expected = 0.6 * (
+        1.3**2 * whole.specimen_stiffness + s * (1.3 * whole.specimen_damping + s * whole.specimen_mass)
+    )
+    np.testing.assert_allclose(changed.impedance(s), expected)
+
+
+MASS = np.diag([3.0, 0.0, 2.0])
+STIFFNESS = np.array([[500.0, -200.0, 0.0], [-200.0, 450.0, -250.0], [0.0, -250.0, 250.0]])
+
+
+def followed():
+    """Mass and stiffness of the first and third degree of freedom, which the second follows."""
+    shapes = np.array([[1.0, 0.0], [200.0 / 450.0, 250.0 / 450.0], [0.0, 1.0]])
+    return shapes, shapes.T @ MASS @ shapes, shapes.T @ STIFFNESS @ shapes
+
+
+def test_damping_of_modes_leaves_what_has_no_mass_undamped():
+    _, mass, stiffness = followed()
+    found = damping_of(DampingTable(ratios=(0.02, 0.05)), MASS, STIFFNESS)
+    np.testing.assert_allclose(found[np.ix_([0, 2], [0, 2])], modal_damping(mass, stiffness, (0.02, 0.05)))
+    assert not found[1].any()
+    assert not found[:, 1].any()
+
+
+def test_rayleigh_damping_of_what_has_no_mass_is_that_of_its_stiffness():
+    shapes, mass, stiffness = followed()
+    frequencies = tuple(np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)) / (2.0 * np.pi))
+    found = damping_of(
+        DampingTable(rayleigh_ratios=(0.03, 0.04), rayleigh_frequencies_hz=frequencies), MASS, STIFFNESS
+    )
+    condensed = rayleigh_damping(mass, stiffness, (0.03, 0.04), frequencies)
+    np.testing.assert_allclose(shapes.T @ found @ shapes, condensed, rtol=1e-9)
+    assert found[1, 1] > 0.0
+
+
+@pytest.mark.parametrize("mass", [MASS, np.diag([3.0, 1.0, 2.0])])
+def test_a_stated_damping_matrix_is_taken_as_it_is(mass):
+    rows = ((5.0, -1.0, 0.0), (-1.0, 4.0, -2.0), (0.0, -2.0, 3.0))
+    np.testing.assert_array_equal(damping_of(DampingTable(matrix_n_s_per_m=rows), mass, STIFFNESS), rows)
+    whole = np.diag([3.0, 1.0, 2.0])
+    np.testing.assert_allclose(
+        damping_of(DampingTable(ratio=0.02), whole, STIFFNESS), modal_damping(whole, STIFFNESS, 0.02)
+    )
