@@ -197,3 +197,54 @@ def test_no_time_is_said(tmp_path):
 def test_rate_that_disagrees_with_the_times_is_said(tmp_path):
     with pytest.raises(InputError, match="agree with the sampling rate"):
         read_recording(of_csv(tmp_path), rate_hz=1024.0)
+
+
+def with_names(data):
+    data.attrs["columns"] = ["time", "command", "measured"]
+    data.attrs["units"] = ["s", "mm", "mm"]
+
+
+def with_units_first(data):
+    data.attrs["Unit"] = ["s", "mm", "mm"]
+    data.attrs["channels"] = [" time", "command ", "measured"]
+
+
+def with_labels(data):
+    scale = data.file.create_dataset("names", data=["time", "command", "measured"], dtype=h5py.string_dtype())
+    scale.make_scale("names")
+    data.dims[data.shape.index(3)].attach_scale(scale)
+    data.attrs["units"] = ["s", "mm", "mm"]
+
+
+@pytest.mark.parametrize("name_columns", [with_names, with_units_first, with_labels])
+@pytest.mark.parametrize("upright", [True, False])
+def test_columns_of_a_matrix_in_hdf5_are_named_beside_it(tmp_path, name_columns, upright):
+    columns = np.array([TIME, 1e3 * COMMAND, 1e3 * MEASURED])
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        data = file.create_dataset("daq/samples", data=columns.T if upright else columns)
+        name_columns(data)
+    found = read_recording(tmp_path / "t.h5")
+    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
+    np.testing.assert_allclose(found.measured, MEASURED, atol=1e-12)
+
+
+def test_a_unit_of_a_whole_matrix_is_that_of_each_column(tmp_path):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["rate"] = RATE
+        data = file.create_dataset("samples", data=1e3 * np.array([COMMAND, MEASURED]).T)
+        data.attrs["columns"] = ["command", "measured"]
+        data.attrs["units"] = ["mm"]
+    found = read_recording(tmp_path / "t.h5")
+    assert found.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
+    np.testing.assert_allclose(found.measured, MEASURED, atol=1e-12)
+
+
+@pytest.mark.parametrize("named", [["command", "command"], ["command"]])
+def test_columns_of_a_matrix_without_names_of_their_own_are_told_by_what_they_do(tmp_path, named):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["rate"] = RATE
+        file.create_dataset("samples", data=np.array([COMMAND, MEASURED]).T).attrs["columns"] = named
+    found = read_recording(tmp_path / "t.h5")
+    assert any("by what they do" in note for note in found.notes)
+    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
