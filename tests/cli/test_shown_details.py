@@ -5,11 +5,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from reliab.cli.assess.shown_coupled import show_coupled
 from reliab.cli.assess.shown_frame import show_frame
 from reliab.cli.criterion.shown import _show_own_boundary
 from reliab.cli.diagnose import _show
 from reliab.cli.monitor.command import _export
 from reliab.cli.record import _check
+from reliab.cli.rig.shown_tests import show_added
 from reliab.cli.validate.shown_rates import show_criteria as show_rates
 
 
@@ -161,3 +163,89 @@ def test_an_exported_monitor_is_printed_or_given_as_json(capsys, target):
     else:
         assert '"path": "out"' in text
         assert "Written to" not in text
+
+
+def size(value, remaining):
+    return {"value": value, "low": 0.5 * value, "high": 2.0 * value, "rms": value, "remaining_rms": remaining}
+
+
+DEGREE = {
+    "judged": True, "rms": size(0.0123, 0.0), "mte": size(0.0345, 0.0), "probability": 0.87,
+    "parts": {"actuator_1_gain": {"rms": 0.0111}, "actuator_2_delay": {"rms": 0.0022}},
+}  # fmt: skip
+SEVERAL = {
+    "verdict": "not_reliable", "reasons": ["First of all this.", "It exceeds the threshold."],
+    "would_decide": ["a longer test"], "structure": "corner", "warnings": ["Look at this."],
+    "notes": ["A remark."],
+    "recording": {"channels": [{"channel": "command", "column": "u", "unit": "mm", "reason": "its name"}]},
+    "error": {
+        "degrees_of_freedom": {"x": DEGREE, "theta": {"judged": False}}, "governing": "x",
+        "improve_first": "actuator_1_gain",
+        "parts": {
+            "actuator_1_gain": {"remaining_rms": 0.0044}, "actuator_2_delay": {"remaining_rms": 0.0099},
+        },
+    },
+    "actuators": [{"name": "1", "A": 0.98765, "d_ms": 2.345}, {"name": "2", "A": 1.01234, "d_ms": -0.567}],
+    "critical_delay_ms": 12.34, "critical_direction": {"x": 0.9, "theta": 0.43},
+    "critical_frequency_hz": 3.21, "stability_margin": 0.812,
+}  # fmt: skip
+
+
+def lines_of(text):
+    return [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
+
+
+def shown_of_several(capsys, content, *, details):
+    show_coupled(SimpleNamespace(to_dict=lambda: content), details=details)
+    return lines_of(capsys.readouterr().out)
+
+
+def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
+    lines = shown_of_several(capsys, SEVERAL, details=False)
+    for line in (
+        "NOT RELIABLE: It exceeds the threshold.", "First of all this.", "What would decide: a longer test",
+        "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
+        "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
+        "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
+        "Unstable from a delay of 12.3 ms of all actuators, at 3.21 Hz in the motion x 0.9, theta 0.43: stability margin 0.81.",  # noqa: E501
+        "For all results, add --details.",
+    ):  # fmt: skip
+        assert line in lines, line
+    (row,) = [line for line in lines if line.startswith("x ")]
+    assert row.endswith(" 0.87")
+    assert row.index("1.23") < row.index("3.4")
+    assert not any("Note" in line or "each part" in line for line in lines)
+
+
+def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_notes(capsys):
+    calm = {
+        **SEVERAL, "critical_delay_ms": None, "error": {**SEVERAL["error"], "improve_first": None},
+    }  # fmt: skip
+    lines = shown_of_several(capsys, calm, details=True)
+    assert "RMS^R of each part of the error" in " ".join(lines)
+    assert "gain of actuator 1 1.11 %" in lines
+    assert "delay of actuator 2 0.22 %" in lines
+    assert "Channels: command = 'u' (mm; its name)." in lines
+    assert "Note: A remark." in lines
+    assert not any(line.startswith(("Improve first", "Unstable", "For all results")) for line in lines)
+
+
+def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):
+    row = {
+        "name": "t1", "sha256": "0123456789abcdef", "date": "2026-01-02T10:00:00", "event": "Kobe",
+        "A": 0.98765, "d_ms": 2.345, "remainder": 0.0123, "rms": 0.0456, "verdict": "not_reliable", "change": "delay",
+    }  # fmt: skip
+    content = {
+        "rig": "r", "added": [row, {**row, "name": "t2", "rms": None, "change": None}], "tests": 7,
+        "present": ["a.csv", "b.csv"], "faults": {"c.csv": "no column"},
+    }  # fmt: skip
+    show_added(content)
+    lines = lines_of(capsys.readouterr().out)
+    for line in (
+        "Tests added to r: 2", "Tests in the rig: 7.", "There already: a.csv, b.csv.", "Not judged: c.csv: no column",
+        "t1 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 4.56 % not reliable delay",
+        "t2 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 not reliable",
+    ):  # fmt: skip
+        assert line in lines, (line, lines)
+    show_added({**content, "added": [], "present": [], "faults": {}})
+    assert lines_of(capsys.readouterr().out) == ["Tests added to r: 0.", "Tests in the rig: 7."]
