@@ -233,7 +233,8 @@ def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_not
 def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):
     row = {
         "name": "t1", "sha256": "0123456789abcdef", "date": "2026-01-02T10:00:00", "event": "Kobe",
-        "A": 0.98765, "d_ms": 2.345, "remainder": 0.0123, "rms": 0.0456, "verdict": "not_reliable", "change": "delay",
+        "A": 0.98765, "d_ms": 2.345, "remainder": 0.0123, "rms": 0.0456, "verdict": "not_reliable",
+        "change": "delay",
     }  # fmt: skip
     content = {
         "rig": "r", "added": [row, {**row, "name": "t2", "rms": None, "change": None}], "tests": 7,
@@ -242,7 +243,8 @@ def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(caps
     show_added(content)
     lines = lines_of(capsys.readouterr().out)
     for line in (
-        "Tests added to r: 2", "Tests in the rig: 7.", "There already: a.csv, b.csv.", "Not judged: c.csv: no column",
+        "Tests added to r: 2", "Tests in the rig: 7.", "There already: a.csv, b.csv.",
+        "Not judged: c.csv: no column",
         "t1 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 4.56 % not reliable delay",
         "t2 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 not reliable",
     ):  # fmt: skip
