@@ -16,6 +16,7 @@ from reliab.assessment.rebuilt_error import (
     FALSE_ERROR_ALARMS,
     ErrorSoFar,
     Monitor,
+    RebuiltError,
 )
 from reliab.errors import InputError
 from reliab.recordings import (
@@ -28,6 +29,7 @@ from reliab.recordings import (
 )
 from reliab.shipped import or_shipped
 from reliab.significant import percent
+from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
@@ -72,6 +74,7 @@ def follow_test(
     f: Quantity | None = None,
     xi: Quantity | None = None,
     alpha: Quantity = 1.0,
+    model: str | Path | UpdatedModel | None = None,
     scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     equipment: str | Path | Equipment | None = None,
@@ -98,12 +101,14 @@ def follow_test(
     f, xi, alpha : float, str or StatedValue
         Natural frequency [Hz], damping ratio [-], both needed, and share of the stiffness in the laboratory
         [-], each with a standard deviation where it is not certain: "1±0.01".
+    model : str, pathlib.Path or UpdatedModel, optional
+        Model of the test, in place of `f`, `xi` and `alpha`, which says what a nonlinear specimen does.
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
         fed back late [ms].
     equipment, exact
-        What is not known where nothing is stated, or that nothing is, as for `reliab.assess`. The specimen is
-        taken as linear.
+        What is not known where nothing is stated, or that nothing is, as for `reliab.assess`. Without a model
+        the specimen is taken as linear.
     threshold : float, optional
         Largest error of a good test [-].
     metric : {"rms", "mte"}, optional
@@ -149,6 +154,10 @@ def follow_test(
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
+    known = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
+    structure = None if known is None else known.test.structure
+    if structure is not None:
+        f, xi, alpha = structure.frequency, structure.damping_ratio, structure.experimental_fraction
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
     stated = {"scale": StatedValue(1.0), **laboratory.calibration, **of_test}
     rows = rows_as_written(
@@ -158,12 +167,37 @@ def follow_test(
     )
     watch = _Watch(
         stated=stated,
+        model=known,
         equipment=known_equipment(equipment, exact=exact),
         threshold=threshold,
         metric=Metric.parse(metric),
         every=every,
     )
     return watch.follow(rows, laboratory.rate_hz)
+
+
+def model_of(
+    model: str | Path | UpdatedModel,
+    *,
+    f: Quantity | None,
+    xi: Quantity | None,
+    alpha: Quantity,
+    feedback_lag: Quantity,
+) -> UpdatedModel:
+    """Read the model of a test that is followed, beside which its structure must not be stated again."""
+    stated = {
+        "f": f is not None,
+        "xi": xi is not None,
+        "alpha": alpha not in (1.0, "1"),
+        "feedback_lag": feedback_lag not in (0.0, "0"),
+    }
+    for name, is_stated in stated.items():
+        if is_stated:
+            raise InputError(
+                f"`{name}` has no meaning beside `model`",
+                remedy="Leave it out; the model says what the test is of, and its force is fed back at once",
+            )
+    return read_model(model) if isinstance(model, str | Path) else model
 
 
 def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
@@ -184,6 +218,7 @@ class _Watch:
     """Follows rows, and says what is known."""
 
     stated: Mapping[str, StatedValue]
+    model: UpdatedModel | None
     equipment: Equipment | None
     threshold: float  # [-]
     metric: Metric
@@ -222,11 +257,15 @@ class _Watch:
     def _monitor(self, step: float) -> Monitor:
         f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
         structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
-        self.sizes.update(sizes_of_unknown(self.stated, structure, self.equipment, step))
+        calibrated = self.model is not None
+        self.sizes.update(
+            sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
+        )
         tolerances = tolerances_of(self.sizes)
         if "hysteresis" in self.stated:  # which is not taken off here
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        return Monitor(structure, step, feedback_lag=lag * _MILLISECONDS, tolerances=tolerances)
+        followed = structure if self.model is None else self.model
+        return Monitor(followed, step, feedback_lag=lag * _MILLISECONDS, tolerances=tolerances)
 
     def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once."""
@@ -278,7 +317,7 @@ class _Watch:
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(self, asked: ErrorSoFar, monitor: Monitor) -> dict[str, Any]:
+    def _intervals(self, asked: ErrorSoFar | RebuiltError, monitor: Monitor) -> dict[str, Any]:
         return {
             "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
             "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},

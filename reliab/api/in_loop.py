@@ -5,12 +5,15 @@ from pathlib import Path
 from typing import Any
 
 from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.following import model_of
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import WholeStructure
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
-from reliab.simulation.frames import read_frame
-from reliab.structures import Structure
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
+from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
+from reliab.structures import CoupledPartition, Structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
@@ -53,6 +56,7 @@ def export_monitor(
     xi: Quantity | None = None,
     alpha: Quantity = 1.0,
     structure: str | Path | None = None,
+    model: str | Path | UpdatedModel | None = None,
     scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     threshold: float = 0.05,
@@ -69,7 +73,11 @@ def export_monitor(
         Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-]; standard
         deviations are not used.
     structure : str or pathlib.Path, optional
-        TOML file of a frame with one linear specimen, in place of `f`, `xi` and `alpha`.
+        TOML file of a frame with a linear specimen, driven by one actuator or several, in place of `f`, `xi`
+        and `alpha`.
+    model : str, pathlib.Path or UpdatedModel, optional
+        Model of the test, in place of `f`, `xi` and `alpha`, whose specimen may be nonlinear; effects whose
+        step cannot be written in C are refused by name.
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], 1 by default; time by which the force is fed back late [ms].
     threshold : float, optional
@@ -102,21 +110,19 @@ def export_monitor(
             "`export` writes c, fmu or fmu3", value=kind, remedy="Name one of them, and where it goes"
         )
     exactly = 1.0 if scale is None else scale
-    monitor = _monitor(f, xi, alpha, structure, exactly, feedback_lag, threshold, metric, rate)
+    of = _Structure(f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model)
+    monitor = _monitor(of, exactly, feedback_lag, threshold, metric, rate)
     if kind in _FMUS:
         content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
         content = {place / name: text.encode() for name, text in monitor_sources(monitor).items()}
     _write(content)
     names = tuple(sorted(path.name for path in content))
-    return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.structure.interface.size)
+    return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.degrees_of_freedom)
 
 
 def _monitor(
-    f: Quantity | None,
-    xi: Quantity | None,
-    alpha: Quantity,
-    structure: str | Path | None,
+    of: "_Structure",
     scale: Quantity,
     feedback_lag: Quantity,
     threshold: float,
@@ -129,13 +135,15 @@ def _monitor(
     for name, number in {"threshold": threshold, "rate": rate}.items():
         if not 0.0 < number < float("inf"):
             raise InputError(f"`{name}` must be positive", value=number)
-    stated = stated_values(alpha=alpha, scale=scale, feedback_lag=feedback_lag, f=f, xi=xi)
+    stated = stated_values(scale=scale, feedback_lag=feedback_lag)
     require_positive(stated)
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
+    tested, to_interface = of.read()
     return LoopMonitor(
-        structure=_of_values(f, xi, stated) if structure is None else _of_frame(structure, f, xi, alpha),
+        structure=tested,
+        to_interface=to_interface,
         time_step=1.0 / rate,
         feedback_lag=lag * _MILLISECONDS,
         sensor_scale=stated["scale"].value,
@@ -144,52 +152,83 @@ def _monitor(
     )
 
 
-def _of_values(f: Quantity | None, xi: Quantity | None, stated: dict[str, Any]) -> WholeStructure:
-    """Return the structure of one degree of freedom."""
-    for name, value in (("f", f), ("xi", xi)):
-        if value is None:
-            raise InputError(
-                f"A monitor in a loop needs `{name}`, or the `structure` of a frame",
-                remedy="State one of them",
+@dataclass(frozen=True, kw_only=True)
+class _Structure:
+    """What is stated of a structure."""
+
+    f: Quantity | None
+    xi: Quantity | None
+    alpha: Quantity
+    feedback_lag: Quantity
+    frame: str | Path | None
+    model: str | Path | UpdatedModel | None
+
+    def read(self) -> tuple[WholeStructure | CoupledPartition | HybridTest, Array | None]:
+        """Return the structure, and interface displacements per unit of each channel of several."""
+        if self.frame is not None and self.model is not None:
+            raise InputError("A monitor in a loop is of a `structure` or a `model`", remedy="Leave one out")
+        if self.frame is not None:
+            self._refuse_beside_frame()
+            return _of_frame(read_structure(self.frame), str(self.frame))
+        if self.model is not None:
+            known = model_of(
+                self.model, f=self.f, xi=self.xi, alpha=self.alpha, feedback_lag=self.feedback_lag
             )
-    return WholeStructure.of_structure(
-        Structure(
-            frequency=stated["f"].value,
-            damping_ratio=stated["xi"].value,
-            experimental_fraction=stated["alpha"].value,
+            return known.test, None
+        return self._of_values(), None
+
+    def _refuse_beside_frame(self) -> None:
+        for stated, is_stated in {
+            "f": self.f is not None,
+            "xi": self.xi is not None,
+            "alpha": self.alpha not in (1.0, "1"),
+        }.items():
+            if is_stated:
+                raise InputError(
+                    f"`{stated}` has no meaning beside `structure`",
+                    remedy="Leave it out; the structure says what the test is of",
+                )
+
+    def _of_values(self) -> WholeStructure:
+        """Return the structure of one degree of freedom."""
+        for name in ("f", "xi"):
+            if getattr(self, name) is None:
+                raise InputError(
+                    f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
+                    remedy="State one of them",
+                )
+        stated = stated_values(f=self.f, xi=self.xi, alpha=self.alpha)
+        require_positive(stated)
+        return WholeStructure.of_structure(
+            Structure(
+                frequency=stated["f"].value,
+                damping_ratio=stated["xi"].value,
+                experimental_fraction=stated["alpha"].value,
+            )
         )
-    )
 
 
-def _of_frame(path: str | Path, f: Quantity | None, xi: Quantity | None, alpha: Quantity) -> WholeStructure:
-    """Return the structure of a frame with one linear specimen."""
-    for name, is_stated in {
-        "f": f is not None,
-        "xi": xi is not None,
-        "alpha": alpha not in (1.0, "1"),
-    }.items():
-        if is_stated:
-            raise InputError(
-                f"`{name}` has no meaning beside `structure`",
-                remedy="Leave it out; the structure says what the test is of",
-            )
-    frame = read_frame(path)
-    partition = frame.partition
+def _of_frame(
+    frame: FrameUnderTest | CoupledFrame, where: str
+) -> tuple[WholeStructure | CoupledPartition, Array | None]:
+    """Return the structure of a frame with a linear specimen."""
+    if isinstance(frame, CoupledFrame):
+        return frame.partition, frame.to_interface
     if frame.output is not None:
         raise InputError(
             "A monitor in a loop computes the error of the measured interface displacement",
             value=frame.error_of,
             remedy='Leave [error] out, or give of = "interface"',
-            where=str(path),
+            where=where,
         )
-    if partition.effects:
+    if frame.partition.effects:
         raise InputError(
-            "A monitor in a loop is made for a linear specimen",
-            value=", ".join(effect.name for effect in partition.effects),
+            "A monitor in a loop of a frame is made for a linear specimen",
+            value=", ".join(effect.name for effect in frame.partition.effects),
             remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
-            where=str(path),
+            where=where,
         )
-    return WholeStructure.of_partition(partition)
+    return WholeStructure.of_partition(frame.partition), None
 
 
 def _write(content: dict[Path, bytes]) -> None:

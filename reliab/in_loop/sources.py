@@ -1,40 +1,61 @@
 """The monitor in C: templates that do not change, and one header with the numbers of a structure.
 
-The recursion is the one of `reliab.assessment.rebuilt_error`, exact for a straight line between samples; its
-coefficients are written with 17 digits, so that both compute with the same numbers.
+The recursions are those of `reliab.assessment.rebuilt_error` and `reliab.assessment.coupled_error`, exact for
+a straight line between samples; their coefficients are written with 17 digits, so that both compute with the
+same numbers.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.resources import files
 
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.coupled_error import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error import (
     CALM,
+    CLOSE,
     FALSE_ALARMS,
+    FEWEST,
+    FLATTEST,
     FOLLOWS,
     INDEPENDENT,
     LARGE_MOTION,
     LARGEST_PLAY,
+    LONGEST_MEMORY,
     LOOKS,
     MEMORY,
+    NOISE_OF_SPEED,
+    PLAY_OF_STRAYING,
     SHRINKS,
-    Damping,
-    Recursion,
+    SIGNIFICANT,
+    STANDS,
+    STRAYS,
+    TINY,
+    TRIES,
     WholeStructure,
     delayed,
-    equilibrium,
+    tangent_structure,
 )
+from reliab.effects import Effect, Role, SteppedEffect
 from reliab.errors import InputError
+from reliab.in_loop.effects_in_c import functions_in_c
+from reliab.in_loop.loop_coefficients import LoopCoefficients, WatchedMode
 from reliab.recordings import LARGEST_READING
 from reliab.significant import significant
+from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 TEMPLATES = ("reliab_monitor.h", "reliab_monitor.c", "example.c", "README.md")
 CONFIGURATION = "reliab_monitor_config.h"
 MOST_DEGREES_OF_FREEDOM = 100
 
+_NONLINEAR_FORCE = (
+    "static double nonlinear_force(double *motion, double time, "
+    "double states[RELIAB_EFFECTS][RELIAB_EFFECT_STATES])"
+)
 _LARGEST_DRIFT = 1e-5  # m that the command moves from its first value while the sensor's offset is learned
 _STUCK = 1e-3  # m of the command while the measured value repeats
 _FEWEST_PER_PERIOD = 10.0
@@ -47,27 +68,52 @@ class LoopMonitor:
     Raises InputError where the rate is too low for the structure, or the structure too large.
     """
 
-    structure: WholeStructure  # The whole structure, specimen included
+    # The whole structure, specimen included, or a model of it whose specimen is nonlinear
+    structure: WholeStructure | CoupledPartition | HybridTest
     time_step: float  # Step of the loop [s]
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
     sensor_scale: float = 1.0  # Scale of the displacement sensor [-]
     threshold: float = 0.05  # Largest error of a good test [-]
     metric: Metric = Metric.RMS
+    to_interface: Array | None = None  # Interface displacements per unit of each channel, shape (p, p)
 
     def __post_init__(self) -> None:
-        if self.structure.interface.size > MOST_DEGREES_OF_FREEDOM:
+        if self.degrees_of_freedom > MOST_DEGREES_OF_FREEDOM:
             raise InputError(
                 f"A monitor in a loop has {MOST_DEGREES_OF_FREEDOM} degrees of freedom at most",
-                value=self.structure.interface.size,
+                value=self.degrees_of_freedom,
                 remedy="Condense the structure",
             )
-        samples = 1.0 / (float(self.structure.natural_frequencies[0]) * self.time_step)
+        samples = 1.0 / (float(self.linear.natural_frequencies[0]) * self.time_step)
         if samples < _FEWEST_PER_PERIOD:
             raise InputError(
                 f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
                 value=significant(samples),
                 remedy="Run the monitor at the rate of the loop",
             )
+
+    @cached_property
+    def linear(self) -> WholeStructure | CoupledPartition:
+        """The structure with the linear specimen."""
+        return tangent_structure(self.structure) if isinstance(self.structure, HybridTest) else self.structure
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the structure."""
+        return int(self.linear.mass.shape[0])
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """What a model says of the specimen beside its linear force."""
+        return self.structure.acting(Role.FORCE) if isinstance(self.structure, HybridTest) else ()
+
+    @cached_property
+    def coefficients(self) -> LoopCoefficients:
+        """Numbers of the recursion."""
+        if isinstance(self.linear, WholeStructure):
+            return LoopCoefficients.of_one_actuator(self.linear, self.time_step)
+        carry = np.eye(self.linear.degrees) if self.to_interface is None else self.to_interface
+        return LoopCoefficients.of_several(self.linear, carry, self.time_step)
 
 
 def monitor_sources(monitor: LoopMonitor) -> dict[str, str]:
@@ -96,57 +142,114 @@ def _configuration(monitor: LoopMonitor) -> str:
 
 def _numbers(monitor: LoopMonitor) -> dict[str, str]:
     """Return what the monitor is made for, and what its alarms need."""
-    structure, step = monitor.structure, monitor.time_step
-    damping = Damping.of_structure(structure, step)
-    period = 1.0 / float(structure.natural_frequencies[0])
     real = {
-        "STEP": step,
+        "STEP": monitor.time_step,
         "SENSOR_SCALE": monitor.sensor_scale,
         "THRESHOLD": monitor.threshold,
-        "FORGETTING": damping.forgetting,
-        "DAMPING_RATIO": damping.ratio,
-        "DAMPING_FACTOR": damping.factor,
-        "SAMPLES_IN_PERIOD": damping.samples,
-        "CIRCULAR_FREQUENCY": damping.circular_frequency,
         "MEMORY": MEMORY,
         "INDEPENDENT": INDEPENDENT,
         "FALSE_ALARMS": FALSE_ALARMS,
         "FOLLOWS": FOLLOWS,
         "LARGE_MOTION": LARGE_MOTION,
         "LARGEST_PLAY": LARGEST_PLAY,
+        "STRAYS": STRAYS,
+        "PLAY_OF_STRAYING": PLAY_OF_STRAYING,
         "CALM": CALM,
         "SHRINKS": SHRINKS,
+        "LOST_IN_NOISE": LOST_IN_NOISE,
+        "FEWEST": float(FEWEST),
+        "SIGNIFICANT": SIGNIFICANT,
+        "STANDS": STANDS,
         "LARGEST_READING": LARGEST_READING,
         "REST_M": _LARGEST_DRIFT,
         "STUCK_M": _STUCK,
     }
     whole = {
-        "ORDER": 2 * structure.interface.size,
-        "LAG_STEPS": int(monitor.feedback_lag / step),
-        "LOOK": max(round(period / (LOOKS * step)), 1),
+        "ACTUATORS": len(monitor.coefficients.carry),
+        "ORDER": len(monitor.coefficients.decay),
+        "LAG_STEPS": int(monitor.feedback_lag / monitor.time_step),
     }
     return {
         **{name: f"{value}u" for name, value in whole.items()},
         "METRIC_IS_RMS": str(int(monitor.metric is Metric.RMS)),
         **{name: _real(value) for name, value in real.items()},
+        **_numbers_of_specimen(monitor),
+    }
+
+
+def _numbers_of_specimen(monitor: LoopMonitor) -> dict[str, str]:
+    """Return what a nonlinear specimen needs."""
+    if not isinstance(monitor.structure, HybridTest) or not monitor.effects:
+        return {"EFFECTS": "0"}
+    states = [effect.kernel.states for effect in monitor.effects if isinstance(effect, SteppedEffect)]
+    slowest = 2.0 * np.pi * float(monitor.linear.natural_frequencies[0])
+    return {
+        "EFFECTS": str(len(monitor.effects)),
+        "EFFECT_STATES": f"{max([1, *states])}u",
+        "MASS": _real(monitor.structure.mass),
+        "TRIES": f"{TRIES}u",
+        "CLOSE": _real(CLOSE),
+        "FLATTEST": _real(FLATTEST),
+        "LONGEST_MEMORY": _real(LONGEST_MEMORY / slowest),
+        "NOISE_OF_SPEED": _real(NOISE_OF_SPEED),
+        "TINY": _real(TINY),
     }
 
 
 def _coefficients(monitor: LoopMonitor) -> list[str]:
     """Return the arrays of the recursion."""
-    recursion = Recursion.of_displacement(monitor.structure, monitor.time_step)
-    rows = ",\n    ".join(_row(row) for row in recursion.decay)
-    vectors = {
-        "EARLY": recursion.early,
-        "LATE": recursion.late,
-        "OUTPUT": recursion.output[0],
-        "EQUILIBRIUM": equilibrium(monitor.structure, 1.0),
-        "LAG_WEIGHTS": _weights(monitor),
+    of = monitor.coefficients
+    matrices = {
+        "DECAY": of.decay,
+        "EARLY": of.early,
+        "LATE": of.late,
+        "OUTPUT": of.output,
+        "FEED_THROUGH": of.feed_through,
+        "CARRY": of.carry,
+        "EQUILIBRIUM": of.equilibrium,
     }
     return [
-        f"static const double DECAY[RELIAB_ORDER][RELIAB_ORDER] = {{\n    {rows}}};",
-        *(f"static const double {name}[{value.size}] = {_row(value)};" for name, value in vectors.items()),
-        f"static const double FEED_THROUGH = {_real(float(recursion.feed_through[0]))};",
+        *(_matrix(name, values) for name, values in matrices.items()),
+        _vector("SHARE", of.share),
+        _vector("LAG_WEIGHTS", _weights(monitor)),
+        f"static const mode MODES[{len(of.modes)}] = {{",
+        *(f"    {_mode(mode)}," for mode in of.modes),
+        "};",
+        *_specimen(monitor),
+    ]
+
+
+def _mode(mode: WatchedMode) -> str:
+    """Write a mode whose energy is watched."""
+    of = mode.damping
+    numbers = (of.ratio, of.factor, of.forgetting, of.samples, of.circular_frequency)
+    look = max(round(of.samples / LOOKS), 1)
+    return f"{{{_row(mode.projection)}, {', '.join(map(_real, numbers))}, {look}u}}"
+
+
+def _specimen(monitor: LoopMonitor) -> list[str]:
+    """Return the functions of a nonlinear specimen."""
+    test = monitor.structure
+    if not isinstance(test, HybridTest) or not monitor.effects:
+        return []
+    setting = test.setting(monitor.time_step)
+    names = [f"effect_{place}" for place in range(len(monitor.effects))]
+    calls = [
+        f"    total += {name}(motion, time, RELIAB_STEP, {name.upper()}, states[{place}]);"
+        for place, name in enumerate(names)
+    ]
+    return [
+        *(
+            _vector(name.upper(), effect.coefficients(setting))
+            for name, effect in zip(names, monitor.effects, strict=True)
+        ),
+        *functions_in_c(monitor.effects),
+        _NONLINEAR_FORCE,
+        "{",
+        "    double total = 0.0;",
+        *calls,
+        "    return total;",
+        "}",
     ]
 
 
@@ -157,6 +260,15 @@ def _weights(monitor: LoopMonitor) -> Array:
     impulse[whole + 8] = 1.0
     late = delayed(impulse, monitor.feedback_lag, monitor.time_step)
     return np.asarray(late[2 * whole + 8 : 2 * whole + 12])
+
+
+def _matrix(name: str, values: Array) -> str:
+    rows = ",\n    ".join(map(_row, values))
+    return f"static const double {name}[{values.shape[0]}][{values.shape[1]}] = {{\n    {rows}}};"
+
+
+def _vector(name: str, values: Array) -> str:
+    return f"static const double {name}[{values.size}] = {_row(values)};"
 
 
 def _row(values: Array) -> str:

@@ -24,6 +24,12 @@ static int unit_get(const unit *here, unsigned at, double *value)
     return at > 1u;
 }
 
+static int unit_get_whole(const unit *here, unsigned at, int *value)
+{
+    *value = 0;
+    return 1;
+}
+
 static int unit_step(unit *here, double step)
 {
     const double measured = here->past[here->count % (LATE + 1u)];

@@ -5,10 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from compiled_monitor import built, followed
 
 from reliab.api import export_monitor
 from reliab.assessment.rebuilt_error import Monitor
+from reliab.effects import find_effect
 from reliab.errors import InputError
+from reliab.shipped import shipped
+from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, write_model
 from reliab.structures import Structure
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed here (it comes with the extra test)")
@@ -19,11 +23,11 @@ RATE, DELAY, XI = 256, 12, 0.02
 KINDS = ("fmu", "fmu3")
 
 
-def compiled_unit(kind, folder):
+def compiled_unit(kind, folder, **stated):
     """The monitor of a structure, unpacked and compiled from its sources."""
     from fmpy.build import build_platform_binary
 
-    export_monitor((kind, folder / "monitor.fmu"), f=1, xi=XI, rate=RATE)
+    export_monitor((kind, folder / "monitor.fmu"), rate=RATE, **(stated or {"f": 1, "xi": XI}))
     unpacked = fmpy.extract(str(folder / "monitor.fmu"), unzipdir=str(folder / "unpacked"))
     (folder / "build").mkdir()
     build_platform_binary(unpacked, build_dir=folder / "build")
@@ -71,6 +75,58 @@ def test_the_unit_gives_the_error_of_python(units, kind):
     count = table["error"].size - 1
     assert count >= time.size - 2
     assert np.abs(table["error"][1:] - monitor.error[:count]).max() < 1e-12 * 0.01
+
+
+FOLLOWED = ("two_actuators", "model")
+
+
+@pytest.fixture(scope="module")
+def further(tmp_path_factory):
+    """What is exported of several actuators, and of a specimen with a model."""
+    folder = tmp_path_factory.mktemp("further")
+    friction = find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01)
+    test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=XI), effects=(friction,))
+    write_model(folder / "model.toml", UpdatedModel(name="friction", test=test))
+    return {
+        "two_actuators": {"structure": shipped("datasets", "frames/two_actuators.toml")},
+        "model": {"model": folder / "model.toml"},
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("what", FOLLOWED)
+def test_units_of_several_actuators_and_of_models_give_the_error_of_the_sources(
+    kind, what, further, tmp_path
+):
+    from fmpy.validation import validate_fmu
+
+    unpacked = compiled_unit(kind, tmp_path, **further[what])
+    assert validate_fmu(str(tmp_path / "monitor.fmu")) == []
+    actuators = 2 if what == "two_actuators" else 1
+    numbers = [f"_{k + 1}" for k in range(actuators)] if actuators > 1 else [""]
+    time = np.arange(6 * RATE) / RATE
+    command = 0.01 * np.sin(np.arange(1, actuators + 1)[:, np.newaxis] * 5.0 * time)
+    measured = 0.98 * command + 1e-6 * np.random.default_rng(1).normal(size=command.shape) * (time > 0.0)
+    names = ["time", *(f"{channel}{k}" for channel in ("command", "measured") for k in numbers)]
+    inputs = np.rec.fromarrays([time, *command, *measured], names=names)
+    output = [f"{name}{k}" for name in ("error", "rms", "mte") for k in numbers]
+    table = fmpy.simulate_fmu(
+        str(unpacked),
+        stop_time=time[-1],
+        output_interval=1.0 / RATE,
+        input=inputs,
+        output=output,
+        use_event_mode=False,
+    )
+    (tmp_path / "c").mkdir()
+    export_monitor(("c", tmp_path / "c"), rate=RATE, **further[what])
+    ours = followed(built(tmp_path / "c"), command, measured)
+    count = table["time"].size - 1
+    assert count >= time.size - 2
+    for k, number in enumerate(numbers):
+        assert np.abs(table[f"error{number}"][1:] - ours.error[k, :count]).max() < 1e-12 * 0.01
+        assert table[f"rms{number}"][-1] == pytest.approx(ours.rms[k, count - 1], rel=1e-12)
 
 
 PLANT = """<?xml version="1.0" encoding="UTF-8"?>

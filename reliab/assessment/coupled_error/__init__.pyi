@@ -1,4 +1,8 @@
-from .coupled_error import CoupledError as CoupledError, DegreeError as DegreeError
+from .coupled_error import (
+    LOST_IN_NOISE as LOST_IN_NOISE,
+    CoupledError as CoupledError,
+    DegreeError as DegreeError,
+)
 from .coupled_parts import CoupledParts as CoupledParts
 from .coupled_recursion import CoupledRecursion as CoupledRecursion
 from .rebuild import rebuild_coupled as rebuild_coupled

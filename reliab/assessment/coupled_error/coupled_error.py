@@ -19,7 +19,7 @@ from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
 _AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset")
-_LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
+LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,7 +80,7 @@ class DegreeError:
     @property
     def judged(self) -> bool:
         """Whether the displacement moves enough for its noise."""
-        return bool(self.noise < _LOST_IN_NOISE)
+        return bool(self.noise < LOST_IN_NOISE)
 
     def estimate(self, metric: Metric) -> Estimate:
         """RMS^R or MTE^R with its interval."""

@@ -1,17 +1,29 @@
 from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
+from .initial import FEWEST as FEWEST, SIGNIFICANT as SIGNIFICANT, STANDS as STANDS
 from .monitor import (
     CALM as CALM,
     FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
     SHRINKS as SHRINKS,
     Monitor as Monitor,
 )
-from .nonlinear_reference import rebuild_with_specimen as rebuild_with_specimen
+from .nonlinear_reference import (
+    rebuild_with_specimen as rebuild_with_specimen,
+    tangent_structure as tangent_structure,
+)
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild
 from .rebuilt import RebuiltError as RebuiltError
 from .recursion import Recursion as Recursion, equilibrium as equilibrium
+from .running_specimen import (
+    CLOSE as CLOSE,
+    FLATTEST as FLATTEST,
+    LONGEST_MEMORY as LONGEST_MEMORY,
+    NOISE_OF_SPEED as NOISE_OF_SPEED,
+    TINY as TINY,
+    TRIES as TRIES,
+)
 from .specimen_check import (
     FEWEST_PERIODS as FEWEST_PERIODS,
     SpecimenCheck as SpecimenCheck,
@@ -26,6 +38,8 @@ from .stability_indicator import (
     LARGEST_PLAY as LARGEST_PLAY,
     LOOKS as LOOKS,
     MEMORY as MEMORY,
+    PLAY_OF_STRAYING as PLAY_OF_STRAYING,
+    STRAYS as STRAYS,
     Damping as Damping,
 )
 from .stretches import ErrorSoFar as ErrorSoFar

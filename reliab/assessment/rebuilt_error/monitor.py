@@ -3,7 +3,8 @@
 The error history equals the one that `rebuild` gives after the test. From time to time, at spacings that grow
 with the test, intervals are computed as by `rebuild`; in between, errors are known from sums over the samples
 so far, without intervals. A long test is judged stretch by stretch, and what is judged is forgotten: two
-stretches are held in memory at most, however long the test lasts.
+stretches are held in memory at most, however long the test lasts. Where a model says what a nonlinear
+specimen does, the intervals are those of `rebuild_with_specimen` and the test is held whole.
 
 Two alarms are raised while the test runs. That of the energy is stated in `stability_indicator`. That of the
 error compares an error so far with the threshold, though its peak, by which it is divided, may still grow and
@@ -19,7 +20,13 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
+from reliab.assessment.rebuilt_error.nonlinear_reference import (
+    DRAWS as DRAWS_OF_MODEL,
+    rebuild_with_specimen,
+    tangent_structure,
+)
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
+from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.stability_indicator import LOOKS, Damping, EnergyAlarm, NetDamping
 from reliab.assessment.rebuilt_error.stretches import (
@@ -32,6 +39,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
+from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 
@@ -77,7 +85,7 @@ class Monitor:
 
     def __init__(
         self,
-        structure: Structure | Partition | WholeStructure,
+        structure: Structure | Partition | WholeStructure | UpdatedModel,
         time_step: float,
         *,
         feedback_lag: float = 0.0,
@@ -86,7 +94,12 @@ class Monitor:
         seed: int = 0,
         stretch: int | None = None,
     ) -> None:
-        self.structure = whole_structure(structure)
+        self._model = structure if isinstance(structure, UpdatedModel) else None
+        self.structure = (
+            tangent_structure(structure.test)
+            if isinstance(structure, UpdatedModel)
+            else whole_structure(structure)
+        )
         if not (np.isfinite(time_step) and time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{time_step} s")
         self.time_step = time_step
@@ -106,14 +119,19 @@ class Monitor:
         self._damping = Damping.of_structure(self.structure, time_step)
         self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
         self._running = RunningError(
-            self.structure, time_step, feedback_lag, self._damping.forgetting, sensor_offset or 0.0
+            self.structure,
+            time_step,
+            feedback_lag,
+            self._damping.forgetting,
+            sensor_offset or 0.0,
+            None if self._model is None else self._model.test,
         )
-        self._look = max(round(self._period / (LOOKS * time_step)), 1)
+        self._look = max(round(self._damping.samples / LOOKS), 1)
         self._energy = EnergyAlarm()
         self.gains_energy_since: float | None = None
         self._asked = self._rest = 0
         self._before: ErrorSoFar | None = None
-        self._result: ErrorSoFar | None = None
+        self._result: ErrorSoFar | RebuiltError | None = None
         self._low = dict.fromkeys(Metric, 0.0)
 
     @property
@@ -127,7 +145,7 @@ class Monitor:
         return self._running.error
 
     @property
-    def result(self) -> ErrorSoFar | None:
+    def result(self) -> ErrorSoFar | RebuiltError | None:
         """The last error with its intervals; None before there was one."""
         return self._result
 
@@ -149,15 +167,16 @@ class Monitor:
         while begin < command.size:
             end = min(begin + self._look - self._running.size % self._look, command.size)
             self._running.feed(command[begin:end], measured[begin:end])
+            self._energy.add(command[begin:end])
             if self._running.size % self._look == 0:
                 self._look_at_energy()
-            if self._running.kept > 2 * self._stretch:
+            if self._model is None and self._running.kept > 2 * self._stretch:
                 self._judge_and_forget()
             begin = end
 
     def _look_at_energy(self) -> None:
         damping = self._damping.net(self._running.moments, self._running.motion)
-        if self._energy.look(damping) and self.gains_energy_since is None:
+        if self._energy.look(damping, float(self._running.sums[3])) and self.gains_energy_since is None:
             self.gains_energy_since = (self._running.size - 1) * self.time_step
 
     def _judge_and_forget(self) -> None:
@@ -167,6 +186,23 @@ class Monitor:
         else:
             self._before = self._drawn(self._stretch + 1, DRAWS_AT_END)
         self._running.forget(self._stretch)
+
+    def _drawn_with_model(self, model: UpdatedModel, draws: int) -> RebuiltError:
+        """Draw the error of the whole test so far with the model's specimen."""
+        running, test = self._running, self._test
+        error = rebuild_with_specimen(
+            running.command,
+            running.measured,
+            test.time_step,
+            model.test,
+            deviations=model.deviations,
+            sensor_offset=test.sensor_offset,
+            tolerances=test.tolerances,
+            draws=min(draws, DRAWS_OF_MODEL),
+            seed=test.seed,
+        )
+        running.begin_anew(error.start.offset, -error.start.standing)
+        return error
 
     def _drawn(self, samples: int, draws: int) -> ErrorSoFar:
         """Draw the error up to the first of the samples that are kept."""
@@ -220,7 +256,7 @@ class Monitor:
         moving = bool(self._running.motion[0] > 0.0)
         return moving and grown >= max(least, int(_GROWTH * self._asked))
 
-    def ask(self, *, draws: int = DRAWS) -> ErrorSoFar:
+    def ask(self, *, draws: int = DRAWS) -> ErrorSoFar | RebuiltError:
         """Compute the error of the test so far with its intervals.
 
         Returns as `rebuild` finds it for the samples so far, where they are at most two stretches.
@@ -228,7 +264,11 @@ class Monitor:
         if draws > DRAWS_AT_END:
             raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)
         self._asked = self._running.size
-        self._result = self._drawn(self._running.kept, draws)
+        self._result = (
+            self._drawn(self._running.kept, draws)
+            if self._model is None
+            else self._drawn_with_model(self._model, draws)
+        )
         now = self.now
         for metric, so_far in ((Metric.RMS, now.rms), (Metric.MTE, now.mte)):
             self._low[metric] = self._result.estimate(metric).low / so_far if so_far > 0.0 else 0.0

@@ -4,7 +4,7 @@ The recursion of `rebuild` continues from chunk to chunk, and so do sums over th
 samples are kept: what is forgotten stays in the sums. Two more responses are computed with it: the response
 to a constant, with which a sensor offset that is found later is subtracted from all samples so far, and the
 decay from the static state under a constant x_c − x_m, for tests that began in equilibrium under an
-offset.
+offset. Where a model says what a nonlinear specimen does, its share is computed with the offset at hand.
 """
 
 import numpy as np
@@ -12,10 +12,12 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, equilibrium
+from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
+from reliab.simulation.hybrid_test import HybridTest
 
-_ROWS = 5  # command, measured, error, response to a constant, decay from equilibrium
+_ROWS = 6  # command, measured, error, response to a constant, decay from equilibrium, nonlinear share
 _CAPACITY = 4096
 
 
@@ -41,12 +43,17 @@ class RunningError:
         feedback_lag: float,
         forgetting: float,
         offset: float,
+        test: HybridTest | None = None,
     ) -> None:
         self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
         self.sums, self.moments, self.motion = np.zeros(7), np.zeros((2, 4, 4)), np.zeros(2)
         self._recursion = Recursion.of_displacement(structure, time_step)
         self._step, self._lag, self._forgetting = time_step, feedback_lag, forgetting
+        self._specimen = None
+        if test is not None:
+            slowest = 2.0 * np.pi * float(structure.natural_frequencies[0])
+            self._specimen = RunningSpecimen(test, self._recursion, slowest, time_step)
         self._table = np.zeros((_ROWS, _CAPACITY))
         self._states = np.zeros((3, self._recursion.order))
         self._states[2] = equilibrium(structure, 1.0)
@@ -70,8 +77,11 @@ class RunningError:
     @property
     def error(self) -> Array:
         """x_m − x_I of the samples that are kept, the sensor's offset taken away [m], shape (kept,)."""
-        rows = self._table[2:, : self.kept]
-        return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2])
+        return self._error(0, self.kept)
+
+    def _error(self, first: int, last: int) -> Array:
+        rows = self._table[2:, first:last]
+        return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2] + rows[3])
 
     @property
     def mean_square(self) -> float:
@@ -103,17 +113,28 @@ class RunningError:
             self._fed_back(first, last),
             first,
             last,
-            self._forgotten,
             self._states,
             self._before,
             self._between,
-            self.sums,
             self.moments,
             self.motion,
-            np.array([self.offset, self.standing]),
             self._forgetting,
             self._step,
         )
+        self._conclude(first, last)
+
+    def _conclude(self, first: int, last: int) -> None:
+        """Add samples to the sums, after the share of a nonlinear specimen."""
+        command, measured = self._table[0, first:last], self._table[1, first:last]
+        if self._specimen is not None:
+            self._table[5, first:last] = 0.0
+            linear = measured - self.offset - self._error(first, last)
+            fed_back = self._fed_back(first, last) + self.offset
+            self._table[5, first:last] = self._specimen.follow(
+                command, linear, fed_back, self._forgotten + first
+            )
+        error = self._error(first, last)
+        _add_all(self.sums, error, measured - self.offset - error, self._forgotten + first)
 
     def begin_anew(self, offset: float, standing: float) -> None:
         """Change the offset and the initial equilibrium for all samples so far.
@@ -125,9 +146,10 @@ class RunningError:
         if (offset, standing) == (self.offset, self.standing):
             return
         self.offset, self.standing = offset, standing
-        error = self.error
         self.sums[:] = 0.0
-        _add_all(self.sums, error, self.measured - offset - error, self._forgotten)
+        if self._specimen is not None:
+            self._specimen.begin()
+        self._conclude(0, self.kept)
 
     def forget(self, count: int) -> None:
         """Forget the earliest of the samples that are kept; the sums go on over all of them."""
@@ -160,22 +182,15 @@ def _follow(
     fed_back: Array,
     first: int,
     last: int,
-    forgotten: int,
     states: Array,
     before: Array,
     between: Array,
-    sums: Array,
     moments: Array,
     motion: Array,
-    beginning: Array,
     forgetting: float,
     time_step: float,
 ) -> None:
-    """Advance the error, the response to a constant and the decay from equilibrium, in place.
-
-    `beginning` holds the offset and the standing difference.
-    """
-    offset, standing = beginning
+    """Advance the error, the response to a constant and the decay from equilibrium, in place."""
     scratch = np.empty(states.shape[1])
     inputs, stepped = np.array([0.0, 1.0, 0.0]), np.empty(4)
     for i in range(first, last):
@@ -207,15 +222,13 @@ def _follow(
             table[2 + row, i] = response
         table[2, i] -= difference
         table[3, i] -= 1.0
-        error = table[2, i] + offset * table[3, i] + standing * table[4, i]
-        _add(sums, error, table[1, i] - offset - error, forgotten + i)
 
 
 @compiled
-def _add_all(sums: Array, error: Array, ideal: Array, forgotten: int) -> None:
-    """Add all samples that are kept to the sums, in place."""
+def _add_all(sums: Array, error: Array, ideal: Array, first: int) -> None:
+    """Add samples to the sums, in place; `first`: number of the first of them."""
     for i in range(error.size):
-        _add(sums, error[i], ideal[i], forgotten + i)
+        _add(sums, error[i], ideal[i], first + i)
 
 
 @compiled

@@ -14,7 +14,9 @@ Play feeds energy in as well, and sets a small motion going; but the error that 
 the motion, and a large motion does not diverge from it. Play of half width δ takes the damping
 (2α/π)(δ/A)(1 − δ/A) away at an amplitude A (its describing function). δ is at most about twice the
 root mean square of the smallest error, apart from a gain and an offset, over a window in which the actuator
-followed its command (A > 2δ); 2.2 times are granted.
+followed its command (A > 2δ); 2.2 times are granted. While the command has lately gone beyond the largest
+exact displacement of the test so far, by a tenth, the motion is no longer the structure's own, and one time
+is granted.
 
 The alarm is raised where ξ_net, play granted, lies below zero while the motion is among the largest of the
 test, by more standard errors than chance gives to one stable test in a hundred. So many are needed as there
@@ -46,6 +48,8 @@ INDEPENDENT = 4.0  # samples in a period of which the errors count as independen
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
 LARGE_MOTION = 0.5  # of the largest power of the motion so far
 LARGEST_PLAY = 2.2  # times the smallest error that half the width of the play may be
+STRAYS = 1.1  # times the largest exact displacement so far that a command may reach of its own
+PLAY_OF_STRAYING = 1.0  # times the smallest error that half the width of the play may be beyond that
 FOLLOWS = -0.5  # gain of the error above which the piston follows its command
 _SINGULAR = 1e-12
 _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
@@ -70,15 +74,25 @@ class EnergyAlarm:
 
     smallest: float = np.inf  # Smallest error so far of an actuator that follows its command [m]
     following: int = 0  # Looks since which it has followed its command
+    # Largest command since the last look, and before it since the last but one [m]
+    command: float = 0.0
+    command_before: float = 0.0
 
-    def look(self, net: NetDamping | None) -> bool:
-        """Return whether the loop may diverge."""
+    def add(self, command: Array) -> None:
+        """Add commands [m] since the last look."""
+        self.command = max(self.command, float(np.abs(command).max(initial=0.0)))
+
+    def look(self, net: NetDamping | None, ideal: float) -> bool:
+        """Return whether the loop may diverge; `ideal`: largest exact displacement so far [m]."""
+        strays = max(self.command, self.command_before) > STRAYS * ideal
+        self.command_before, self.command = self.command, 0.0
         if net is None:
             return False
         self.following = self.following + 1 if net.follows else 0
         if self.following > 1:  # not while it only begins to move
             self.smallest = min(self.smallest, net.error)
-        return net.large and net.high + net.by_play * LARGEST_PLAY * self.smallest < 0.0
+        play = (PLAY_OF_STRAYING if strays else LARGEST_PLAY) * self.smallest
+        return net.large and net.high + net.by_play * play < 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,12 +114,21 @@ class Damping:
         shape = first_mode(structure)
         mass = float(shape @ structure.mass @ shape)
         w0 = float(np.sqrt(shape @ structure.stiffness @ shape / mass))
+        ratio = float(shape @ structure.damping @ shape) / (2.0 * w0 * mass)
+        return cls.of_mode(w0, ratio, structure.specimen_stiffness / mass, time_step)
+
+    @classmethod
+    def of_mode(cls, circular_frequency: float, ratio: float, specimen: float, time_step: float) -> "Damping":
+        """Take a mode.
+
+        `circular_frequency` [rad/s]; `specimen`: its stiffness over the modal mass [1/s²]; `time_step` [s].
+        """
         return cls(
-            ratio=float(shape @ structure.damping @ shape) / (2.0 * w0 * mass),
-            factor=structure.specimen_stiffness / (2.0 * w0 * mass),
-            forgetting=float(np.exp(-time_step * w0 / (2.0 * np.pi * MEMORY))),
-            samples=2.0 * np.pi / (w0 * time_step),
-            circular_frequency=w0,
+            ratio=ratio,
+            factor=specimen / (2.0 * circular_frequency),
+            forgetting=float(np.exp(-time_step * circular_frequency / (2.0 * np.pi * MEMORY))),
+            samples=2.0 * np.pi / (circular_frequency * time_step),
+            circular_frequency=circular_frequency,
         )
 
     def net(self, moments: Array, motion: Array) -> NetDamping | None:

@@ -71,6 +71,14 @@ class MonitorDemand(Demand):
             help="With --export: frame with one specimen, in place of --f, --xi and --alpha.",
         ),
     ] = None
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            "--model",
+            metavar="MODEL.toml",
+            help="Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha.",
+        ),
+    ] = None
     threshold: Annotated[
         float,
         typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %."),

@@ -60,13 +60,11 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference at[], size_t n,
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Integer values[])
 {
     size_t i;
+    int refused = 0;
     for (i = 0u; i < n; i++) {
-        if (at[i] != 6u) {
-            return fmi2Error;
-        }
-        values[i] = (fmi2Integer)((const unit *)c)->monitor.status;
+        refused |= unit_get_whole((const unit *)c, at[i], &values[i]);
     }
-    return fmi2OK;
+    return refused ? fmi2Error : fmi2OK;
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean final)

@@ -7,8 +7,6 @@
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 
-#define TIME 7u
-
 typedef const fmi3ValueReference *places;
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
@@ -61,11 +59,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, places at, size_t n, fmi3Float64 value
     size_t i;
     int refused = n != m;
     for (i = 0u; i < n && !refused; i++) {
-        if (at[i] == TIME) {
-            values[i] = ((const unit *)c)->time;
-        } else {
-            refused = unit_get((const unit *)c, at[i], &values[i]);
-        }
+        refused = unit_get((const unit *)c, at[i], &values[i]);
     }
     return refused ? fmi3Error : fmi3OK;
 }
@@ -75,8 +69,9 @@ fmi3Status fmi3GetInt32(fmi3Instance c, places at, size_t n, fmi3Int32 values[],
     size_t i;
     int refused = n != m;
     for (i = 0u; i < n && !refused; i++) {
-        refused = at[i] != 6u;
-        values[i] = (fmi3Int32)((const unit *)c)->monitor.status;
+        int value;
+        refused = unit_get_whole((const unit *)c, at[i], &value);
+        values[i] = (fmi3Int32)value;
     }
     return refused ? fmi3Error : fmi3OK;
 }

@@ -1,5 +1,5 @@
-/* What an FMU of any version does: two inputs, a step, six outputs. Memory is asked for once, where the unit
- * is made. */
+/* What an FMU of any version does: a command and a measured displacement of each actuator in turn, a step, and the
+ * read-outs of the monitor. Memory is asked for once, where the unit is made. */
 #ifndef RELIAB_UNIT_H
 #define RELIAB_UNIT_H
 
@@ -9,9 +9,16 @@
 
 #include "reliab_monitor.h"
 
+/* Numbers of the variables: errors, RMS^R and MTE^R of each displacement follow the inputs. */
+#define UNIT_INPUTS (2u * RELIAB_ACTUATORS)
+#define UNIT_DAMPING (5u * RELIAB_ACTUATORS)
+#define UNIT_STATUS (UNIT_DAMPING + 1u)
+#define UNIT_TIME (UNIT_DAMPING + 2u)
+#define UNIT_GOVERNING (UNIT_DAMPING + 3u)
+
 typedef struct {
     reliab_monitor monitor;
-    double inputs[2];
+    double inputs[UNIT_INPUTS];
     double time; /* Of the last sample [s] */
 } unit;
 
@@ -28,13 +35,14 @@ static unit *unit_made(const char *name)
 static void unit_rest(unit *here)
 {
     reliab_monitor_init(&here->monitor);
-    here->inputs[0] = here->inputs[1] = here->time = 0.0;
+    memset(here->inputs, 0, sizeof here->inputs);
+    here->time = 0.0;
 }
 
 /* 0: done, 1: there is no such input. */
 static int unit_set(unit *here, unsigned at, double value)
 {
-    if (at > 1u) {
+    if (at >= UNIT_INPUTS) {
         return 1;
     }
     here->inputs[at] = value;
@@ -44,24 +52,39 @@ static int unit_set(unit *here, unsigned at, double value)
 /* 0: done, 1: there is no such number. */
 static int unit_get(const unit *here, unsigned at, double *value)
 {
-    switch (at) {
+    const unsigned degree = at % RELIAB_ACTUATORS;
+    switch (at / RELIAB_ACTUATORS) {
     case 0u:
     case 1u: *value = here->inputs[at]; return 0;
-    case 2u: *value = reliab_monitor_error(&here->monitor); return 0;
-    case 3u: *value = reliab_monitor_rms(&here->monitor); return 0;
-    case 4u: *value = reliab_monitor_mte(&here->monitor); return 0;
-    case 5u: *value = reliab_monitor_net_damping(&here->monitor); return 0;
-    default: return 1;
+    case 2u: *value = reliab_monitor_error(&here->monitor, degree); return 0;
+    case 3u: *value = reliab_monitor_rms(&here->monitor, degree); return 0;
+    case 4u: *value = reliab_monitor_mte(&here->monitor, degree); return 0;
+    default: break;
     }
+    *value = at == UNIT_TIME ? here->time : reliab_monitor_net_damping(&here->monitor);
+    return at != UNIT_TIME && at != UNIT_DAMPING;
+}
+
+/* 0: done, 1: there is no such whole number. */
+static int unit_get_whole(const unit *here, unsigned at, int *value)
+{
+    *value = at == UNIT_STATUS ? (int)here->monitor.status : (int)reliab_monitor_governing(&here->monitor) + 1;
+    return at != UNIT_STATUS && at != UNIT_GOVERNING;
 }
 
 /* One sample; 0: sound, 1: a fault of a channel, 2: the step is not the one that was exported. */
 static int unit_step(unit *here, double step)
 {
+    double command[RELIAB_ACTUATORS], measured[RELIAB_ACTUATORS];
+    unsigned i;
     if (fabs(step - RELIAB_STEP) > 1e-6 * RELIAB_STEP) {
         return 2;
     }
-    (void)reliab_monitor_step(&here->monitor, here->inputs[0], here->inputs[1]);
+    for (i = 0u; i < RELIAB_ACTUATORS; i++) {
+        command[i] = here->inputs[2u * i];
+        measured[i] = here->inputs[2u * i + 1u];
+    }
+    (void)reliab_monitor_step(&here->monitor, command, measured);
     return (here->monitor.status & RELIAB_FAULT) != 0u ? 1 : 0;
 }
 

@@ -1,0 +1,86 @@
+"""The monitor in C, exported, compiled and run from Python."""
+
+import ctypes
+import shutil
+import subprocess
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler is installed here")
+SHIM = """
+#include "reliab_monitor.h"
+#include <stddef.h>
+#define P RELIAB_ACTUATORS
+size_t follow_size(void);
+void follow(void *place, const double *begin, long n, const double *command, const double *measured,
+            double *out);
+size_t follow_size(void) { return sizeof(reliab_monitor); }
+void follow(void *place, const double *begin, long n, const double *command, const double *measured,
+            double *out)
+{
+    reliab_monitor *monitor = (reliab_monitor *)place;
+    long i;
+    unsigned k;
+    reliab_monitor_init(monitor);
+    if (begin != NULL) { reliab_monitor_begin(monitor, begin, begin + P); }
+    for (i = 0; i < n; i++) {
+        double *row = out + (3u * P + 4u) * i;
+        row[3u * P] = reliab_monitor_step(monitor, command + P * i, measured + P * i);
+        for (k = 0u; k < P; k++) {
+            row[k] = reliab_monitor_error(monitor, k);
+            row[P + k] = reliab_monitor_rms(monitor, k);
+            row[2u * P + k] = reliab_monitor_mte(monitor, k);
+        }
+        row[3u * P + 1u] = reliab_monitor_net_damping(monitor);
+        row[3u * P + 2u] = reliab_monitor_governing(monitor);
+        row[3u * P + 3u] = monitor->sensors[0].offset;
+    }
+}
+"""
+UNSTABLE, ERROR, FAULT = 1, 2, 4
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What the monitor said after each sample; error, rms and mte of several actuators in rows."""
+
+    error: np.ndarray
+    rms: np.ndarray
+    mte: np.ndarray
+    status: np.ndarray
+    damping: np.ndarray
+    governing: np.ndarray
+    offset: np.ndarray
+
+
+def built(folder, compiler=None, flags=STRICT):
+    """The exported folder as a library."""
+    (folder / "shim.c").write_text(SHIM)
+    library = folder / f"monitor{len(list(folder.glob('*.so')))}.so"
+    compile_with = [compiler or COMPILERS[0], *flags, "-fPIC", "-c", "reliab_monitor.c", "shim.c"]
+    # linked without the flags: with -ffast-math some linkers add code that rounds the denormal numbers of
+    # the whole process to zero, and with them those of all tests that follow
+    link = [compiler or COMPILERS[0], "-shared", "reliab_monitor.o", "shim.o", "-lm", "-o", str(library)]
+    for command in (compile_with, link):
+        subprocess.run(command, cwd=folder, check=True)  # noqa: S603 - a compiler
+    return ctypes.CDLL(str(library))
+
+
+def followed(library, command, measured, begin=None):
+    """Follow a test; histories of several actuators in rows, `begin`: offsets, then standing differences."""
+    actuators = 1 if command.ndim == 1 else command.shape[0]
+    size = command.shape[-1]
+    table = np.empty((size, 3 * actuators + 4))
+    library.follow_size.restype = ctypes.c_size_t
+    place = ctypes.create_string_buffer(library.follow_size() + 16)
+    channels = [np.ascontiguousarray(values.T, dtype=np.float64) for values in (command, measured)]
+    pointers = [values.ctypes.data_as(ctypes.c_void_p) for values in (*channels, table)]
+    state = None if begin is None else (ctypes.c_double * len(begin))(*begin)
+    library.follow(place, state, ctypes.c_long(size), *pointers)
+    parts = np.split(table.T, [actuators, 2 * actuators, 3 * actuators])
+    of_degrees = [part[0] if command.ndim == 1 else part for part in parts[:3]]
+    return Followed(*of_degrees, *parts[3])
