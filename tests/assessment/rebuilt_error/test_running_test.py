@@ -70,7 +70,7 @@ def net_of(strayed, share=1.0):
 def test_an_alarm_needs_half_of_the_largest_power(share, large):
     net = net_of(-4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP), share)
     assert net.large is large
-    assert bool(EnergyAlarm(smallest=0.0).look(net)) is large
+    assert bool(EnergyAlarm(smallest=0.0).look(net, np.inf)) is large
 
 
 def test_an_alarm_grants_play_of_twice_the_smallest_error():
@@ -79,18 +79,31 @@ def test_an_alarm_grants_play_of_twice_the_smallest_error():
     weight = DAMPING.forgetting ** np.arange(TIME.size - 1, -1, -1)
     assert net.error == pytest.approx(np.sqrt(weight @ slope**2 / weight.sum()), rel=0.02)
     enough = -net.high / (2.2 * net.by_play)
-    assert EnergyAlarm(smallest=0.99 * enough).look(net)
-    assert not EnergyAlarm(smallest=1.01 * enough).look(net)
-    assert not EnergyAlarm().look(net)  # an error as large as ever may be play
+    assert EnergyAlarm(smallest=0.99 * enough).look(net, np.inf)
+    assert not EnergyAlarm(smallest=1.01 * enough).look(net, np.inf)
+    assert not EnergyAlarm().look(net, np.inf)  # an error as large as ever may be play
+
+
+@pytest.mark.parametrize(
+    ("excess", "looks", "raised"), [(1.11, 1, True), (1.11, 2, True), (1.11, 3, False), (1.09, 1, False)]
+)
+def test_less_play_is_granted_where_the_command_has_lately_gone_beyond_the_exact_response(
+    excess, looks, raised
+):
+    net = net_of(-4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP))
+    alarm = EnergyAlarm(smallest=-net.high / (1.1 * net.by_play), following=-3)
+    alarm.add(np.array([0.0, -excess]))
+    raises = [alarm.look(net, 1.0) for _ in range(looks)]
+    assert raises[-1] is raised
 
 
 def test_a_piston_that_rests_within_its_play_tells_nothing_of_the_size_of_it():
     alarm = EnergyAlarm()
     rests, follows = (net_of(gain * COMMAND + 1e-4 * np.gradient(COMMAND, STEP)) for gain in (-0.9, -0.1))
     for net in [rests] * 3 + [follows, rests, follows]:  # it may only begin to move
-        alarm.look(net)
+        alarm.look(net, np.inf)
     assert alarm.smallest == np.inf
-    alarm.look(follows)
+    alarm.look(follows, np.inf)
     assert 0.0 < alarm.smallest < 1e-4
 
 
