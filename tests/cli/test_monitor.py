@@ -8,12 +8,14 @@ import subprocess
 import sys
 import threading
 import time
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import reliab
+from reliab.api import follow_test
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.recordings import chunks_of_text, read_recording, rows_as_written
@@ -355,3 +357,10 @@ def test_messages_state_how_often_alarms_are_false(good, capsys):
     run(follow(good, "--threshold", "1"))
     rates = {tuple(said["false_alarm_rates"].items()) for said in messages(capsys.readouterr().out)}
     assert rates == {(("unstable", 0.01), ("error", 0.01))}
+
+
+def test_updates_come_at_equal_times_however_often_alarms_are_looked_for(good):
+    """A tenth of a second is 26 samples, between which 64 and 100 have no place of their own."""
+    for every, samples in ((0.25, [64, 128, 192, 256]), (100 / 256, [100, 200, 300, 400])):
+        told = [m for m in islice(follow_test(good, f=1, xi=0.02, every=every), 6) if m.kind == "update"]
+        assert [m.to_dict()["samples"] for m in told][:4] == samples

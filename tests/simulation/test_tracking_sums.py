@@ -1,5 +1,7 @@
 """Tracking indicators of actuators whose gain and delay are exact, from the sums over a window."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -37,3 +39,18 @@ def test_a_record_that_begins_later_has_the_same_sums_over_a_window_that_does():
     )
     np.testing.assert_allclose(late.cross, early.cross, rtol=1e-6)
     np.testing.assert_allclose(late.power, early.power, rtol=1e-6)
+
+
+def test_a_stiff_structure_is_summed_in_steps_of_its_own_period():
+    """The same motion over a time fifteen times shorter has the same gain and phase."""
+    shorter = 15.0
+    fast = TrackedCells(
+        structure=replace(CELLS.structure, frequency=shorter), gain=GAIN, delay=DELAY / shorter
+    )
+    pairs = [
+        QuadraturePair.from_excitation(Excitation(acceleration=RECORD, time_step=step, window=window))
+        for step, window in ((0.01, (6.0, 21.0)), (0.01 / shorter, (6.0 / shorter, 21.0 / shorter)))
+    ]
+    slow, quick = (tracking_sums(pair, cells) for pair, cells in zip(pairs, (CELLS, fast), strict=True))
+    np.testing.assert_allclose(quick.cross / quick.power, slow.cross / slow.power, rtol=2e-3)
+    np.testing.assert_allclose(quick.equivalent_frequency, shorter * slow.equivalent_frequency, rtol=1e-3)
