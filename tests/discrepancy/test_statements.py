@@ -1,5 +1,6 @@
 """No sentence on a diagnosis contradicts the numbers that stand beside it, whatever these are."""
 
+import math
 import re
 from dataclasses import replace
 from types import SimpleNamespace
@@ -221,3 +222,16 @@ def test_a_parameter_that_may_be_anything_is_not_shown_as_a_number(sd, signed, w
     estimate = Estimate(name="stiffness_n_per_m", value=8933.0, sd=sd, units="N/m", signed=signed)
     assert estimate.words == words
     assert estimate.to_dict()["determined"] is (words[1] != "")
+
+
+@pytest.mark.parametrize("stretches", [1, 2, 3])
+def test_a_line_stands_above_what_noise_reaches_once_in_ten_million(stretches):
+    """The mean of some squares of noise is Erlang's; the chance is shared among the frequencies tried."""
+    trials = 500
+    level = stretches * unexplained._threshold(stretches, trials)  # noqa: SLF001 - what is tested
+    terms = (level**k / math.factorial(k) for k in range(stretches))
+    assert math.exp(-level) * sum(terms) == pytest.approx(1e-7 / trials, rel=1e-6)
+
+
+def test_a_line_stands_eight_times_above_its_surroundings_in_any_number_of_stretches():
+    assert unexplained._threshold(200, 500) == 8.0  # noqa: SLF001 - what is tested

@@ -16,6 +16,7 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     _chosen,
     _draw,
     _filtered,
+    _follow,
     _following,
     _least_squares,
     _reading,
@@ -273,3 +274,22 @@ def test_without_steps_or_with_enough_white_noise_rounding_is_left_out():
         power, left = _rounding(COMMAND, measured, sensor(white), 1, 32)
         assert not power.any()
         assert (left.weights == sensor(white).weights).all()
+
+
+@pytest.mark.parametrize(("largest", "rel"), [(1e9, 1e-5), (1e-12, None)])
+def test_coefficients_of_any_size_are_those_of_least_squares_and_of_no_size_zero(largest, rel):
+    """Without chance; the noise differs from coefficient to coefficient."""
+
+    class Middle:
+        uniform = staticmethod(lambda size: np.full(size, 0.5))
+        standard_normal = staticmethod(np.zeros)
+
+    white = sensor(white=1e-4)
+    reading = _reading(COMMAND, 0.98 * COMMAND + noise_of(white, 7), white, 1.1, 2)
+    variance = reading.noise[-1] + 1e-3 * reading.command_power
+    found = _follow(replace(reading, largest=largest), variance, Middle())
+    expected = _least_squares(reading, variance)[0]
+    if rel is None:
+        assert np.abs(found).max() < 1e-3 * np.abs(expected).max()
+    else:
+        assert found == pytest.approx(expected, rel=rel, abs=rel * np.abs(expected).max())

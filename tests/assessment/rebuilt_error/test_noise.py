@@ -8,6 +8,7 @@ from reliab.assessment.rebuilt_error.noise import (
     CORNERS,
     SensorNoise,
     estimate_noise,
+    followed,
     white_floor,
 )
 
@@ -133,3 +134,16 @@ def test_both_ends_of_a_record_are_continued_alike():
     noise = SensorNoise(time_step=STEP, weights=np.eye(6)[0], band=25.0)
     history = np.cumsum(np.random.default_rng(10).standard_normal(900))
     assert noise.smooth(history[::-1])[::-1] == pytest.approx(noise.smooth(history), abs=1e-9)
+
+
+def test_what_follows_several_commands_is_kept_up_to_the_fastest_of_them():
+    """Also where one moves slowly, and what is faster than both is noise that they must not explain."""
+    time = STEP * np.arange(8192)
+    swell = np.sin(np.pi * time / time[-1]) ** 2
+    commands = np.stack([swell * np.sin(2.0 * np.pi * f * time) for f in (0.6, 14.0)])
+    measured = 0.97 * commands[0] + 0.2 * commands[1]
+    hiss = 0.3 * np.sin(2.0 * np.pi * 90.0 * time)
+    inside = slice(1024, -1024)
+    for disturbed in (measured, measured + hiss):
+        found = followed(commands, disturbed, STEP)
+        np.testing.assert_allclose(found[inside], measured[inside], atol=0.01)
