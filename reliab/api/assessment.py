@@ -14,7 +14,7 @@ from reliab.api.arguments import (
     stated_values,
     unused,
 )
-from reliab.api.channels import Channels, Test
+from reliab.api.channels import Channels, Test, is_test
 from reliab.api.several_tests import Judge, assess_each, name_of_test
 from reliab.assessment import (
     Assessment,
@@ -126,7 +126,7 @@ def assess(
 
 
 def assess(
-    test: Test | Iterable[Test],
+    test: "Test | Iterable[Test]",
     structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None = None,
     *,
     f: Quantity | None = None,
@@ -275,7 +275,7 @@ def assess(
     if isinstance(test, str | Path) and test_name == _ALL_TESTS:
         named = ((name, channels, test) for name, channels in reading.of_each_test(test).items())
         return assess_each(named, judge, progress)
-    if isinstance(test, Test):
+    if is_test(test):
         return judge(reading, test)
     several = ((name_of_test(test, place), reading, test) for place, test in enumerate(test))
     return assess_each(several, judge, progress)

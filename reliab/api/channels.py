@@ -2,14 +2,14 @@
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING, TypeAlias
 
 from reliab.api.arguments import unused
 from reliab.errors import InputError
 from reliab.recordings import (
     CoupledRecording,
     Recording,
+    is_frame,
     read_coupled_recording,
     read_recording,
     read_tests,
@@ -17,8 +17,17 @@ from reliab.recordings import (
 )
 from reliab.shipped import or_shipped
 
-Test = str | Path | pd.DataFrame | Recording | CoupledRecording
+if TYPE_CHECKING:
+    import pandas as pd
+    from typing_extensions import TypeIs
+
+Test: TypeAlias = "str | Path | pd.DataFrame | Recording | CoupledRecording"
 """A test, its file, its data frame, or the name of one that ships."""
+
+
+def is_test(value: object) -> "TypeIs[Test]":
+    """Tell one test from several."""
+    return isinstance(value, str | Path | Recording | CoupledRecording) or is_frame(value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +70,7 @@ class Channels:
             return test
         self._require_sound(test)
         return read_coupled_recording(
-            test if isinstance(test, pd.DataFrame) else Path(test),
+            test if is_frame(test) else Path(test),
             stated_by_options(self.channels, {}, self.units, None if self.rate is None else float(self.rate)),
             delimiter=self.delimiter,
             test=self.test_name,
@@ -83,7 +92,7 @@ class Channels:
             )
         self._require_sound(test)
         return read_recording(
-            test if isinstance(test, pd.DataFrame) else or_shipped(Path(test), "datasets", "test.csv"),
+            test if is_frame(test) else or_shipped(Path(test), "datasets", "test.csv"),
             command=self.command,
             measured=self.measured,
             time=self.time,
@@ -103,6 +112,6 @@ class Channels:
                 value=float(self.rate),
                 remedy="Give the samples in a second",
             )
-        for name in ("delimiter", "test_name") if isinstance(test, pd.DataFrame) else ():
+        for name in ("delimiter", "test_name") if is_frame(test) else ():
             if getattr(self, name) is not None:
                 raise unused(name, "beside a data frame")

@@ -1,13 +1,17 @@
 """The response that a perfect actuator would have produced, with its band: a spoiled test, corrected."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
-import xarray as xr
 
 from reliab.arrays import Array
 from reliab.assessment.findings import Findings
 from reliab.significant import percent
 from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _SPECIMENS = {
     "stated": "stated as linear",
@@ -17,7 +21,7 @@ _SPECIMENS = {
 _SMALL = 0.1  # of the peak of the exact response, up to which the largest correction is small
 
 
-def corrected_response(findings: Findings) -> xr.Dataset:
+def corrected_response(findings: Findings) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
@@ -44,6 +48,8 @@ def corrected_response(findings: Findings) -> xr.Dataset:
     >>> bool(abs(corrected.attrs["exact_peak_m"] / corrected.attrs["measured_peak_m"] - 1.0) < 0.1)
     True
     """
+    import xarray as xr
+
     rebuilt = findings.error.rebuilt
     measured, exact, step = rebuilt.histories.measured, rebuilt.reference, rebuilt.time_step
     force = _force(findings)

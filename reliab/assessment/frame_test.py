@@ -27,7 +27,6 @@ from reliab.simulation.frames import FrameUnderTest
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
-from reliab.sweep import governing_mode
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
@@ -90,6 +89,8 @@ def assess_frame(
         another structure, or the recording cannot be judged.
     """
     _check_frame(frame)
+    from reliab.sweep import governing_mode
+
     mode = governing_mode(frame)
     if criterion is not None:
         _check_criterion(criterion, mode)
@@ -163,6 +164,8 @@ def _rebuilding(
     threshold: float,
 ) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
+    from reliab.sweep import governing_mode
+
     structure, mode = whole_structure(frame.partition), governing_mode(frame)
     lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
     stated = {"feedback_lag": feedback_lag, "scale": scale}

@@ -18,6 +18,7 @@ from reliab.assessment.verdict import Word, word_of_probability
 from reliab.assessment.yielding import DUCTILITIES, yielding_model
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
+from reliab.simulation.hybrid_test import Motion3
 from reliab.vocabulary import Metric
 
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
@@ -105,10 +106,11 @@ def _errors_if_yielding(
     structure = question.structure
     every = samples_in_step_of_simulation(structure.frequency, rebuilt.time_step)
     thin = rebuilt.histories.thinned(every)
+    command = Motion3.through(thin.command, thin.time_step)
     peak = float(np.abs(thin.measured).max())
     errors = {}
     for ductility in ductilities:
-        reference = reference_of_model(yielding_model(structure, peak / ductility), thin)
+        reference = reference_of_model(yielding_model(structure, peak / ductility), thin, command=command)
         errors[ductility] = _size(thin.measured - reference, reference, question.metric)
     return errors
 

@@ -1,9 +1,10 @@
 """Verdicts on several tests as a table: one row for each test, also for one that could not be judged."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-import pandas as pd
+if TYPE_CHECKING:
+    import pandas as pd
 
 _PLAIN: Final = (
     *("file", "test", "verdict", "probability", "metric", "threshold"),
@@ -12,7 +13,7 @@ _PLAIN: Final = (
 _ENDS: Final = ("value", "low", "high")
 
 
-def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> "pd.DataFrame":
     """Put the answers about several tests into a table.
 
     Returns `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
@@ -22,6 +23,8 @@ def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     >>> verdict_table([{"file": "a.csv", "fault": "It must not be empty."}]).loc[0, "fault"]
     'It must not be empty.'
     """
+    import pandas as pd
+
     return pd.DataFrame([_row(summary) for summary in summaries])
 
 

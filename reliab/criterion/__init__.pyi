@@ -1,4 +1,5 @@
 from .carrying import (
+    ResponseMeasures as ResponseMeasures,
     carry_to_length as carry_to_length,
     carry_to_response as carry_to_response,
     carry_to_suite as carry_to_suite,
@@ -9,10 +10,10 @@ from .ellipse_reading import read_ellipses as read_ellipses
 from .ellipse_sample import (
     EllipseSample as EllipseSample,
     is_ellipse as is_ellipse,
-    names_along as names_along,
     of_curve as of_curve,
     sample_of as sample_of,
 )
+from .ellipse_table import REST as REST, EllipseTable as EllipseTable, names_along as names_along
 from .experimental_share import (
     carry_to_share as carry_to_share,
     growth as growth,
@@ -24,7 +25,7 @@ from .goodness_of_fit import (
     lognormality as lognormality,
     quantile_plot as quantile_plot,
 )
-from .meaning import MOST_AT_REST as MOST_AT_REST, REST as REST, require_meaning as require_meaning
+from .meaning import MOST_AT_REST as MOST_AT_REST, require_meaning as require_meaning
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
 from .protection import protect_over_lengths as protect_over_lengths
@@ -46,5 +47,6 @@ from .scope import (
     scope_of as scope_of,
 )
 from .share_comparison import compare_shares as compare_shares
+from .shipped_tables import shipped_ellipses as shipped_ellipses, shipped_measures as shipped_measures
 from .summary import describe_sample as describe_sample, summarise as summarise
 from .weights import Weights as Weights

@@ -15,15 +15,15 @@ Liang, K.-Y. and Zeger, S. L. (1986). Longitudinal data analysis using generaliz
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self, TypeVar
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.criterion.ellipse_table import DIMENSIONS, EllipseTable, names_along, tabled
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
 from reliab.criterion.scaling import scales
@@ -31,33 +31,91 @@ from reliab.criterion.scope import Position, compare_with_scope, scope_of
 from reliab.errors import InputError
 from reliab.vocabulary import Metric
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+_Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
+
 Labels = dict[str, Any]
 """Threshold, metric, curve and side of one table of ellipses."""
+
+_Places = NDArray[np.int64]
 
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
-DIMENSIONS: Final = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
 
-def carry_to_response(ellipses: xr.Dataset, measures: xr.Dataset, response: xr.Dataset) -> xr.Dataset:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResponseMeasures:
+    """Measures of responses to ground motions, in plain arrays."""
+
+    a_first: Array  # Ellipse parameter of the amplitude over the squared error [-], shape (motions, f, ξ)
+    b_first: Array  # The same of the delay [ms²]
+    effective_duration: Array  # ∫x²dt/max x² [s]
+    motions: NDArray[Any]  # Names, shape (motions,)
+    duration: Array  # Length of the records [s], shape (motions,)
+    frequencies: Array  # [Hz], shape (f,)
+    damping_ratios: Array  # [-], shape (ξ,)
+
+    @classmethod
+    def from_dataset(cls, measures: "xr.Dataset") -> Self:
+        """Take the arrays of what :func:`reliab.sweep.measure_responses` returned."""
+        names = ("a_first", "b_first", "effective_duration")
+        return cls(
+            **{name: measures[name].transpose("motion", "f", "xi").values for name in names},
+            motions=measures["motion"].values,
+            duration=measures["duration"].values,
+            frequencies=measures["f"].values.astype(np.float64),
+            damping_ratios=measures["xi"].values.astype(np.float64),
+        )
+
+    def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
+        """Take some of the motions."""
+        names = ("a_first", "b_first", "effective_duration", "motions", "duration")
+        return replace(self, **{name: getattr(self, name)[motions] for name in names})
+
+    def at(self, f: _Places, xi: _Places) -> Self:
+        """Take some of the structures, by their places along either axis."""
+        names = ("a_first", "b_first", "effective_duration")
+        return replace(
+            self,
+            **{name: getattr(self, name)[:, *np.ix_(f, xi)] for name in names},
+            frequencies=self.frequencies[f],
+            damping_ratios=self.damping_ratios[xi],
+        )
+
+    def nearest(self, frequencies: Array, damping_ratios: Array) -> tuple[_Places, _Places]:
+        """Places of the structures nearest to others, along either axis."""
+        return _nearest(self.frequencies, frequencies), _nearest(self.damping_ratios, damping_ratios)
+
+
+def _nearest(values: Array, asked: Array) -> _Places:
+    """Places of the nearest values; the larger one of two as near."""
+    distance = np.abs(values[::-1] - np.asarray(asked)[:, np.newaxis])
+    return np.asarray(values.size - 1 - distance.argmin(axis=1))
+
+
+def carry_to_response(
+    ellipses: _Given, measures: "xr.Dataset | ResponseMeasures", response: "xr.Dataset | ResponseMeasures"
+) -> _Given:
     """Carry the ellipses of a population to a structure's response under one motion.
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         Ellipses of the population at RMS^R, of whole records.
-    measures : xarray.Dataset
+    measures : xarray.Dataset or ResponseMeasures
         `a_first`, `b_first` and `effective_duration` of the same motions and structures, as
         :func:`reliab.sweep.measure_responses` returns them.
-    response : xarray.Dataset
+    response : xarray.Dataset or ResponseMeasures
         The same of one motion, or of a test, at the structures asked for.
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset or EllipseTable
         Ellipses of the population's motions at the response's structures, as if each had that response.
 
     Raises
@@ -65,49 +123,69 @@ def carry_to_response(ellipses: xr.Dataset, measures: xr.Dataset, response: xr.D
     InputError
         If the ellipses are of another error than RMS^R.
     """
-    _require_rms(ellipses)
-    known, own = measures.sel(motion=ellipses["motion"].values), response.isel(motion=0)
-    at = _grid(known), _grid(own)
-    weights = [tents(known[name].values, own[name].values.astype(np.float64)) for name in ("f", "xi")]
+    table = tabled(ellipses)
+    _require_rms(table)
+    known, own = _measured(measures), _measured(response).take(slice(1))
+    rows = {str(name): row for row, name in enumerate(known.motions)}
+    known = known.take([rows[str(name)] for name in table.at["motion"]])
+    at = _grid(known.frequencies, known.damping_ratios), _grid(own.frequencies, own.damping_ratios)
+    weights = [
+        tents(known.frequencies, own.frequencies),
+        tents(known.damping_ratios, own.damping_ratios),
+    ]
+    events, duration = table.events, float(own.duration[0])
 
     def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
+        of_known, of_own = getattr(known, f"{name}_first"), getattr(own, f"{name}_first")[0]
         sizes, size = (
-            threshold * np.sqrt(part[f"{name}_first"].values / _scale(name, *grid))
-            for part, grid in zip((known, own), at, strict=True)
+            threshold * np.sqrt(part / _scale(name, *grid))
+            for part, grid in zip((of_known, of_own), at, strict=True)
         )
         fit = _Fit.by_least_squares(
-            np.log(values / (threshold**2 * known[f"{name}_first"].values)),
-            _of_response(sizes, known["duration"].values[:, None, None], *at[0]),
-            ellipses["event"].values,
+            np.log(values / (threshold**2 * of_known)),
+            _of_response(sizes, known.duration[:, None, None], *at[0]),
+            events,
             growth=np.minimum(sizes, _STEEPEST) ** 2,
         )
         residuals = np.einsum("mfx,gf,yx->mgy", fit.residuals, *weights)
-        target = _of_response(size, float(own["duration"]), *at[1])
+        target = _of_response(size, duration, *at[1])
         logarithms = fit.carried(residuals, target, growth=np.minimum(size, _STEEPEST) ** 2)
-        return np.asarray(threshold**2 * own[f"{name}_first"].values * np.exp(logarithms))
+        return np.asarray(threshold**2 * of_own * np.exp(logarithms))
 
-    near = known["effective_duration"].sel({name: own[name].values for name in ("f", "xi")}, method="nearest")
+    near = known.at(*known.nearest(own.frequencies, own.damping_ratios)).effective_duration
     case = {
-        "length": float(own["duration"]),
-        "effective_duration": float(np.exp(np.log(own["effective_duration"]).mean())),
+        "length": duration,
+        "effective_duration": float(np.exp(np.nanmean(np.log(own.effective_duration[0])))),
     }
-    words = f"for a structure that responds as under {own['motion'].item()}"
-    return _stating(_assembled(ellipses, own, carried), words, scope_of(ellipses, near.values), case)
+    words = f"for a structure that responds as under {own.motions[0]}"
+    assembled = _assembled(table, own.frequencies, own.damping_ratios, carried)
+    return _as_given(ellipses, _stating(assembled, words, scope_of(table, near), case))
 
 
-def carry_to_length(ellipses: xr.Dataset, duration: float) -> xr.Dataset:
+def _measured(measures: "xr.Dataset | ResponseMeasures") -> ResponseMeasures:
+    return measures if isinstance(measures, ResponseMeasures) else ResponseMeasures.from_dataset(measures)
+
+
+def _as_given(given: _Given, carried: EllipseTable) -> _Given:
+    """Return a table where one was given, a dataset otherwise."""
+    if isinstance(given, EllipseTable):
+        return carried  # type: ignore[return-value]  # of the type that was given
+    return carried.to_dataset(given)
+
+
+def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     """Carry the ellipses of a population to records of another length [s].
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         Ellipses of the population, of whole records whose lengths stand in the coordinate `duration`.
     duration : float
         Length of the records of further tests [s].
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset or EllipseTable
         Ellipses of the population's motions as if each record had that length.
 
     Raises
@@ -128,26 +206,27 @@ def carry_to_length(ellipses: xr.Dataset, duration: float) -> xr.Dataset:
     """
     if not 0.0 < duration < np.inf:
         raise InputError("The length of a record must be positive", value=duration, remedy="Give seconds")
-    if "duration" not in ellipses.coords:
+    table = tabled(ellipses)
+    if "duration" not in table.of_motions:
         raise InputError(
             "Ellipses are carried to a length from records of known lengths",
             value="ellipses without the coordinate duration",
             remedy="Derive the criterion from records, or from real_suite",
         )
-    grid, lengths = _grid(ellipses), ellipses["duration"].values[:, None, None]
+    f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
+    grid, lengths = _grid(f, xi), table.of_motions["duration"][:, None, None]
 
     def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
         unit = threshold**2 * _scale(name, *grid)
-        fit = _Fit.by_least_squares(
-            np.log(values / unit), _of_length(lengths, *grid), ellipses["event"].values
-        )
+        fit = _Fit.by_least_squares(np.log(values / unit), _of_length(lengths, *grid), table.events)
         return np.asarray(unit * np.exp(fit.carried(fit.residuals, _of_length(duration, *grid))))
 
     words = f"for records of {duration:g} s"
-    return _stating(_assembled(ellipses, ellipses, carried), words, scope_of(ellipses), {"length": duration})
+    assembled = _assembled(table, f, xi, carried)
+    return _as_given(ellipses, _stating(assembled, words, scope_of(table), {"length": duration}))
 
 
-def carry_to_suite(ellipses: xr.Dataset, suite: xr.Dataset) -> xr.Dataset:
+def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
     """Carry the ellipses of a population towards those of a suite of a few motions.
 
     The suite's mean is pooled with the population's in proportion to what either is worth: the means of
@@ -185,13 +264,16 @@ def carry_to_suite(ellipses: xr.Dataset, suite: xr.Dataset) -> xr.Dataset:
         case["length"] = float(np.exp(np.log(suite["duration"]).mean()))
         near = carry_to_length(near, case["length"])
 
+    table = tabled(near)
+
     def carried(name: str, cell: Labels, values: Array, _: float) -> Array:
         own = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
-        return np.exp(_pooled(np.log(values), ellipses["event"].values, own, suite["event"].values))
+        return np.exp(_pooled(np.log(values), table.events, own, suite["event"].values))
 
     events = np.unique(suite["event"].values).size
     words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
-    return _stating(_assembled(near, near, carried), words, scope_of(ellipses), case)
+    f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
+    return _stating(_assembled(table, f, xi, carried), words, scope_of(ellipses), case).to_dataset(near)
 
 
 def _pooled(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
@@ -281,12 +363,9 @@ def _of_length(duration: Array | float, f: Array, xi: Array) -> Array:
     return np.stack([np.ones_like(u), u, u**2], axis=-1)
 
 
-def _grid(dataset: xr.Dataset) -> tuple[Array, Array]:
+def _grid(f: Array, xi: Array) -> tuple[Array, Array]:
     """Natural frequencies (F, 1) and damping ratios (1, X)."""
-    return (
-        dataset["f"].values.astype(np.float64).reshape(-1, 1),
-        dataset["xi"].values.astype(np.float64).reshape(1, -1),
-    )
+    return f.reshape(-1, 1), xi.reshape(1, -1)
 
 
 def _scale(name: str, f: Array, xi: Array) -> Array:
@@ -295,51 +374,43 @@ def _scale(name: str, f: Array, xi: Array) -> Array:
 
 
 def _assembled(
-    ellipses: xr.Dataset, place: xr.Dataset, carried: Callable[[str, Labels, Array, float], Array]
-) -> xr.Dataset:
-    """Carry a and b of every error, curve and side to the structures of `place`."""
-    table = ellipses[["a", "b"]].transpose(*DIMENSIONS)
-    coordinates = {name: table[name] for name in DIMENSIONS if name not in {"f", "xi"}}
-    sizes = [place.sizes[name] if name in {"f", "xi"} else table.sizes[name] for name in DIMENSIONS]
+    table: EllipseTable, f: Array, xi: Array, carried: Callable[[str, Labels, Array, float], Array]
+) -> EllipseTable:
+    """Carry a and b of every error, curve and side to other structures."""
+    sizes = (table.n_motions, f.size, xi.size, *table.a.shape[3:])
     filled = {name: np.full(sizes, np.nan) for name in ("a", "b")}
     for at, cell in _cells(table):
         index: Any = (..., *at)
         for name, target in filled.items():
-            values = table[name].values[index].astype(np.float64)
+            values = getattr(table, name)[index].astype(np.float64)
             values = np.where(values > 0.0, values, np.nan)
             target[index] = carried(name, cell, values, float(cell["threshold"]))
-    whole = xr.Dataset({name: (DIMENSIONS, values) for name, values in filled.items()})
-    whole = whole.assign_coords(
-        {**coordinates, "f": place["f"].values, "xi": place["xi"].values, "event": ellipses["event"]}
-    )
-    for labelled in whole.variables:
-        if labelled in ellipses.variables:
-            whole[labelled].attrs.update(ellipses[labelled].attrs)
-    return whole.assign_attrs(ellipses.attrs)
+    at_structures = {**table.at, "f": f, "xi": xi}
+    return replace(table, a=filled["a"], b=filled["b"], at=at_structures, error_at_rest=None)
 
 
 def _stating(
-    carried: xr.Dataset, words: str, scope: dict[str, list[float]], case: dict[str, float]
-) -> xr.Dataset:
+    carried: EllipseTable, words: str, scope: dict[str, list[float]], case: dict[str, float]
+) -> EllipseTable:
     """Note what the ellipses were carried to, and how that case lies among their motions."""
     compared = compare_with_scope(scope, case)
     caution = " ".join(compared.sentences)
     if compared.position is Position.OUTSIDE:
         caution += " No share of the population's ground motions is promised there."
-    return carried.assign_attrs(
+    return carried.stating(
         carried_to=words, scope=scope, position=str(compared.position), caution=caution.strip()
     )
 
 
-def _cells(table: xr.Dataset) -> Iterator[tuple[tuple[int, ...], Labels]]:
+def _cells(table: EllipseTable) -> Iterator[tuple[tuple[int, ...], Labels]]:
     """Places and labels of every threshold, metric, curve and side."""
     names = DIMENSIONS[3:]
-    for at in product(*(range(table.sizes[name]) for name in names)):
-        yield at, {name: table[name].values[place] for name, place in zip(names, at, strict=True)}
+    for at in product(*(range(table.at[name].size) for name in names)):
+        yield at, {name: table.at[name][place] for name, place in zip(names, at, strict=True)}
 
 
-def _require_rms(ellipses: xr.Dataset) -> None:
-    metrics = [str(metric) for metric in np.atleast_1d(ellipses["metric"].values)]
+def _require_rms(table: EllipseTable) -> None:
+    metrics = names_along(table, "metric")
     if metrics != [Metric.RMS]:
         raise InputError(
             "A criterion is carried to a response for the error RMS^R",

@@ -1,8 +1,6 @@
 """What a user should know before relying on a criterion, in plain sentences."""
 
-import xarray as xr
-
-from reliab.criterion.ellipse_sample import names_along
+from reliab.criterion.ellipse_table import EllipseTable, names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
 from reliab.criterion.sample_grid import SampleGrid
@@ -14,7 +12,7 @@ _SHORTFALL = 0.005  # of a plug-in quantile, from which it is worth a sentence
 
 
 def cautions_of(
-    ellipses: xr.Dataset, grid: SampleGrid, method: Method, confidence: float, empty: int
+    ellipses: EllipseTable, grid: SampleGrid, method: Method, confidence: float, empty: int
 ) -> tuple[str, ...]:
     """Say what limits the criterion of a grid of structures."""
     sentences = (
@@ -30,7 +28,7 @@ def cautions_of(
     return tuple(sentence for sentence in sentences if sentence)
 
 
-def few_leads(ellipses: xr.Dataset, *, leads: bool) -> tuple[str, ...]:
+def few_leads(ellipses: EllipseTable, *, leads: bool) -> tuple[str, ...]:
     """Say why a criterion has no limits for leads; nothing where it has."""
     if leads:
         return ()

@@ -3,15 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-import xarray as xr
 
 from reliab.criterion.cautions import cautions_of, few_leads
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_reading import EllipseSource, read_ellipses
-from reliab.criterion.ellipse_sample import names_along, position
+from reliab.criterion.ellipse_sample import position
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.laws import FITTED, FittedLaw, Table, known
 from reliab.criterion.learned_side import LearnedSide
 from reliab.criterion.meaning import require_meaning
@@ -24,13 +23,15 @@ from reliab.criterion.scope import population_of, scope_of
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed
-from reliab.sweep import at_share, share_of
 from reliab.vocabulary import CurveName, Metric, Side
+
+if TYPE_CHECKING:
+    from reliab.criterion.ellipse_reading import EllipseSource
 
 
 @renamed("0.4", frequency="f", damping_ratio="xi")
 def derive_criterion(
-    ellipses: EllipseSource,
+    ellipses: "EllipseSource | EllipseTable",
     *,
     method: Method | str = RECOMMENDED,
     assurance: float | None = None,
@@ -59,7 +60,7 @@ def derive_criterion(
 
     Parameters
     ----------
-    ellipses : xarray.Dataset, pandas.DataFrame, str or pathlib.Path
+    ellipses : xarray.Dataset, pandas.DataFrame, EllipseTable, str or pathlib.Path
         Ellipses, or whatever :func:`reliab.read_ellipses` takes: a file, a store of results, a table with the
         columns a and b, or "real_suite".
     method : Method or str, optional
@@ -120,15 +121,10 @@ def derive_criterion(
     """
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     known_method = method_of(method, **settings) if isinstance(method, str) else method
-    population = read_ellipses(
-        ellipses,
-        f=1.0 if f is None else f,
-        xi=0.02 if xi is None else xi,
-        threshold=threshold,
-        metric=str(metric),
-    )
     derivation = Derivation.from_ellipses(
-        protect_over_lengths(population, metric=str(metric), curve=known_method.curve),
+        protect_over_lengths(
+            _read(ellipses, f, xi, threshold, str(metric)), metric=str(metric), curve=known_method.curve
+        ),
         method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,
         frequency=f,
@@ -143,13 +139,24 @@ def derive_criterion(
     return criterion
 
 
+def _read(
+    ellipses: "EllipseSource | EllipseTable", f: float | None, xi: float | None, threshold: float, metric: str
+) -> EllipseTable:
+    if isinstance(ellipses, EllipseTable):
+        return ellipses
+    from reliab.criterion.ellipse_reading import read_ellipses
+
+    of_structure = {"f": 1.0 if f is None else f, "xi": 0.02 if xi is None else xi}
+    return tabled(read_ellipses(ellipses, **of_structure, threshold=threshold, metric=metric))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Derivation:
     """What was learned from ellipses, from which criteria follow at any confidence.
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : EllipseTable
         The ellipses of the structures that are asked for.
     method : Method
         What the confidence means.
@@ -161,7 +168,7 @@ class Derivation:
         The same of actuators that are early, where the ellipses have that side.
     """
 
-    ellipses: xr.Dataset
+    ellipses: EllipseTable
     method: Method
     law: FittedLaw
     lag: LearnedSide
@@ -170,7 +177,7 @@ class Derivation:
     @classmethod
     def from_ellipses(
         cls,
-        ellipses: xr.Dataset,
+        ellipses: Ellipses,
         *,
         method: Method,
         law: FittedLaw = Table,
@@ -182,7 +189,7 @@ class Derivation:
         progress: Progress = silent,
     ) -> Self:
         """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
-        chosen = at_share(ellipses).pipe(_only, "f", frequency).pipe(_only, "xi", damping_ratio)
+        chosen = _only(_only(tabled(ellipses), "f", frequency), "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {
@@ -268,12 +275,12 @@ class Derivation:
         carried = self.method.carried_confidence(self.lag.grid.fewest_motions, self.lag.grid.fewest_events)
         return Provenance(
             source=source,
-            motions=kind_of_motions(self.ellipses["event"].values.tolist()),
-            n_motions=self.ellipses.sizes["motion"],
-            n_events=int(np.unique(self.ellipses["event"]).size),
+            motions=kind_of_motions(self.ellipses.events.tolist()),
+            n_motions=self.ellipses.n_motions,
+            n_events=int(np.unique(self.ellipses.events).size),
             records_checksum=records_checksum(self.ellipses),
             window=str(self.ellipses.attrs.get("window", "unknown")),
-            experimental_fraction=share_of(self.ellipses),
+            experimental_fraction=self.ellipses.share,
             curve=self.lag.grid.curve,
             population=population_of(self.ellipses),
             scope=self.ellipses.attrs.get("scope", scope_of(self.ellipses)),
@@ -302,9 +309,9 @@ class Derivation:
             side.warn_unless_converged()
 
 
-def _only(ellipses: xr.Dataset, name: str, value: float | None) -> xr.Dataset:
+def _only(ellipses: EllipseTable, name: str, value: float | None) -> EllipseTable:
     """Keep one value of a dimension; all, increasing, for one between them or for none."""
-    held = ellipses[name].values
+    held = ellipses.at[name]
     if value is None or (held.min() < value < held.max() and not np.isclose(held, value, rtol=1e-9).any()):
-        return ellipses.sortby(name)
-    return ellipses.isel({name: [position(ellipses, name, value)]})
+        return ellipses.sorted_by(name)
+    return ellipses.take(**{name: [position(ellipses, name, value)]})

@@ -1,15 +1,18 @@
 """Ellipses of many ground motions at one structure and one error: what a criterion is derived from."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.laws.checks import LARGEST
 from reliab.errors import InputError
-from reliab.sweep import at_share
 from reliab.vocabulary import LABELS, CurveName, Dimension, Side
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FEWEST_MOTIONS = 3
 """A spread cannot be learned from fewer."""
@@ -114,7 +117,7 @@ class EllipseSample:
 
 
 def sample_of(
-    ellipses: xr.Dataset,
+    ellipses: Ellipses,
     *,
     frequency: float,
     damping_ratio: float,
@@ -127,7 +130,7 @@ def sample_of(
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side), with the coordinate
         `event`.
     frequency : float
@@ -154,16 +157,18 @@ def sample_of(
         If the dataset lacks the structure, the error, the curve or the side, or too few motions have an
         ellipse there.
     """
-    cell = of_curve(ellipses, curve, side)
-    for name, value in (("f", frequency), ("xi", damping_ratio), ("threshold", threshold)):
-        cell = cell.isel({name: position(cell, name, value)})
-    cell = cell.isel(metric=position_of_name(cell, "metric", metric))
-    known = is_ellipse(cell["a"].values, cell["b"].values)
+    table = tabled(ellipses)
+    of_curve_and_side = places_of_curve(table, curve, side)
+    of_numbers = (("f", frequency), ("xi", damping_ratio), ("threshold", threshold))
+    at: Any = tuple(position(table, name, value) for name, value in of_numbers)
+    at = (..., *at, position_of_name(table, "metric", metric), *of_curve_and_side)
+    a, b = table.a[at], table.b[at]
+    known = is_ellipse(a, b)
     return EllipseSample(
-        a=cell["a"].values[known].astype(np.float64),
-        b=cell["b"].values[known].astype(np.float64),
-        motions=np.array(cell["motion"].values[known].tolist(), dtype=np.str_),
-        events=np.array(cell["event"].values[known].tolist(), dtype=np.str_),
+        a=a[known].astype(np.float64),
+        b=b[known].astype(np.float64),
+        motions=np.array(table.at["motion"][known].tolist(), dtype=np.str_),
+        events=np.array(table.events[known].tolist(), dtype=np.str_),
         frequency=frequency,
         damping_ratio=damping_ratio,
         threshold=threshold,
@@ -171,7 +176,12 @@ def sample_of(
     )
 
 
-def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
+def places_of_curve(table: EllipseTable, curve: str, side: str) -> tuple[int, int]:
+    """Find one kind of ellipse and one side of the boundaries, or say which there are."""
+    return position_of_name(table, "curve", curve), position_of_name(table, "side", side)
+
+
+def of_curve(ellipses: "xr.Dataset", curve: str, side: str) -> "xr.Dataset":
     """Take one kind of ellipse and one side of the boundaries from a dataset.
 
     Parameters
@@ -192,6 +202,8 @@ def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
     InputError
         If the dataset has no such ellipses, or is of several shares of the stiffness.
     """
+    from reliab.sweep import at_share
+
     ellipses = at_share(ellipses)
     for name, value in ((Dimension.CURVE, curve), (Dimension.SIDE, side)):
         if name in ellipses.dims:
@@ -201,14 +213,7 @@ def of_curve(ellipses: xr.Dataset, curve: str, side: str) -> xr.Dataset:
     return ellipses
 
 
-def names_along(ellipses: xr.Dataset, name: str) -> list[str]:
-    """List the names along `curve`, `side` or `metric`; older files hold fitted ellipses of lags."""
-    if name in ellipses.coords:
-        return [str(value) for value in np.atleast_1d(ellipses[name].values)]
-    return [str({Dimension.CURVE: CurveName.ELLIPSE, Dimension.SIDE: Side.LAG}[Dimension(name)])]
-
-
-def position_of_name(ellipses: xr.Dataset, name: str, value: str) -> int:
+def position_of_name(ellipses: Ellipses, name: str, value: str) -> int:
     """Find a name along the dimension `curve`, `side` or `metric`, or say which there are."""
     names = names_along(ellipses, name)
     if value not in names:
@@ -246,13 +251,13 @@ def is_ellipse(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.boo
     return np.asarray(np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0))
 
 
-def position(ellipses: xr.Dataset, name: str, value: float) -> int:
+def position(table: EllipseTable, name: str, value: float) -> int:
     """Find a value along a dimension."""
-    values = ellipses[name].values.astype(np.float64)
+    values = table.at[name].astype(np.float64)
     close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
     if close.size == 0:
         raise InputError(
-            f"The ellipses must have been traced for the {ellipses[name].attrs.get('long_name', name)}",
+            f"The ellipses must have been traced for the {table.words.get(name, name)}",
             value=f"{value:g}",
             remedy=f"Choose among {', '.join(f'{value:g}' for value in values)}",
         )

@@ -9,14 +9,15 @@ weight 1/π(1 + δ²), so that the mean square of the second factor is 1 + α²/
 For α far above ξ that is 1/α². The specimen must be a spring: nothing is said of dampers and masses.
 """
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.errors import InputError
-from reliab.sweep import share_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LEAST_SHARE_OVER_DAMPING: Final = 10.0
 """Least α/ξ for which limits are carried: the limit that 95 % of 20 real motions keep then lay between 0.88
@@ -99,7 +100,7 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> NDArra
     return np.asarray((1.0 + stiff) / (1.0 + share**2 * stiff))
 
 
-def carry_to_share(ellipses: xr.Dataset, experimental_fraction: float) -> xr.Dataset:
+def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.Dataset":
     """Carry ellipses of wholly experimental structures to a share of the stiffness.
 
     Parameters
@@ -120,6 +121,10 @@ def carry_to_share(ellipses: xr.Dataset, experimental_fraction: float) -> xr.Dat
     InputError
         If the ellipses are of another share than 1, or the law does not hold.
     """
+    import xarray as xr
+
+    from reliab.sweep import share_of
+
     stored = share_of(ellipses)
     if stored != _WHOLE:
         raise InputError(

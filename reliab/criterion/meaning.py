@@ -1,16 +1,12 @@
 """Thresholds so large that even an actuator that does not move would keep them."""
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_sample import position
+from reliab.criterion.ellipse_sample import position, position_of_name
+from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.errors import InputError
 from reliab.significant import percent
-
-REST = "error_at_rest"
-"""Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi,
-metric)."""
 
 MOST_AT_REST = 0.05
 """Largest share of motions under which an actuator at rest may keep the threshold."""
@@ -30,7 +26,7 @@ def share_at_rest(errors: NDArray[np.float64], threshold: float) -> NDArray[np.f
     return np.asarray(kept / np.maximum(known.sum(axis=0), 1))
 
 
-def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> None:
+def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> None:
     """Refuse a threshold that an actuator at rest keeps under more than one motion in twenty.
 
     The amplitude and the delay of a test that hardly moves do not show its error. Ellipses without
@@ -38,7 +34,7 @@ def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> N
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         Ellipses of the structures that are asked for.
     threshold : float
         Error [-].
@@ -50,15 +46,16 @@ def require_meaning(ellipses: xr.Dataset, *, threshold: float, metric: str) -> N
     InputError
         If an actuator at rest would pass; the message names the structure where it does most often.
     """
-    if REST not in ellipses:
+    table = tabled(ellipses)
+    if table.error_at_rest is None:
         return
-    errors = ellipses[REST].sel(metric=metric).transpose("motion", "f", "xi")
-    position(ellipses, "threshold", threshold)
-    shares = share_at_rest(errors.values.astype(np.float64), threshold)
+    errors = table.error_at_rest[..., position_of_name(table, "metric", metric)]
+    position(table, "threshold", threshold)
+    shares = share_at_rest(errors.astype(np.float64), threshold)
     if shares.max() <= MOST_AT_REST:
         return
     row, column = np.unravel_index(int(shares.argmax()), shares.shape)
-    f, xi = float(errors["f"].values[row]), float(errors["xi"].values[column])
+    f, xi = float(table.at["f"][row]), float(table.at["xi"][column])
     raise InputError(
         "An actuator that does not move must exceed the error threshold under at least 95 % of the motions",
         value=(

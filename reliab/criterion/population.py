@@ -5,10 +5,16 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.ellipse_sample import FEWEST_MOTIONS, is_ellipse, of_curve, position, position_of_name
+from reliab.criterion.ellipse_sample import (
+    FEWEST_MOTIONS,
+    is_ellipse,
+    places_of_curve,
+    position,
+    position_of_name,
+)
+from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.criterion.laws.checks import checked_grid
 from reliab.criterion.laws.table import tents
 from reliab.criterion.laws.validity import Validity
@@ -80,7 +86,7 @@ class Population:
     @classmethod
     def from_ellipses(
         cls,
-        ellipses: xr.Dataset,
+        ellipses: Ellipses,
         *,
         threshold: float,
         metric: str,
@@ -91,7 +97,7 @@ class Population:
 
         Parameters
         ----------
-        ellipses : xarray.Dataset
+        ellipses : xarray.Dataset or EllipseTable
             `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
         threshold, metric, curve, side
             One of the dataset's.
@@ -101,12 +107,12 @@ class Population:
         Population
             All motions and structures.
         """
-        chosen = of_curve(ellipses, curve, side)
-        chosen = chosen.isel(metric=position_of_name(chosen, "metric", metric))
-        chosen = chosen.isel(threshold=position(chosen, "threshold", threshold))
-        chosen = chosen.sortby(["f", "xi"]).transpose("motion", "f", "xi", ...)
-        a, b = chosen["a"].values, chosen["b"].values
-        frequencies, damping_ratios = (chosen[name].values.astype(np.float64) for name in ("f", "xi"))
+        table = tabled(ellipses).sorted_by("f", "xi")
+        of_curve_and_side = places_of_curve(table, curve, side)
+        of_metric = position_of_name(table, "metric", metric)
+        at = (..., position(table, "threshold", threshold), of_metric, *of_curve_and_side)
+        a, b = table.a[at], table.b[at]
+        frequencies, damping_ratios = (table.at[name].astype(np.float64) for name in ("f", "xi"))
         scale_a, scale_b = scales(frequencies[:, None], damping_ratios[None, :])
         sound = is_ellipse(a, b)
         return cls(
@@ -114,7 +120,7 @@ class Population:
             damping_ratios=damping_ratios,
             log_alpha=np.log(np.where(sound, a / scale_a, np.nan)),
             log_beta=np.log(np.where(sound, b / scale_b, np.nan)),
-            events=np.array(chosen["event"].values.tolist(), dtype=np.str_),
+            events=np.array(table.events.tolist(), dtype=np.str_),
         )
 
     @property

@@ -5,31 +5,35 @@ short records and too little for long ones. Here every third of the lengths is p
 carried to the middle of each third, and at each structure the least favourable of the three counts.
 """
 
-from typing import Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
-import xarray as xr
 
 from reliab.arrays import Array
-from reliab.criterion.carrying import DIMENSIONS, carry_to_length
-from reliab.sweep import shares_of
+from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.ellipse_table import DIMENSIONS, Ellipses, EllipseTable, names_along, tabled
 from reliab.vocabulary import CurveName, Metric
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _LEAST_MOTIONS: Final = 30  # of a population, below which the dependence on their length is not learned
 _LEAST_EARTHQUAKES: Final = 10
 _MIDDLES_OF_THIRDS: Final = (1.0 / 6.0, 1.0 / 2.0, 5.0 / 6.0)
 _UNFAVOURABLE: Final = 0.05  # quantile of a and b by which lengths are compared
+_Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 _SAME: Final = 1.01  # ratio of lengths between which nothing is learned
 
 
 def protect_over_lengths(
-    ellipses: xr.Dataset, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
-) -> xr.Dataset:
+    ellipses: _Given, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
+) -> _Given:
     """Carry the ellipses of a population to the least favourable of its lengths.
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         Ellipses of the population.
     metric : str, optional
         Error of the criterion; RMS^R alone depends on the length.
@@ -39,7 +43,7 @@ def protect_over_lengths(
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset or EllipseTable
         For each structure the inscribed ellipses of RMS^R at one of three lengths, the middles of the thirds
         of all; those of other errors and curves stay beside them. The ellipses as they are where nothing can
         be learned of lengths: for a criterion of an error other than RMS^R, windows, a partly numerical
@@ -54,40 +58,52 @@ def protect_over_lengths(
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses
-    own = {"metric": [metric], "curve": [curve]}
-    lengths = np.quantile(ellipses["duration"].values, _MIDDLES_OF_THIRDS)
-    carried = [carry_to_length(ellipses.sel(own), float(length)) for length in lengths]
-    protected = ellipses.copy()
-    for name in ("a", "b"):
-        dimensions = ellipses[name].dims
-        values = np.stack([at_length[name].transpose(*dimensions).values for at_length in carried])
-        protected[name] = ellipses[name].astype(values.dtype)
-        protected[name].loc[own] = _least_favourable(values, 1 + dimensions.index("motion"))
+    protected = _protected(tabled(ellipses), metric, curve)
+    if isinstance(ellipses, EllipseTable):
+        return protected  # type: ignore[return-value]  # of the type that was given
+    order = [DIMENSIONS.index(str(name)) for name in ellipses["a"].dims]
+    arrays = {"a": protected.a.transpose(order), "b": protected.b.transpose(order)}
+    filled = {
+        name: ellipses[name].transpose(*ellipses["a"].dims).copy(data=values)
+        for name, values in arrays.items()
+    }
+    return ellipses.assign(filled).assign_attrs(protected.attrs)
+
+
+def _protected(table: EllipseTable, metric: str, curve: str) -> EllipseTable:
+    places = (names_along(table, "metric").index(metric), names_along(table, "curve").index(curve))
+    own = table.take(metric=places[:1], curve=places[1:])
+    lengths = np.quantile(table.of_motions["duration"], _MIDDLES_OF_THIRDS)
+    carried = [carry_to_length(own, float(length)) for length in lengths]
+    a, b = table.a.astype(np.float64), table.b.astype(np.float64)
+    for whole, parts in ((a, [part.a for part in carried]), (b, [part.b for part in carried])):
+        whole[..., places[0], places[1], :] = _least_favourable(np.stack(parts))[..., 0, 0, :]
     first, second, third = (f"{length:.0f}" for length in lengths)
     words = f"each structure at the least favourable of {first}, {second} and {third} s"
-    return protected.assign_attrs(carried_to=words, position="inside", caution="")
+    return replace(table, a=a, b=b).stating(carried_to=words, position="inside", caution="")
 
 
-def _least_favourable(values: Array, motions: int) -> Array:
-    """Values (lengths, ...) at the length of the least quantile over the motions; NaN counts as large."""
+def _least_favourable(values: Array) -> Array:
+    """Values (lengths, motions, ...) at the length of the least quantile over motions; NaN is large."""
     large = np.where(np.isfinite(values), values, np.inf)
-    low = np.quantile(large, _UNFAVOURABLE, axis=motions, keepdims=True, method="lower")
+    low = np.quantile(large, _UNFAVOURABLE, axis=1, keepdims=True, method="lower")
     least = np.broadcast_to(low.argmin(axis=0)[None], (1, *values.shape[1:]))
     return np.asarray(np.take_along_axis(values, least, axis=0)[0])
 
 
-def _shows_lengths(ellipses: xr.Dataset) -> bool:
+def _shows_lengths(ellipses: Ellipses) -> bool:
     """Whether the population is large enough, and its errors such, that lengths tell something of limits."""
-    if "duration" not in ellipses.coords or "carried_to" in ellipses.attrs:
+    if "carried_to" in ellipses.attrs or str(ellipses.attrs.get("window", "record")) != "record":
         return False
-    lengths = ellipses["duration"].values
+    if not isinstance(ellipses, EllipseTable) and set(ellipses["a"].dims) != set(DIMENSIONS):
+        return False  # of several shares of the stiffness, or of an older version
+    table = tabled(ellipses)
+    lengths = table.of_motions.get("duration", np.empty(0))
     return (
-        set(ellipses["a"].dims) == set(DIMENSIONS)
-        and Metric.RMS in ellipses["metric"].values
-        and CurveName.INSCRIBED in ellipses["curve"].values
-        and str(ellipses.attrs.get("window", "record")) == "record"
-        and shares_of(ellipses) == (1.0,)
+        Metric.RMS in names_along(table, "metric")
+        and CurveName.INSCRIBED in names_along(table, "curve")
+        and table.share == 1.0
         and lengths.size >= _LEAST_MOTIONS
-        and np.unique(ellipses["event"].values).size >= _LEAST_EARTHQUAKES
+        and np.unique(table.events).size >= _LEAST_EARTHQUAKES
         and bool(lengths.max() > _SAME * lengths.min())
     )

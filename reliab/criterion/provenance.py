@@ -8,8 +8,7 @@ from functools import cache
 from importlib.metadata import version
 from typing import Any
 
-import xarray as xr
-
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable
 from reliab.vocabulary import CurveName
 
 SCHEMA_VERSION = 2
@@ -95,12 +94,12 @@ def kind_of_motions(events: Sequence[str]) -> str:
     return "partly synthetic ground motions" if any(synthetic) else "ground motions"
 
 
-def records_checksum(ellipses: xr.Dataset) -> str:
+def records_checksum(ellipses: Ellipses) -> str:
     """One checksum for all records behind ellipses, whatever their order.
 
     Parameters
     ----------
-    ellipses : xarray.Dataset
+    ellipses : xarray.Dataset or EllipseTable
         Ellipses with the coordinate `checksum`; without it, the values of a and b stand for the records.
 
     Returns
@@ -108,8 +107,13 @@ def records_checksum(ellipses: xr.Dataset) -> str:
     str
         SHA-256 in hexadecimal digits.
     """
-    if "checksum" in ellipses.coords:
-        parts = sorted(str(checksum) for checksum in ellipses["checksum"].values)
+    if isinstance(ellipses, EllipseTable):
+        checksums, pair = ellipses.of_motions.get("checksum"), (ellipses.a, ellipses.b)
     else:
-        parts = [ellipses[name].values.astype("<f8").tobytes().hex() for name in ("a", "b")]
+        checksums = ellipses["checksum"].values if "checksum" in ellipses.coords else None
+        pair = (ellipses["a"].values, ellipses["b"].values)
+    if checksums is not None:
+        parts = sorted(str(checksum) for checksum in checksums)
+    else:
+        parts = [values.astype("<f8").tobytes().hex() for values in pair]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()

@@ -1,7 +1,8 @@
 """Criteria of published laws."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import sample_of
@@ -9,6 +10,9 @@ from reliab.criterion.laws import OF_MANY_MOTIONS, known
 from reliab.criterion.learned_side import room
 from reliab.criterion.provenance import Provenance
 from reliab.vocabulary import CurveName, Metric
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def published_criterion(name: str) -> Criterion:
@@ -50,7 +54,7 @@ def published_criterion(name: str) -> Criterion:
 
 
 def printed_share(
-    criterion: Criterion, ellipses: xr.Dataset, frequency: float, damping_ratio: float
+    criterion: Criterion, ellipses: "xr.Dataset", frequency: float, damping_ratio: float
 ) -> dict[str, float]:
     """Count the motions whose own ellipse contains that of a printed law.
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
+from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.criterion.population import Population
 
 
@@ -26,17 +26,18 @@ class SampleGrid:
 
     @classmethod
     def from_ellipses(
-        cls, ellipses: xr.Dataset, *, threshold: float, metric: str, curve: str, side: str
+        cls, ellipses: Ellipses, *, threshold: float, metric: str, curve: str, side: str
     ) -> Self:
-        """Take the ellipses of one error, curve and side from a dataset, in increasing order of f and ξ."""
+        """Take the ellipses of one error, curve and side, in increasing order of f and ξ."""
+        table = tabled(ellipses)
         chosen = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
-        population = Population.from_ellipses(ellipses, **chosen)  # type: ignore[arg-type]
+        population = Population.from_ellipses(table, **chosen)  # type: ignore[arg-type]
         samples = tuple(
-            tuple(sample_of(ellipses, frequency=f, damping_ratio=xi, **chosen) for xi in damping_ratios)  # type: ignore[arg-type]
+            tuple(sample_of(table, frequency=f, damping_ratio=xi, **chosen) for xi in damping_ratios)  # type: ignore[arg-type]
             for damping_ratios in [population.damping_ratios.tolist()]
             for f in population.frequencies.tolist()
         )
-        return cls(samples=samples, population=population, n_motions=ellipses.sizes["motion"], **chosen)  # type: ignore[arg-type]
+        return cls(samples=samples, population=population, n_motions=table.n_motions, **chosen)  # type: ignore[arg-type]
 
     @property
     def cells(self) -> list[EllipseSample]:

@@ -1,15 +1,15 @@
 """For which tests a criterion speaks: ranges of what its motions are, and a test compared with them."""
 
+import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 from reliab.arrays import Array
+from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.shipped import shipped
 from reliab.significant import significant
 
@@ -79,51 +79,53 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
     return ScopeComparison(position=worst, sentences=tuple(sentences))
 
 
-def scope_of(ellipses: xr.Dataset, effective_durations: Array | None = None) -> dict[str, list[float]]:
+def scope_of(ellipses: Ellipses, effective_durations: Array | None = None) -> dict[str, list[float]]:
     """Least value, 5 % and 95 % quantile and greatest value of what is known of a population's motions."""
+    table = tabled(ellipses)
     ranges: dict[str, list[float]] = {}
-    magnitudes = magnitudes_of(ellipses["event"].values.tolist())
+    magnitudes = magnitudes_of(table.events.tolist())
     if magnitudes is not None:
         ranges["magnitude"] = range_of(magnitudes)
-    if "duration" in ellipses.coords:
-        lengths = ellipses["duration"].values.astype(np.float64)
+    if "duration" in table.of_motions:
+        lengths = table.of_motions["duration"].astype(np.float64)
         ranges["length"] = range_of(lengths)
-        ranges["cycles"] = range_of(np.outer(lengths, ellipses["f"].values))
+        ranges["cycles"] = range_of(np.outer(lengths, table.at["f"]))
     if effective_durations is not None:
         ranges["effective_duration"] = range_of(effective_durations)
     return ranges
 
 
-def population_of(ellipses: xr.Dataset) -> str:
+def population_of(ellipses: Ellipses) -> str:
     """Say in one sentence of which ground motions a population consists."""
-    events = np.unique(ellipses["event"].values)
-    sentence = f"{ellipses.sizes['motion']} ground motions of {events.size} earthquakes"
-    scope = ellipses.attrs.get("scope") or scope_of(ellipses)
+    table = tabled(ellipses)
+    events = np.unique(table.events)
+    sentence = f"{table.n_motions} ground motions of {events.size} earthquakes"
+    scope = table.attrs.get("scope") or scope_of(table)
     if "magnitude" in scope:
         sentence += f" of magnitude {scope['magnitude'][0]:.1f} to {scope['magnitude'][3]:.1f}"
     if "length" in scope:
         sentence += f", records of {scope['length'][0]:.0f} to {scope['length'][3]:.0f} s"
-    carried = ellipses.attrs.get("carried_to")
+    carried = table.attrs.get("carried_to")
     return f"{sentence}, {carried}" if carried else sentence
 
 
 def magnitudes_of(events: Sequence[str]) -> list[float] | None:
     """Magnitude of each motion's earthquake; None unless all are earthquakes of the shipped table."""
-    table = _earthquakes()["magnitude"]
-    if not set(events) <= set(table.index):
-        return None
-    return [float(table[event]) for event in events]
+    table = _earthquakes()
+    return [float(table[event]["magnitude"]) for event in events] if set(events) <= set(table) else None
 
 
 def regions_of(events: Sequence[str]) -> list[str] | None:
     """Region of each motion's earthquake; None unless all are earthquakes of the shipped table."""
-    table = _earthquakes()["region"]
-    return [str(table[event]) for event in events] if set(events) <= set(table.index) else None
+    table = _earthquakes()
+    return [table[event]["region"] for event in events] if set(events) <= set(table) else None
 
 
 @cache
-def _earthquakes() -> pd.DataFrame:
-    return pd.read_csv(shipped("datasets", _TABLE)).set_index("event")
+def _earthquakes() -> dict[str, dict[str, str]]:
+    """Rows of the shipped table by the name of the earthquake."""
+    with shipped("datasets", _TABLE).open(encoding="utf-8", newline="") as file:
+        return {row["event"]: row for row in csv.DictReader(file)}
 
 
 def range_of(values: Sequence[float] | Array) -> list[float]:

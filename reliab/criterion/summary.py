@@ -3,11 +3,11 @@
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.distributions import Lognormal
 from reliab.criterion.ellipse_sample import sample_of
+from reliab.criterion.ellipse_table import Ellipses
 
 
 def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
 
 
 def describe_sample(
-    ellipses: xr.Dataset, criterion: Criterion, frequency: float, damping_ratio: float
+    ellipses: Ellipses, criterion: Criterion, frequency: float, damping_ratio: float
 ) -> dict[str, Any]:
     """Describe the motions of one structure that a criterion was derived from.
 

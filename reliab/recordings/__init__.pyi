@@ -18,7 +18,7 @@ from .followed_skew import rows_without_skew as rows_without_skew
 from .following import Rows as Rows, rows_as_written as rows_as_written
 from .growing_file import chunks_of_text as chunks_of_text
 from .naming import page_words as page_words
-from .readers import read_tests as read_tests
+from .readers import is_frame as is_frame, read_tests as read_tests
 from .reading import (
     Histories as Histories,
     histories_of as histories_of,

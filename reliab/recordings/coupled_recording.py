@@ -3,19 +3,22 @@
 import math
 import re
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import pandas as pd
 
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.recordings.channel import DISPLACEMENTS, Channel, Part
 from reliab.recordings.channels_file import StatedChannels
-from reliab.recordings.readers import read_frame
+from reliab.recordings.readers import is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, Recording, require_few_samples, require_finite
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pandas as pd
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,7 +85,7 @@ _ROTATIONS: Final = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}
 
 
 def read_coupled_recording(
-    path: str | Path | pd.DataFrame, laboratory: StatedChannels, **reading: str | None
+    path: "str | Path | pd.DataFrame", laboratory: StatedChannels, **reading: str | None
 ) -> CoupledRecording:
     """Read a test with several actuators: columns command_1, measured_1, command_2, … or as recognised.
 
@@ -90,7 +93,7 @@ def read_coupled_recording(
     radians where their column states no other unit: command_2_mrad.
     """
     time_units = reading.pop("time_units", None)
-    columns = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, **reading)
+    columns = read_frame(path) if is_frame(path) else read_test(path, **reading)
     matches = {name: match for name in columns.values if (match := _NAMED_SO.match(name))}
     parts = {name: (match[1], match[2]) for name, match in matches.items()}
     if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):

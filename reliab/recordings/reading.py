@@ -3,10 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import pandas as pd
 
 from reliab.arrays import Array
 from reliab.errors import InputError
@@ -14,12 +13,15 @@ from reliab.recordings.behaviour import compare, explained, moves
 from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
 from reliab.recordings.channels_file import StatedChannels, read_channels_file
 from reliab.recordings.clocks import at_one_clock
-from reliab.recordings.readers import Columns, read_frame, read_tests
+from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import Recording
 from reliab.recordings.units import LENGTHS, unit_of
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _HEADER_NAMES: Final = {
     "f": ("f", "natural frequency", "natural_frequency", "f_n", "fn"),
@@ -44,7 +46,7 @@ class Histories:
 
 
 def read_recording(
-    path: str | Path | pd.DataFrame,
+    path: "str | Path | pd.DataFrame",
     *,
     command: str | None = None,
     measured: str | None = None,
@@ -88,7 +90,7 @@ def read_recording(
         equal steps, a value is missing or a history is constant.
     """
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
-    table = read_frame(path) if isinstance(path, pd.DataFrame) else read_test(path, test, delimiter=delimiter)
+    table = read_frame(path) if is_frame(path) else read_test(path, test, delimiter=delimiter)
     laboratory = stated_by_options(channels, names, units, rate_hz)
     histories = histories_of(table, laboratory, time_units=time_units)
     recording = recording_of(histories)

@@ -4,14 +4,17 @@ import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 from reliab.arrays import Array
 from reliab.files import written_whole
 from reliab.sampling.diagnostics import ConvergenceWarning, Diagnostics, diagnose, walkers_in_turn
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,8 +46,10 @@ class PosteriorSample:
         flat = self.flat
         return np.asarray(flat[np.linspace(0, len(flat) - 1, min(count, len(flat))).astype(int)])
 
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """Summarise each parameter: mean, spread, 5 %, 50 % and 95 % quantiles and diagnostics."""
+        import pandas as pd
+
         diagnostics = self.diagnostics
         low, middle, high = np.quantile(self.flat, [0.05, 0.5, 0.95], axis=0)
         columns = {
@@ -60,8 +65,10 @@ class PosteriorSample:
         }
         return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 
-    def to_datatree(self) -> xr.DataTree:
+    def to_datatree(self) -> "xr.DataTree":
         """Put the draws into a group `posterior` as ArviZ has it, a chain for each ensemble."""
+        import xarray as xr
+
         chains = walkers_in_turn(self.draws)
         coordinates = dict(zip(("chain", "draw"), map(np.arange, chains.shape[:2]), strict=True))
         variables = {name: (tuple(coordinates), chains[..., k]) for k, name in enumerate(self.names)}

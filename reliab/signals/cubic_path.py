@@ -42,6 +42,14 @@ class CubicPath:
         """Read the path, or a derivative of it, at instants in any order."""
         return np.asarray(self.read(at, (derivative,))[0])
 
+    def at_samples(self) -> Array:
+        """Read the path and its first two derivatives at its samples, as `read` does, shape (3, n)."""
+        _, square, slope, value = self.coefficients
+        motion = np.empty((3, self.times.size))
+        motion[:, :-1] = value, slope, 2.0 * square
+        motion[:, -1:] = self.read(self.times[-1:], (0, 1, 2))
+        return motion
+
     def read(self, at: _Numbers, derivatives: tuple[int, ...]) -> Array:
         """Read several derivatives of the path at instants, shape (derivatives, instants)."""
         place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, self.times.size - 2)

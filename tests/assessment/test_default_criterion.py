@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from reliab.assessment import default_criterion, tolerable_errors
 from reliab.assessment.default_criterion import _between
 from reliab.assessment.design import chart_frequencies
+from reliab.criterion import EllipseTable
 from reliab.errors import InputError
 
 
@@ -63,9 +63,9 @@ def test_chart_covers_the_shipped_frequencies():
 
 def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one():
     below, above = (
-        xr.Dataset({"a": ("motion", [1e-4 * size, 0.0]), "b": ("motion", [size, 2.0])})
+        EllipseTable(a=np.array([1e-4 * size, 0.0]), b=np.array([size, 2.0]), at={}, of_motions={})
         for size in (1.0, 16.0)
     )
     found = _between(below, above, 0.25)
-    np.testing.assert_allclose(found["a"], [2e-4, np.nan])
-    np.testing.assert_allclose(found["b"], [2.0, np.nan])
+    np.testing.assert_allclose(found.a, [2e-4, np.nan])
+    np.testing.assert_allclose(found.b, [2.0, np.nan])

@@ -12,7 +12,8 @@ STRUCTURE = ("--f", "1", "--xi", "0.02")
 DRAWING = {"matplotlib", "seaborn", "typst"}
 SPARED_BY_ALL = DRAWING | {"emcee", "zarr", "arviz_stats", "scipy.stats", "scipy.signal"}
 SPARED_BY_HELP = SPARED_BY_ALL | {"numpy", "scipy", "pandas", "xarray", "numba", "h5py"}
-SPARED_BY_VERDICTS = SPARED_BY_ALL | {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
+SPARED_BY_VERDICTS = SPARED_BY_ALL | {"pandas", "xarray"}
+SPARED_BY_VERDICTS |= {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
 
 SCRIPT = """
 import io, json, sys

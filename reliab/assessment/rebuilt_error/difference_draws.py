@@ -44,6 +44,7 @@ _FACTORS = np.array([0.0, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 5.0])  # of the sl
 _FACTOR_STEP = 0.5  # places in the list from band to band
 _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
+_AT_ONCE = 16  # draws whose coefficients are in memory together
 _SIZES = np.exp(np.arange(np.log(1e-5), np.log(3.0), 0.5))  # of coefficients, over that of the command
 _ROUNDING = 1e-20  # of the command's largest power
 _DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
@@ -285,17 +286,28 @@ def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.ran
     within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
     level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
     follows = np.empty((draws, reading.following.shape[0]))
-    for k in range(draws):
-        variance = reading.noise[places[k, reading.bands], :, np.arange(reading.bands.size)].T
-        power = level[k] * np.maximum(reading.command_power, _LEAST_COMMAND * variance)
-        follows[k] = _follow(reading, power + variance, generator)
-        followed = np.tensordot(follows[k], reading.following, axes=1)
-        share = power / (power + variance)
-        normal = generator.standard_normal(followed.shape)
-        coefficients = followed + share * (reading.observed - followed)
-        coefficients += np.sqrt(share * variance) * normal
-        histories[k] = synthesise(coefficients[np.newaxis], size)[0]  # at once: all would fill the memory
+    for first in range(0, draws, _AT_ONCE):
+        some = range(first, min(first + _AT_ONCE, draws))
+        variance = _variance(reading, places[first : some.stop])
+        power = level[first : some.stop, np.newaxis] * np.maximum(
+            reading.command_power, _LEAST_COMMAND * variance
+        )
+        total = power + variance
+        share = power / total
+        coefficients = np.sqrt(share * variance)
+        for place, k in enumerate(some):
+            follows[k] = _follow(reading, total[place], generator)
+            followed = np.tensordot(follows[k], reading.following, axes=1)
+            coefficients[place] *= generator.standard_normal(followed.shape)
+            coefficients[place] += followed + share[place] * (reading.observed - followed)
+        histories[first : some.stop] = synthesise(coefficients, size)
     return follows
+
+
+def _variance(reading: Reading, places: NDArray[np.int64]) -> Array:
+    """Variances of the noise with factors drawn for each band, shape (draws, frames or 1, hop)."""
+    factors = np.moveaxis(reading.noise, 1, 2)[places[:, reading.bands], np.arange(reading.bands.size)]
+    return np.ascontiguousarray(np.moveaxis(factors, 1, 2))
 
 
 def _chosen(weights: Array, generator: np.random.Generator) -> NDArray[np.int64]:

@@ -6,6 +6,8 @@ specification, section 4.3.1). White noise of variance σ² gives coefficients o
 uncorrelated; coefficient k of a frame stands at the frequency (k + 1/2)/(2·hop·step).
 """
 
+from functools import lru_cache
+
 import numpy as np
 import scipy
 
@@ -45,6 +47,7 @@ def synthesise(coefficients: Array, size: int) -> Array:
     return np.ascontiguousarray(blocks.reshape(coefficients.shape[0], -1)[:, :size])
 
 
+@lru_cache(maxsize=16)
 def _window(hop: int) -> Array:
     place = np.pi * (np.arange(2 * hop) + 0.5) / (2 * hop)
     return np.asarray(np.sin(0.5 * np.pi * np.sin(place) ** 2))

@@ -140,10 +140,13 @@ def tangent_structure(test: HybridTest) -> WholeStructure:
     )
 
 
-def reference_of_model(perfect: HybridTest, histories: Histories) -> Array:
-    """x_I [m]: the model with a perfect actuator under the demand that is computed from the test."""
+def reference_of_model(perfect: HybridTest, histories: Histories, *, command: Motion3 | None = None) -> Array:
+    """x_I [m]: the model with a perfect actuator under the demand that is computed from the test.
+
+    `command`: motion of the command, where it is known already.
+    """
     step, numerical = histories.time_step, perfect.substructure
-    moved = Motion3.through(histories.command, step).values
+    moved = (command or Motion3.through(histories.command, step)).values
     force = load(perfect, Motion3.through(histories.measured, step))
     demand = -(
         moved[2] + numerical.damping * moved[1] + numerical.stiffness * moved[0] + force / perfect.mass
@@ -172,9 +175,10 @@ def sweep_models(
     `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the models' parameters.
     """
     thin = histories.thinned(every)
+    command = Motion3.through(thin.command, thin.time_step)
     velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
-    nominal = _statistics(thin.measured, reference_of_model(models[0], thin))
+    nominal = _statistics(thin.measured, reference_of_model(models[0], thin, command=command))
     fine = _statistics(histories.measured, reference_of_model(models[0], histories))
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
@@ -197,7 +201,7 @@ def sweep_models(
             fed_back=thin.command - measured,
             time_step=thin.time_step,
         )
-        reference = reference_of_model(changed, moved)
+        reference = reference_of_model(changed, moved, command=command)
         rows.append(_statistics(measured, reference) * scale)
         errors.append(measured - reference)
     square, peak, ideal = np.array(rows).T

@@ -1,16 +1,28 @@
 """A test in a data frame of pandas, one history in each column."""
 
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from reliab.recordings.readers.columns import Columns
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from typing_extensions import TypeIs
 
-def read_frame(frame: pd.DataFrame) -> Columns:
+
+def is_frame(test: object) -> "TypeIs[pd.DataFrame]":
+    """Tell a data frame from anything else; whoever made one has imported pandas."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(test, pandas.DataFrame)
+
+
+def read_frame(frame: "pd.DataFrame") -> Columns:
     """Take the columns of numbers of a data frame.
 
+    >>> import pandas as pd
     >>> frame = pd.DataFrame({"time_s": [0.0, 0.1], "command_m": [0, 1], "remark": ["", "start"]})
     >>> list(read_frame(frame).values)
     ['time_s', 'command_m']

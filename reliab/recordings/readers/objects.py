@@ -3,16 +3,19 @@
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import pandas as pd
 
 from reliab.errors import InputError
+from reliab.recordings.readers.frame import is_frame
 from reliab.recordings.readers.layouts import Series, Tree
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.units import unit_of
 from reliab.recordings.words import Quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _DEEPEST: Final = 16
 _MOST_ITEMS: Final = 10_000
@@ -42,7 +45,7 @@ def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io m
             value="more",
             remedy="Save the channels as vectors",
         )
-    if isinstance(item, pd.DataFrame):
+    if is_frame(item):
         return _of_table(item)
     if isinstance(item, np.ndarray):
         return _of_array(item, depth)
@@ -112,8 +115,10 @@ def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:
     return first + float(np.ravel(step)[0]) * np.arange(size)
 
 
-def _of_table(frame: pd.DataFrame) -> dict[str, Series]:
+def _of_table(frame: "pd.DataFrame") -> dict[str, Series]:
     """Columns of a table; those of a timetable have its row times."""
+    import pandas as pd
+
     numbers = frame.select_dtypes("number")
     units = frame.attrs.get("varUnits") or frame.attrs.get("VariableUnits") or []
     unit_of = dict(zip(map(str, frame.columns), map(str, units), strict=False))

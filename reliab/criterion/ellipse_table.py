@@ -1,0 +1,149 @@
+"""Ellipses of ground motions in plain arrays, with which criteria are computed; users have xarray."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reliab.arrays import Array
+from reliab.vocabulary import ELLIPSE_DIMENSIONS, LABELS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Ellipses: TypeAlias = "xr.Dataset | EllipseTable"
+"""Ellipses with labels, as users have them, or in plain arrays."""
+
+REST = "error_at_rest"
+"""Variable of the ellipses: error of the whole test with an actuator at rest, over (motion, f, xi,
+metric)."""
+
+DIMENSIONS = tuple(str(name) for name in ELLIPSE_DIMENSIONS)
+_OF_REST = ("motion", "f", "xi", "metric")
+_OF_OLDER_FILES = {"curve": str(CurveName.ELLIPSE), "side": str(Side.LAG)}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EllipseTable:
+    """Ellipses of ground motions over structures and errors, of one share of the stiffness."""
+
+    # a, b: Parameters [-] and [ms²], shape (motion, f, xi, threshold, metric, curve, side)
+    a: Array
+    b: Array
+    at: Mapping[str, NDArray[Any]]  # Values along each dimension, by its name
+    # `event` of each motion, and where they are known `duration` [s] and `checksum`
+    of_motions: Mapping[str, NDArray[Any]]
+    error_at_rest: Array | None = None  # [-], shape (motion, f, xi, metric)
+    attrs: Mapping[str, Any] = field(default_factory=dict)  # Window, share of the stiffness, and the like
+    words: Mapping[str, str] = field(default_factory=dict)  # What dimensions are called in sentences
+
+    @classmethod
+    def from_dataset(cls, ellipses: "xr.Dataset") -> Self:
+        """Take the arrays of a dataset; one without curves or sides is of fitted ellipses and of lags.
+
+        Raises InputError if it is of several shares of the stiffness.
+        """
+        from reliab.sweep import at_share
+
+        ellipses = at_share(ellipses)
+        lacking = [name for name in _OF_OLDER_FILES if name not in ellipses.dims]
+        given = [name for name in DIMENSIONS if name not in lacking]
+        axes = tuple(DIMENSIONS.index(name) for name in lacking)
+        a, b = (np.expand_dims(ellipses[name].transpose(*given).values, axes).view() for name in ("a", "b"))
+        return cls(
+            a=a,
+            b=b,
+            at={
+                **{name: ellipses[name].values for name in given},
+                **{name: np.array(names_along(ellipses, name)) for name in lacking},
+            },
+            of_motions={
+                str(name): part.values
+                for name, part in ellipses.coords.items()
+                if part.dims == ("motion",) and name != "motion"
+            },
+            error_at_rest=ellipses[REST].transpose(*_OF_REST).values if REST in ellipses else None,
+            attrs={str(name): value for name, value in ellipses.attrs.items()},
+            words={
+                name: str(ellipses[name].attrs.get("long_name", name))
+                for name in given
+                if name in ellipses.coords
+            },
+        )
+
+    def to_dataset(self, like: "xr.Dataset | None" = None) -> "xr.Dataset":
+        """Put the arrays into a dataset whose variables are described as those of another one."""
+        import xarray as xr
+
+        whole = xr.Dataset(
+            {name: (DIMENSIONS, values) for name, values in (("a", self.a), ("b", self.b))},
+            coords={
+                **self.at,
+                **{name: ("motion", values) for name, values in self.of_motions.items()},
+            },
+            attrs=dict(self.attrs),
+        )
+        for name in whole.variables if like is not None else ():
+            if like is not None and name in like.variables:
+                whole[name].attrs.update(like[name].attrs)
+        return whole
+
+    @property
+    def share(self) -> float:
+        """Share of the stiffness in the laboratory [-]."""
+        return float(self.attrs.get(SHARE_ATTRIBUTE, 1.0))
+
+    @property
+    def events(self) -> NDArray[Any]:
+        """Earthquake of each motion, shape (motions,)."""
+        return self.of_motions["event"]
+
+    @property
+    def n_motions(self) -> int:
+        """Number of motions."""
+        return int(self.a.shape[0])
+
+    def take(self, **places: ArrayLike) -> Self:
+        """Take places along dimensions, which all stay."""
+        a, b, rest = self.a, self.b, self.error_at_rest
+        at, of_motions = dict(self.at), dict(self.of_motions)
+        for name, given in places.items():
+            chosen = np.asarray(given)
+            chosen = np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen
+            axis = DIMENSIONS.index(name)
+            a, b = np.take(a, chosen, axis), np.take(b, chosen, axis)
+            at[name] = at[name][chosen]
+            if rest is not None and name in _OF_REST:
+                rest = np.take(rest, chosen, _OF_REST.index(name))
+            if name == Dimension.MOTION:
+                of_motions = {label: values[chosen] for label, values in of_motions.items()}
+        return replace(self, a=a, b=b, at=at, of_motions=of_motions, error_at_rest=rest)
+
+    def sorted_by(self, *names: str) -> Self:
+        """Put the values of dimensions into increasing order."""
+        return self.take(**{name: np.argsort(self.at[name], kind="stable") for name in names})
+
+    def stating(self, **attrs: object) -> Self:
+        """Note attributes beside those that are there."""
+        return replace(self, attrs={**self.attrs, **attrs})
+
+
+def tabled(ellipses: Ellipses) -> EllipseTable:
+    """Take the arrays of ellipses with labels."""
+    return ellipses if isinstance(ellipses, EllipseTable) else EllipseTable.from_dataset(ellipses)
+
+
+def names_along(ellipses: Ellipses, name: str) -> list[str]:
+    """List the names along `curve`, `side` or `metric`; older files hold fitted ellipses of lags."""
+    if isinstance(ellipses, EllipseTable):
+        return [str(value) for value in ellipses.at[name]]
+    if name in ellipses.coords:
+        return [str(value) for value in np.atleast_1d(ellipses[name].values)]
+    return [_OF_OLDER_FILES[name]]
+
+
+def words_of(names: Sequence[str] = DIMENSIONS) -> dict[str, str]:
+    """Say what dimensions are called in sentences."""
+    return {name: LABELS[name].long_name for name in names}
