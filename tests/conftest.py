@@ -9,19 +9,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
-import typst
-import xarray as xr
 from hypothesis import settings
 
-from reliab.criterion.scaling import scales
-from reliab.report.content import CONTENT_FILE, files_of
-from reliab.report.document import Document
-from reliab.report.pdf import templates
 from reliab.shipped import shipped, shipped_folder
-from reliab.study import folders  # noqa: F401 - makes the studies importable as reliab_studies
-from reliab.sweep.results import open_compact
+
+# What takes seconds to import is imported where it is needed: the process that only hands out tests does
+# without, and so does a session of one file.
 
 settings.register_profile("few", derandomize=True, deadline=None, max_examples=40)
 settings.register_profile("many", settings.get_profile("few"), max_examples=300)
@@ -52,6 +46,12 @@ def pytest_configure(config):
         from slow_record import RECORD, SlowRecord, commit
 
         config.pluginmanager.register(SlowRecord(RECORD, commit()))
+
+
+def pytest_collection(session):
+    """Make the studies importable as `reliab_studies` in processes that read tests."""
+    if hasattr(session.config, "workerinput") or not session.config.getoption("numprocesses", None):
+        from reliab.study import folders  # noqa: F401
 
 
 def pytest_collection_modifyitems(items):
@@ -124,6 +124,8 @@ def with_blank_figures(figures_are_drawn):
 def written(figures_are_drawn):
     """Function that writes what typst reads of a report."""
 
+    from reliab.report.content import files_of
+
     def write(document):
         with with_blank_figures(figures_are_drawn):
             return files_of(document)
@@ -142,6 +144,11 @@ def blank_figures(figures_are_drawn):
 def set_without_warnings(written):
     """Function that sets a report as PDF, of which typst has nothing to warn."""
 
+    import typst
+
+    from reliab.report.document import Document
+    from reliab.report.pdf import templates
+
     def check(document):
         content = written(document) if isinstance(document, Document) else document
         files = {**templates(), **content}
@@ -158,6 +165,9 @@ def set_without_warnings(written):
 @pytest.fixture(scope="session")
 def text_of(set_without_warnings, written):
     """Function that sets a report as PDF and returns what a reader reads in it, pieces joined by blanks."""
+
+    from reliab.report.content import CONTENT_FILE
+    from reliab.report.document import Document
 
     def read(document):
         files = written(document) if isinstance(document, Document) else document
@@ -190,8 +200,12 @@ _READ = ("text", "digits", "title", "unit", "math", "heading", "caption", "verdi
 
 
 @pytest.fixture(scope="session")
-def grouped_ellipses() -> xr.Dataset:
+def grouped_ellipses():
     """Ellipses of 60 motions of 20 earthquakes at six structures, skewed, correlated and grouped."""
+    import xarray as xr
+
+    from reliab.criterion.scaling import scales
+
     rng = np.random.default_rng(2017)
     f, xi = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.05])
     event = np.repeat(np.arange(20), 3)
@@ -221,6 +235,8 @@ def grouped_ellipses() -> xr.Dataset:
 @pytest.fixture(scope="session", autouse=True)
 def shipped_results_are_decoded_once():
     """Simulated results that ship take seconds to decode; the tests of a process read them once."""
+    from reliab.sweep.results import open_compact
+
     shipped_folder = shipped("datasets", "real_suite")
     decoded = cache(open_compact)
 
@@ -243,6 +259,7 @@ def printed_table2():
 @pytest.fixture(scope="session")
 def ellipses_of():
     """Function that makes ellipses of motions of several earthquakes over a grid of structures."""
+    import xarray as xr
 
     def make(frequencies=(0.5, 1.0, 2.0), damping_ratios=(0.02, 0.05), motions=24, events=8, names=None):
         rng = np.random.default_rng(1)
@@ -283,6 +300,8 @@ def ellipses_of():
 @pytest.fixture(scope="session")
 def rates():
     """Rates of two criteria at three confidences, over all structures and at two frequencies."""
+    import pandas as pd
+
     rows = [
         {
             "measure": measure,
