@@ -13,6 +13,7 @@ commands do not explain within the band of the motion. Each z is drawn by itself
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -36,15 +37,16 @@ def draw_jointly(
 ) -> Array:
     """Draw histories of x_c − x_m at each `every`-th sample [m], shape (draws, p, ceil(n/every)).
 
-    `command`, `measured` [m], shape (p, n), of actuators that all move; `frequency` [Hz]. Rows 0, 2, … assume
-    that there is no slow noise.
+    `command`, `measured` [m], shape (p, n), of actuators that all move; `noises` of one band, since a mode
+    may ring in one mixture and hardly show in another; `frequency` [Hz]. Rows 0, 2, … assume that there is no
+    slow noise.
     """
     mixing = _mixing(command, measured, noises)
     told, read = mixing @ command, mixing @ measured
     drawn = np.empty((draws, len(told), -(-command.shape[1] // every)))
     for place, (one, shown) in enumerate(zip(told, read, strict=True)):
         others = np.delete(told, place, axis=0)
-        noise = estimate_noise(one, shown, noises[place].time_step, others)
+        noise = replace(estimate_noise(one, shown, noises[place].time_step, others), band=noises[place].band)
         drawn[:, place] = draw_differences(
             one, shown, noise, frequency, every, draws, seed + 7919 * place, others
         )

@@ -5,7 +5,8 @@ needs neither the ground motion nor a reference. Sensors stand at the actuators:
 drawn there, and a matrix carries them to the interface.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +37,8 @@ _PER_PERIOD = 24.0  # samples of the fastest mode that takes part; what lies bet
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
 _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that are linear between samples
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
+_PAST_MODE = 1.05  # times its frequency, that the band holds of a mode that may ring
+_HIGHEST = 0.2  # of the rate: above, noise is read, and a mode is seen only where it rises above it
 _LEAST = 0.05
 _STILL = 1e-12
 _NO_NOISE = 1e-9  # of the span of a channel
@@ -92,7 +95,7 @@ def rebuild_coupled(
     command, measured = _checked(command, measured, time_step, partition)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
-    band = _band(channels)
+    band = channels.noises[0].band
     structure = partition.below(_ABOVE_BAND * max(band, float(partition.natural_frequencies[0])))
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
@@ -258,14 +261,24 @@ def _examined(
             own = min(max(float(share[place, place]), 1e-6), 1.0)
             starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
         read.append(m - starts[-1].offset)
-    return Channels(command=command, measured=np.stack(read), noises=tuple(noises), starts=tuple(starts))
+    band = _band(noises, measured, partition)
+    return Channels(
+        command=command,
+        measured=np.stack(read),
+        noises=tuple(replace(noise, band=band) for noise in noises),
+        starts=tuple(starts),
+    )
 
 
-def _band(channels: Channels) -> float:
-    """Band of the motion [Hz]; a channel without noise shows any, and tells only where none has noise."""
-    least = _NO_NOISE * np.ptp(channels.measured, axis=1)
-    noisy = [n.band for n, small in zip(channels.noises, least, strict=True) if n.white > small]
-    return max(noisy or [noise.band for noise in channels.noises])
+def _band(noises: Sequence[SensorNoise], measured: Array, partition: CoupledPartition) -> float:
+    """Band of the motion [Hz], one for all channels, with the modes that may ring below the noise.
+
+    A channel without noise shows any band, and tells only where none has noise.
+    """
+    least = _NO_NOISE * np.ptp(measured, axis=1)
+    noisy = [noise.band for noise, small in zip(noises, least, strict=True) if noise.white > small]
+    modes = _governing_modes(partition, _HIGHEST / noises[0].time_step)
+    return float(max(*(noisy or [noise.band for noise in noises]), *(_PAST_MODE * modes)))
 
 
 def _moves(command: Array, measured: Array) -> NDArray[np.bool_]:
@@ -323,10 +336,15 @@ def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
 
 def _samples_in_step(structure: CoupledPartition, band: float, step: float, samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept."""
-    frequency, _, moved = structure.modes
-    share = np.diag(structure.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2
-    governing = frequency[(share > _TAKES_PART * share.sum()) & (frequency <= _NEAR_BAND * band)]
-    fastest = float(governing.max()) if governing.size else float(frequency[0])
+    governing = _governing_modes(structure, _NEAR_BAND * band)
+    fastest = float(governing.max()) if governing.size else float(structure.natural_frequencies[0])
     of_structure = max(int(1.0 / (_PER_PERIOD * fastest * step)), 1)
     of_band = max(int(_IN_PERIOD_OF_BAND / (band * step)), 1)
     return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
+
+
+def _governing_modes(partition: CoupledPartition, highest: float) -> Array:
+    """Natural frequencies [Hz] up to the highest of those with a share in the answer at rest."""
+    frequency, _, moved = partition.modes
+    share = np.diag(partition.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2
+    return np.asarray(frequency[(share > _TAKES_PART * share.sum()) & (frequency <= highest)])

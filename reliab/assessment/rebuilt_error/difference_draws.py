@@ -46,6 +46,7 @@ _LEAST_COMMAND = 0.01  # of the noise: power of a command that has died away
 _SINGULAR = 1e-13
 _AT_ONCE = 16  # draws whose coefficients are in memory together
 _SIZES = np.exp(np.arange(np.log(1e-5), np.log(3.0), 0.5))  # of coefficients, over that of the command
+_LEAST_PASSED = 0.01  # of the noise: above the band the filter leaves less than neighbours leak
 _ROUNDING = 1e-20  # of the command's largest power
 _DITHERED = 0.9  # of Δ²/12: more white noise than that makes rounding white too
 
@@ -84,9 +85,12 @@ def draw_differences(
     there is no slow noise.
     """
     generator = np.random.default_rng(seed)
-    reading = _reading(command, measured, noise, frequency, every)
+    thin = replace(noise, band=min(noise.band, 0.27 / (every * noise.time_step)))
+    reading = _reading(command, measured, thin, frequency, every)
     if others is not None and len(others):
-        reading = _beside_others(reading, others, noise.time_step, every)
+        reading = _beside_others(
+            reading, np.stack([thin.smooth(one) for one in others]), noise.time_step, every
+        )
     actuators = replace(reading, noise=reading.noise[:1])
     histories = np.empty((draws, -(-command.size // every)))
     with one_thread():
@@ -106,24 +110,25 @@ def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generat
 
 def _reading(command: Array, measured: Array, noise: SensorNoise, frequency: float, every: int) -> Reading:
     step = every * noise.time_step
-    thin = replace(noise, band=min(noise.band, 0.27 / step))
-    smooth = thin.smooth(command - measured)
+    told = noise.smooth(command)  # as the difference is, which would else follow what was taken from it
+    smooth = told - noise.smooth(measured)
     size = -(-command.size // every)
     periods = max(frequency * step * size, 1.0)  # of the structure in the test
     half = min(round(_PERIODS_OF_HOP * size / (2.0 * periods)), size // (2 * _FEWEST_FRAMES))
     hop = 2 * max(half, 1)
     observed = analyse(smooth[::every], hop)
-    power = _local_power(command, every, hop)
+    power = _local_power(told, every, hop)
     places: Array = (np.arange(hop, dtype=np.float64) + 0.5) / (2.0 * hop * step)
-    rounding, rest = _rounding(command, measured, thin, every, hop)
-    least = _ROUNDING * float(power.max())
+    rounding, rest = _rounding(command, measured, noise, every, hop)
     white = replace(rest, weights=rest.weights * (np.arange(rest.weights.size) == 0)).passed(places) / every
     slow = rest.passed(places) / every - white
     factors = _FACTORS if slow.any() else np.ones(1)
-    variances = rounding + white + least + factors[:, np.newaxis, np.newaxis] * np.maximum(slow, 0.0)
+    quick = rounding + white
+    least = max(_ROUNDING * float(power.max()), _LEAST_PASSED * float(quick.max()))
+    variances = np.maximum(quick, least) + factors[:, np.newaxis, np.newaxis] * np.maximum(slow, 0.0)
     return Reading(
         observed=observed,
-        following=_following(command, noise.time_step, every, hop),
+        following=_following(told, noise.time_step, every, hop),
         command_power=power,
         noise=variances,
         bands=_bands(hop),

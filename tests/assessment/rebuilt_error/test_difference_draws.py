@@ -245,6 +245,17 @@ def test_draws_average_to_the_truth_within_their_spread():
     assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.4)
 
 
+@pytest.mark.parametrize("other", [False, True])
+def test_a_gain_is_found_below_the_noise(other):
+    """Filtered difference and unfiltered command would have nothing in common above the band."""
+    noise = sensor(white=0.03 * COMMAND.std())
+    measured = 0.99 * COMMAND + noise_of(noise, 5)
+    others = 0.02 * np.sin(2.0 * np.pi * 1.7 * TIME)[np.newaxis] if other else None
+    drawn = draw_differences(COMMAND, measured, noise, 1.1, 4, 16, 0, others)
+    truth = 0.01 * COMMAND[::4]
+    assert np.mean((drawn - truth) ** 2) < 0.12 * np.mean(truth**2)
+
+
 def test_without_noise_the_reading_itself_is_drawn():
     quiet = sensor(white=1e-12)
     measured = np.interp(TIME - 0.004, TIME, COMMAND)
