@@ -15,9 +15,9 @@ RATE, SIZE = 256.0, 8192
 TIME = np.arange(SIZE) / RATE
 
 
-def share_of(values):
+def share_of(values, highest=45.0):
     """Structured share of a residual, whitened by the noise that is fitted to it."""
-    segments = [Segment(test=k, begin=0, end=SIZE, rate=RATE, highest=45.0) for k in range(len(values))]
+    segments = [Segment(test=k, begin=0, end=SIZE, rate=RATE, highest=highest) for k in range(len(values))]
     frequency = np.fft.rfftfreq(SIZE, 1.0 / RATE)[1:]
     powers = [np.abs(np.fft.rfft(v))[1:] ** 2 / SIZE for v in values]
     noise = fit_noise([Periodogram(frequency=frequency, power=power) for power in powers], RATE)
@@ -58,3 +58,9 @@ def test_an_error_that_follows_the_motion_fails(error):
 
 def test_a_trace_of_an_error_below_the_noise_passes():
     assert share_of([0.02 * ERRORS["sweep"] + noise for noise in noises(0.0)]) < 0.02
+
+
+@pytest.mark.parametrize(("frequency", "passes"), [(50.0, True), (43.0, False)])
+def test_pickup_of_the_mains_is_no_error(frequency, passes):
+    line = np.sin(2.0 * np.pi * frequency * TIME)
+    assert (share_of([line + noise for noise in noises(0.0)], highest=60.0) < 0.02) == passes

@@ -5,12 +5,14 @@ import re
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from reliab.cli.diagnose import _proved
 from reliab.discrepancy import Gap, Verdict
 from reliab.discrepancy.naming import unexplained
+from reliab.discrepancy.naming.naming import offset_odds
 from reliab.discrepancy.result.diagnosis import contradiction, remainder_statement, statement
 from reliab.discrepancy.result.gap import Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
@@ -235,3 +237,15 @@ def test_a_line_stands_above_what_noise_reaches_once_in_ten_million(stretches):
 
 def test_a_line_stands_eight_times_above_its_surroundings_in_any_number_of_stretches():
     assert unexplained._threshold(200, 500) == 8.0  # noqa: SLF001 - what is tested
+
+
+@pytest.mark.parametrize(("at", "deviation"), [(0.3, 0.1), (0.02, 0.01), (5.0, 2.0)])
+def test_odds_of_an_offset_are_those_of_savage_and_dickey(at, deviation):
+    """Density of the prior over that of the posterior at zero, less what a parameter costs."""
+    fitted = SimpleNamespace(
+        covariance=np.diag([9.0, deviation**2]),
+        coordinates=np.array([7.0, at]),
+        space=SimpleNamespace(places=lambda _offset: slice(1, 2)),
+    )
+    expected = 0.5 * (at / deviation) ** 2 + math.log(deviation) - 4.0
+    assert offset_odds(fitted, type) == pytest.approx(expected)
