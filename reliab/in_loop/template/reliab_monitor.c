@@ -10,6 +10,7 @@
 #define LAG_RING (RELIAB_LAG_STEPS + 4u)
 #define PI 3.14159265358979323846
 #define TINY 2.2250738585072014e-308
+#define PLAIN 1e-3 /* determinant above which a matrix with ones on its diagonal is inverted plainly */
 
 static double not_a_number(void) { return (double)NAN; }
 
@@ -169,6 +170,23 @@ static void remember(reliab_energy *energy, const mode *of, double command, doub
     energy->largest[0] = larger(energy->largest[0], fabs(command));
 }
 
+/* Inverse of a symmetric matrix of three rows with ones on its diagonal; 0 where it is nearly singular. */
+static int invert_plainly(double a[3][3], double inverse[3][3])
+{
+    const double x = a[0][1], y = a[0][2], z = a[1][2];
+    const double determinant = 1.0 + 2.0 * x * y * z - x * x - y * y - z * z;
+    if (!(determinant > PLAIN)) {
+        return 0;
+    }
+    inverse[0][0] = (1.0 - z * z) / determinant;
+    inverse[1][1] = (1.0 - y * y) / determinant;
+    inverse[2][2] = (1.0 - x * x) / determinant;
+    inverse[0][1] = inverse[1][0] = (y * z - x) / determinant;
+    inverse[0][2] = inverse[2][0] = (x * z - y) / determinant;
+    inverse[1][2] = inverse[2][1] = (x * y - z) / determinant;
+    return 1;
+}
+
 /* Pseudo-inverse of a symmetric matrix of at most three rows, by Jacobi rotations. */
 static void invert(double a[3][3], unsigned size, double inverse[3][3])
 {
@@ -233,6 +251,43 @@ static double exceeded(double probability)
     return z;
 }
 
+static double window_of(const reliab_energy *energy, const mode *of)
+{
+    return ceil(energy->moved_samples / (RELIAB_MEMORY * of->samples));
+}
+
+/* Standard errors that an alarm needs in a window. */
+static double allowed_in(double window)
+{
+    return exceeded(RELIAB_FALSE_ALARMS / (double)ACTUATORS / (window * (window + 1.0)));
+}
+
+static int is_window(double a, double b) { return fabs(a - b) < 0.5; }
+
+/* Between two looks, prepare what the next one needs, in this window or the one that follows: one number in a step. */
+static void prepare(reliab_energy *energy, const mode *of)
+{
+    const double window = larger(window_of(energy, of), 1.0);
+    if (!is_window(energy->windows[0], window)) {
+        const int follows = is_window(energy->windows[1], window);
+        energy->needed[0] = follows != 0 ? energy->needed[1] : allowed_in(window);
+        energy->windows[0] = window;
+    } else if (!is_window(energy->windows[1], window + 1.0)) {
+        energy->needed[1] = allowed_in(window + 1.0);
+        energy->windows[1] = window + 1.0;
+    } else {
+        /* both are known */
+    }
+}
+
+static double needed_in(const reliab_energy *energy, double window)
+{
+    if (is_window(energy->windows[0], window)) {
+        return energy->needed[0];
+    }
+    return is_window(energy->windows[1], window) ? energy->needed[1] : allowed_in(window);
+}
+
 static double quadratic(double matrix[4][4], const double vector[4])
 {
     double total = 0.0;
@@ -272,7 +327,9 @@ static int gains_energy(reliab_energy *energy, const mode *of)
             }
         }
     }
-    invert(copy, 3u, inverse);
+    if (!invert_plainly(copy, inverse)) {
+        invert(copy, 3u, inverse);
+    }
     for (row = 0u; row < 3u; row++) {
         residual[row] = 0.0;
         for (column = 0u; column < 3u; column++) {
@@ -287,16 +344,17 @@ static int gains_energy(reliab_energy *energy, const mode *of)
     energy->net_damping = of->ratio - units * residual[1];
     deviation = units * sqrt(larger(inverse[1][1], 0.0) * left / independent);
     first_deviation = sqrt(larger(inverse[0][0], 0.0) * left / independent);
-    window = ceil(energy->moved_samples / (RELIAB_MEMORY * of->samples));
-    needed = exceeded(RELIAB_FALSE_ALARMS / (double)ACTUATORS / (window * (window + 1.0)));
-    copy[0][0] = joint[0][0];
-    copy[0][1] = joint[0][2];
-    copy[1][0] = joint[2][0];
-    copy[1][1] = joint[2][2];
+    window = window_of(energy, of);
+    needed = needed_in(energy, window);
+    copy[0][0] = copy[1][1] = copy[2][2] = 1.0;
+    copy[0][1] = copy[1][0] = joint[0][2];
+    copy[0][2] = copy[2][0] = copy[1][2] = copy[2][1] = 0.0;
     {
         double known[3][3] = {{0.0}};
         const double follows[2] = {joint[0][3], joint[2][3]};
-        invert(copy, 2u, known);
+        if (!invert_plainly(copy, known)) {
+            invert(copy, 2u, known);
+        }
         error = follows[0] * (known[0][0] * follows[0] + known[0][1] * follows[1])
             + follows[1] * (known[1][0] * follows[0] + known[1][1] * follows[1]);
     }
@@ -578,8 +636,12 @@ static void raise_alarms(reliab_monitor *monitor)
     unsigned i;
     for (i = 0u; i < ACTUATORS; i++) {
         const double calm = ((double)(monitor->samples - 1u) - (double)monitor->degrees[i].settled_sample) * RELIAB_STEP;
-        if (monitor->samples % MODES[i].look == 0u && gains_energy(&monitor->energies[i], &MODES[i])) {
+        const uint64_t since = monitor->samples % MODES[i].look;
+        if (since == 0u && gains_energy(&monitor->energies[i], &MODES[i])) {
             monitor->status |= RELIAB_UNSTABLE;
+        }
+        if (since == 1u || since == 2u) {
+            prepare(&monitor->energies[i], &MODES[i]);
         }
         if (monitor->at_rest == 0 && calm >= RELIAB_CALM && is_judged(monitor, i)
             && RELIAB_SHRINKS * error_so_far(monitor, i) > RELIAB_THRESHOLD) {

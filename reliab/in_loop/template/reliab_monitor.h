@@ -42,6 +42,8 @@ typedef struct {
     double smallest_error;
     int has_smallest;
     unsigned following;
+    double windows[2];     /* numbers of independent windows, and the standard errors that an alarm needs then */
+    double needed[2];
     double ideal;          /* largest exact displacement so far */
     double largest[2];     /* largest commands since the last look, and since the one before */
 } reliab_energy;
