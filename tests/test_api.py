@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,6 +13,7 @@ import xarray as xr
 
 import reliab
 from reliab import cli
+from reliab.api.channels import Channels
 from reliab.motions import MotionSuite
 from reliab.motions.writing import write_suite
 from reliab.shipped import shipped
@@ -180,3 +182,18 @@ def test_data_frames_without_names_are_counted_from_one():
         "none.csv",
         "data frame 3",
     ]
+
+
+def test_tests_of_a_file_are_named_by_file_and_group(tmp_path):
+    time = np.arange(400) / 200.0
+    with h5py.File(tmp_path / "two.h5", "w") as file:
+        for name in ("early", "late"):
+            for column, values in (("time", time), ("command", np.sin(time)), ("measured", np.sin(time))):
+                file[f"{name}/{column}"] = values
+    stated = Channels(units="m")
+    assert stated.of_each_test(tmp_path / "two.h5") == {
+        f"two.h5, {name}": replace(stated, test_name=name) for name in ("early", "late")
+    }
+    rows = "\n".join(f"{t},{np.sin(t)},{np.sin(t)}" for t in time)
+    (tmp_path / "one.csv").write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
+    assert stated.of_each_test(tmp_path / "one.csv") == {"one.csv": stated}
