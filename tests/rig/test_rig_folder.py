@@ -163,3 +163,17 @@ def test_a_killed_writer_loses_nothing_and_leaves_nothing_behind(tmp_path):
         for row in RigFolder.opened(folder).table().rows:
             assert RigFolder(folder).record_path(row["sha256"]).is_file()
         assert not [*folder.rglob(".unfinished-*")]
+
+
+def test_a_test_under_the_name_of_another_and_one_of_other_kinds_are_left_out_with_the_reason(tmp_path):
+    keep(tmp_path, rig_test(1), rig_test(2), rig_test(3))
+    paths = {path.stem: path for path in (tmp_path / "tests").iterdir()}
+    first, second = (paths[rig_test(number).sha256] for number in (1, 2))
+    second.write_text(first.read_text())
+    content = json.loads(first.read_text())
+    content["test"]["A"] = "0.99"
+    first.write_text(json.dumps(content))
+    table = RigFolder.opened(tmp_path).table()
+    assert [row["name"] for row in table.rows] == ["test_3.csv"]
+    assert "checksum is not that of the file's name" in table.faults[second.name]
+    assert "'0.99'" in table.faults[first.name]
