@@ -1,5 +1,8 @@
 """Files of a test to judge."""
 
+import pickle
+from collections import OrderedDict
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,6 +13,30 @@ from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
+
+
+_KEPT = 16  # assessments in memory
+
+
+@pytest.fixture(scope="module")
+def judged_once():
+    """What is asked about one test, its JSON, its screen and its exit code, is computed once for a module."""
+    from reliab.api import assessment
+
+    computed = assessment.assess_structure
+    known = OrderedDict()
+
+    def judge(*arguments, **options):
+        question = pickle.dumps((arguments, options))
+        if question not in known:
+            known[question] = computed(*arguments, **options)
+            while len(known) > _KEPT:
+                known.popitem(last=False)
+        return known[question]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(assessment, "assess_structure", judge)
+        yield
 
 
 @pytest.fixture(scope="module")

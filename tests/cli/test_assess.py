@@ -14,6 +14,8 @@ from reliab.cli.assess import assess
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("judged_once")
+
 ONE_HERTZ = ("--f", "1", "--xi", "0.02")
 
 app = typer.Typer()
