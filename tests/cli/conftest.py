@@ -14,7 +14,6 @@ from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 
-
 _KEPT = 16  # assessments in memory
 
 
