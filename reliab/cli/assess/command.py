@@ -29,7 +29,9 @@ class Answered(Demand):
     design: Annotated[
         bool,
         typer.Option(
-            "--design", help="Before a test: print how much amplitude error and delay the rig may have."
+            "--design",
+            help="Before a test: print how much amplitude error and delay the rig may have, for each --f and "
+            "--confidence; both may be given several times.",
         ),
     ] = False
     figure: Annotated[

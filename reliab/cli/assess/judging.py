@@ -37,7 +37,7 @@ class JudgesTests(Demand):
         typer.Option(
             "--f",
             metavar="HZ",
-            help="Natural frequency, 1 or with its standard deviation 1±0.01; several for --design.",
+            help="Natural frequency, 1 or with its standard deviation 1±0.01.",
         ),
     ] = None
     xi: StatedDampingRatio = None
@@ -106,7 +106,7 @@ class JudgesTests(Demand):
         typer.Option(
             "--confidence",
             metavar="SHARE",
-            help="Share of the population's ground motions, 0.95; several for --design.",
+            help="Share of the population's ground motions, 0.95.",
         ),
     ] = None
     metric: Annotated[
