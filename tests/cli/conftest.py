@@ -20,9 +20,8 @@ _KEPT = 16  # assessments in memory
 @pytest.fixture(scope="module")
 def judged_once():
     """What is asked about one test, its JSON, its screen and its exit code, is computed once for a module."""
-    from reliab.api import assessment
+    from reliab.assessment.assess import assess as computed
 
-    computed = assessment.assess_structure
     known = OrderedDict()
 
     def judge(*arguments, **options):
@@ -34,7 +33,7 @@ def judged_once():
         return known[question]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(assessment, "assess_structure", judge)
+        patch.setattr("reliab.api.assessment.assess_structure", judge)
         yield
 
 
