@@ -293,16 +293,17 @@ class _Test:
         added = [drawn[name][:, np.newaxis] * column for name, column in columns.items() if name in drawn]
         blocks, wanted = self.path.blocks, self.path.force[:: self.path.every]
         families = generator.choice(len(self.learned), size=len(differences), p=self.weights)
+        of_command = {
+            family: self.learned[family].elements.along(thin.command, step, used)
+            for family in np.unique(families).tolist()
+        }
         for row, difference in enumerate(differences):
             measured = thin.command - difference - sum((share[row] for share in added), np.zeros(()))
             specimen = self.learned[families[row]]
             rows = specimen.elements.along(measured, step, used)
             weights = generator.exponential(size=blocks[-1] + 1)[blocks]
             coefficients = fit(self.path.seen(rows), wanted, weights)
-            felt, commanded = (
-                coefficients @ rows,
-                coefficients @ specimen.elements.along(thin.command, step, used),
-            )
+            felt, commanded = coefficients @ rows, coefficients @ of_command[int(families[row])]
             missed = carried * (_CARRIED * specimen.held_out + _ALWAYS)
             factor = max(1.0 + missed * generator.standard_normal(), _LEAST)
             felt = self._late(commanded + factor * (felt - commanded), float(drawn["feedback_lag"][row]))
