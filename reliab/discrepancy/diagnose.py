@@ -174,6 +174,7 @@ def _judged(search: Search) -> Search:
 
 def _refined(search: Search) -> Search:
     """Reject what does not matter, before and after special forms of effects are tried."""
+    search.try_twins()
     search.settle()
     search.refine()
     search.settle()

@@ -7,10 +7,11 @@ import pytest
 
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset, LeadingReading, with_clock
+from reliab.discrepancy.terms import ClockOffset, LeadingReading, StatedDamping, with_clock, with_damping
+from reliab.effects import AddedMass
 from reliab.simulation import Actuator
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Specimen
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures import Specimen, Structure
 
 RATE, STIFFNESS = 200.0, 4.0e4
 TIME = np.arange(0.0, 8.0, 1.0 / RATE)
@@ -125,3 +126,49 @@ def test_a_reading_that_leads_is_that_of_later():
     early = with_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
     assert early[10:-10] == pytest.approx(np.sin(3.0 * (TIME + 0.003))[10:-10], abs=1e-7)
     assert early[-1] == np.sin(3.0 * TIME[-1])
+
+
+def answers_of(*, damping_ratio=0.05, mass=0.0, gain=1.0):
+    """Displacement alone of a rig whose structure is stated with 5 % and without another mass."""
+    tests, step = [], 0.002
+    effects = (AddedMass(mass_kg=mass),) if mass else ()
+    structure = Structure(frequency=1.0, damping_ratio=damping_ratio)
+    rig = HybridTest(
+        structure=structure, mass=1e3, actuator=Actuator(gain=gain, delay=0.004), effects=effects
+    )
+    for k in range(3):
+        rng = np.random.default_rng(k)
+        time = np.arange(0.0, 12.0, step)
+        waves = [(f, rng.uniform(0.0, 7.0)) for f in rng.uniform(0.5, 4.0, 12)]
+        ground = np.sin(np.pi * time / 12.0) * sum(np.sin(2.0 * np.pi * f * time + p) for f, p in waves)
+        moved = run_closed_loop(rig, ground, step).piston.values[0]
+        noisy = moved + 0.01 * moved.std() * rng.standard_normal(moved.size)
+        channels = {Channel.GROUND: ground[::2], Channel.MEASURED: noisy[::2]}
+        tests.append(MeasuredTest(file=f"{k}.csv", motion="", held_out=k == 2, channels=channels))
+    return Campaign(
+        name="c", structure=Structure(frequency=1.0, damping_ratio=0.05), mass=1e3,
+        actuator=Actuator(gain=1.0, delay=0.004), specimen=None, rate=250.0, tests=tuple(tests),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("true", [{"damping_ratio": 0.04}, {"mass": 200.0, "gain": 1.05}])
+def test_one_channel_does_not_tell_an_added_mass_with_a_gain_from_a_damping_that_is_stated_wrongly(true):
+    found = diagnose(answers_of(**true))
+    assert found.verdict == "not_identifiable"
+    assert names_of(found) | rivals_of(found) >= {"added_mass", "structure_damping"}
+
+
+@pytest.mark.slow
+def test_one_channel_does_not_tell_a_damper_from_a_damping_that_is_stated_too_low():
+    found = diagnose(answers_of(damping_ratio=0.06))
+    assert found.verdict == "not_identifiable"
+    assert names_of(found) | rivals_of(found) >= {"viscous_damping", "structure_damping"}
+
+
+def test_a_damping_that_is_not_the_stated_one_is_that_of_the_structure():
+    model = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05), mass=1e3)
+    stated = model.mass * model.substructure.damping
+    less = with_damping(model.adding(StatedDamping(damping_n_s_per_m=-0.2 * stated)))
+    assert less.structure.damping_ratio == pytest.approx(0.04)
+    assert less.effects == ()

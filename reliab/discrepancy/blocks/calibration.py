@@ -127,7 +127,7 @@ def damping(nominal: HybridTest) -> Calibration:
     return Calibration(
         parameter=Parameter(
             name="damping", units="-", meaning="exponent of damping over frequency", signed=True,
-            neutral=0.0, typical=1.0, lower=-1e-9, upper=1.0, starts=(0.5,),
+            neutral=0.5, typical=0.29, lower=-1e-9, upper=1.0, starts=(0.5,),
         ),
         nominal=lambda _model: 0.0,
         apply=lambda model, value: _with_damping(model, (_stiffness(model) / unit) ** (0.5 * value)),

@@ -4,6 +4,7 @@ import math
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from scipy import signal
@@ -12,7 +13,7 @@ from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of_excitation, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import outside_terms
+from reliab.discrepancy.terms import StatedDamping, outside_terms, with_damping
 from reliab.effects import (
     AddedMass,
     Effect,
@@ -33,6 +34,7 @@ _ROUNDING = 0.05
 _SPRINGS = 9
 _DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
 _SKETCHED = 0.5  # of the rate of integration, for derivatives
+_LOOSE = 0.2  # spread of a gain that no channel shows by itself
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
@@ -47,6 +49,13 @@ class LoopBlock(ObservedBlock):
     block = Block.NUMERICAL
     channel = Channel.MEASURED
     inputs = (Channel.GROUND,)
+    twins = MappingProxyType(
+        {
+            AddedMass: (StatedDamping, ViscousDamping),
+            StatedDamping: (AddedMass, ViscousDamping),
+            ViscousDamping: (AddedMass, StatedDamping),
+        }
+    )
 
     def __init__(self, campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...]) -> None:
         self.tests = campaign.tests
@@ -56,15 +65,15 @@ class LoopBlock(ObservedBlock):
         self.motions = motions
         self._rig = rig = campaign.actuator is not None
         self.offsets = (SensorBias,)
-        self.candidates = tuple(
-            effect for effect in library().values() if _possible(effect, rig=rig) and effect.refines is None
-        )
+        effects = library().values()
+        possible = (effect for effect in effects if _possible(effect, rig=rig) and effect.refines is None)
+        self.candidates = (*possible, *((StatedDamping,) if rig and self._damping > 0.0 else ()))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
         self.integrate_at(_rate_of_integration(campaign))
         if rig:
-            self.calibrations = (gain(self.nominal), delay(self.nominal), stiffness(self.nominal))
+            self.calibrations = (gain(self.nominal, _LOOSE), delay(self.nominal), stiffness(self.nominal))
         else:
             scale = scale_of_excitation(self._scale())
             self.calibrations = (stiffness(self.nominal), damping(self.nominal), scale)
@@ -98,13 +107,20 @@ class LoopBlock(ObservedBlock):
     def removable(self) -> dict[type[Effect], float]:
         """Damping and mass that are present; those of the controller's own structure are exact."""
         effects = super().removable
+        effects[StatedDamping] = self._damping
         if not self._rig:
-            effects[ViscousDamping] += self.nominal.mass * self.nominal.substructure.damping
+            effects[ViscousDamping] += self._damping
             effects[AddedMass] += self.nominal.mass
         return effects
 
+    @property
+    def _damping(self) -> float:
+        """Damping of the controller's structure as stated [N·s/m]."""
+        return self.nominal.mass * self.nominal.substructure.damping
+
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""
+        model = with_damping(model)
         readings = model.acting(Role.DISPLACEMENT_READING)
         others = tuple(effect for effect in model.effects if effect not in readings)
         return read_displacement(model, self._moved(replace(model, effects=others), test))

@@ -1,6 +1,8 @@
 """An observed block: it predicts its channel from its input, for any model."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -32,6 +34,8 @@ class ObservedBlock(ABC):
     offsets: tuple[type[Effect], ...]
     candidates: tuple[type[Effect], ...]  # Effects that may be missing in this block
     outside: tuple[type[Effect], ...]  # Terms outside the library that are tried where something is left
+    # Effects that the block may be unable to tell from one: they are fitted in its place, and data decide
+    twins: ClassVar[Mapping[type[Effect], tuple[type[Effect], ...]]] = MappingProxyType({})
     # Motion of the piston in every test as far as it is known without a model, to locate the remaining error
     motions: tuple[Motion3, ...]
 

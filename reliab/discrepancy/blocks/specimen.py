@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms import ClockOffset, outside_terms, with_clock
 from reliab.effects import (
+    AddedMass,
     Effect,
     ForceBias,
     Kernel,
@@ -28,6 +30,7 @@ from reliab.effects import (
     SensorDrift,
     SeriesPlay,
     SteppedEffect,
+    ViscousDamping,
     library,
 )
 from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_displacement, read_force
@@ -46,6 +49,7 @@ class SpecimenBlock(ObservedBlock):
     block = Block.SPECIMEN
     channel = Channel.FORCE
     inputs = (Channel.MEASURED,)
+    twins = MappingProxyType({ViscousDamping: (ClockOffset,), ClockOffset: (ViscousDamping, AddedMass)})
 
     def __init__(
         self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, smoothed: bool = False

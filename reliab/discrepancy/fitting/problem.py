@@ -127,6 +127,14 @@ class Problem:
             for test, values in predicted.items()
         }
 
+    def loudness(self, noise: NoiseModel) -> float:
+        """Energy of the whitened channel, its mean left out: what a model of nothing would leave."""
+        rows = (
+            real_parts(spectrum, self._density(place, noise))[1:]
+            for place, spectrum in enumerate(self._spectra)
+        )
+        return sum(float(row @ row) for row in rows)
+
     def noise_of(self, space: ModelSpace, coordinates: Array) -> NoiseModel:
         """Fit the noise to what a model leaves."""
         unit = NoiseModel.white(self.block.rate, 1.0)

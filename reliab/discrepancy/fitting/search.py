@@ -386,6 +386,28 @@ class Search:
                 return
             best = self.best
 
+    def try_twins(self) -> None:
+        """Try, in the place of every effect of the best model, those that the block may not tell from it."""
+        best = self.best
+        for kind in best.space.effects:
+            twins = self.problem.block.twins.get(kind, ())
+            for twin in [
+                twin for twin in self.candidates if twin in twins and twin not in best.space.effects
+            ]:
+                self._try_in_place(best, kind, twin)
+
+    def _try_in_place(self, best: Fit, kind: type[Effect], twin: type[Effect]) -> None:
+        """Fit a model with one effect in the place of another, from where it was left if it was tried."""
+        parent = self.without(best, kind)
+        space = ModelSpace(best.space.block, (*parent.space.effects, twin))
+        tried = self.fitted.get(frozenset(space.names))
+        start = self._screened(parent, [twin])[0].start if tried is None else tried.coordinates
+        if start.size:
+            fitted = tried.space if tried is not None else space
+            candidate = refined(self.problem, fit(self.problem, fitted, [start], best.noise))
+            if self._matters(candidate, parent):
+                self._keep(candidate)
+
     def refine(self) -> None:
         """Try, in the place of every effect of the best model, its special forms."""
         for kind in self.best.space.effects:

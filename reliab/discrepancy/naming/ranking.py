@@ -7,6 +7,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.search import Search, cost
+from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.result.block_diagnosis import Ranked
 from reliab.effects import Effect
 
@@ -31,8 +32,29 @@ def ranking(search: Search) -> tuple[Ranked, ...]:
 
 
 def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
-    """Probability of each model by its score, shape (models,)."""
-    return _softmax(np.array([search.score(fit) for fit in models]))
+    """Probability of each model by its score, shape (models,).
+
+    Between the first one and those with a twin of one of its effects in its place the data alone decide, and
+    not how probable a gain or a size would have been before them. Simulations of one model differ, too: by
+    what that may change in the likelihood none is preferred.
+    """
+    scores = np.array([search.score(fit) for fit in models])
+    first = models[int(np.argmax(scores))]
+    for place, fit in enumerate(models):
+        if _is_twin(search, first, fit):
+            unsure = 0.5 * MODEL_ERROR**2 * search.problem.loudness(first.noise)
+            lost = max(first.log_likelihood - fit.log_likelihood - unsure, 0.0)
+            scores[place] = max(scores[place], float(scores.max()) - lost)
+    return _softmax(scores)
+
+
+def _is_twin(search: Search, first: Fit, rival: Fit) -> bool:
+    """Whether a model differs from another by one effect, which the block may be unable to tell."""
+    gone = set(first.space.effects) - set(rival.space.effects)
+    added = set(rival.space.effects) - set(first.space.effects)
+    if len(gone) != 1 or len(added) != 1:
+        return False
+    return next(iter(added)) in search.problem.block.twins.get(next(iter(gone)), ())
 
 
 def _shares_of_tests(search: Search, models: Sequence[Fit]) -> Array:

@@ -25,7 +25,7 @@ SHORT_RECORD = 256
 
 _UNIT_TOLERANCE = 0.03  # of a calibrated stiffness
 _CLOCK = "clock_offset"
-_LIKE_A_STRUCTURE = {"added_mass", "viscous_damping"}
+_LIKE_A_STRUCTURE = {"added_mass", "viscous_damping", "structure_damping"}
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
     Verdict.UNKNOWN_EFFECT: "Something is missing that is none of the known effects.",
