@@ -224,12 +224,11 @@ def test_each_of_two_effects_is_exchanged():
     models.without = lambda _best, kind: kept.append(kind) or models.null
     models.extend = lambda _parent, promising: promising
     best = models.best
-    best.space.block = SimpleNamespace(candidates=())
+    models.problem.block = SimpleNamespace(candidates=())
     models.exchange(best)
     assert kept == [CUBIC, VISCOUS]
     kept.clear()
     single = models.with_effects(CUBIC)
-    single.space.block = best.space.block
     models.exchange(single)
     assert kept == []
 

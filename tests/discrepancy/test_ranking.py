@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.naming.ranking import ranking
 from reliab.effects import find_effect
 
@@ -31,7 +32,7 @@ def first_of(*models, flat=True):
     left = {id(fit): errors(energies) for fit, energies in models}
     search = SimpleNamespace(
         fitted=fits,
-        problem=SimpleNamespace(flat=flat),
+        problem=SimpleNamespace(flat=flat, block=SimpleNamespace(twins={})),
         observations=20.0,
         error=lambda fit: left[id(fit)],
         score=lambda fit: -10.0 * np.log(left[id(fit)].energy),
@@ -74,3 +75,27 @@ def test_a_model_that_wins_by_a_single_test_is_less_probable_than_one_that_wins_
     by_all, by_one = sure_of([0.9, 0.9, 0.9, 0.9]), sure_of([0.3, 1.1, 1.1, 1.1])
     assert by_all == pytest.approx(1.0 / (1.0 + 0.9**36), rel=1e-6)  # of (energy)^(-observations / 2)
     assert by_one < 0.8
+
+
+@pytest.mark.parametrize(
+    ("twins", "lost", "expected"),
+    [
+        ({AFTER: (BEFORE,)}, 0.0, 0.5),  # the data do not tell
+        ({AFTER: (BEFORE,)}, 3.0, 1.0 / (1.0 + np.exp(-2.5))),  # half a nat is the simulations' own
+        ({}, 0.0, 1.0 / (1.0 + np.exp(-9.0))),  # evidence and prior odds decide
+    ],
+)
+def test_between_twins_the_data_alone_decide(twins, lost, expected):
+    def fitted(effect, score, likelihood):
+        space = SimpleNamespace(effects=(effect,))
+        return SimpleNamespace(space=space, score=score, log_likelihood=likelihood, noise=None)
+
+    first, twin = fitted(AFTER, 50.0, 90.0), fitted(BEFORE, 41.0, 90.0 - lost)
+    block = SimpleNamespace(twins=twins)
+    problem = SimpleNamespace(flat=False, block=block, loudness=lambda _noise: 1.0 / MODEL_ERROR**2)
+    search = SimpleNamespace(
+        fitted={"first": first, "twin": twin}, problem=problem, score=lambda fit: fit.score
+    )
+    ranked = ranking(search)
+    assert ranked[0].fit is first
+    assert ranked[0].probability == pytest.approx(expected)
