@@ -29,8 +29,8 @@ def with_damping(model: HybridTest) -> HybridTest:
     changes = [effect for effect in model.effects if isinstance(effect, StatedDamping)]
     if not changes or model.structure is None:
         return model
-    stated = model.mass * model.substructure.damping
-    factor = max(1.0 + sum(change.damping_n_s_per_m for change in changes) / stated, 0.0)
+    damping = model.mass * model.substructure.damping
+    factor = max(1.0 + sum(change.damping_n_s_per_m for change in changes) / damping, 0.0)
     ratio = factor * model.structure.damping_ratio
     others = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
     return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=others)
