@@ -94,6 +94,16 @@ def test_every_shipped_effect_is_computed_in_c(tmp_path, kind, rate):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("kind", SHIPPED)
+def test_every_shipped_effect_has_the_true_error(kind):
+    model, command, measured, exact = nonlinear_test(11, 1024, (kind,))
+    monitor = Monitor(UpdatedModel(name="", test=model), 1.0 / 1024, sensor_offset=0.0)
+    monitor.feed(command, measured)
+    true = np.sqrt(np.mean((measured - exact) ** 2)) / np.abs(exact).max()
+    assert monitor.now.rms == pytest.approx(true, rel=0.01)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_several_effects_act_together(tmp_path, seed):
     kinds = np.random.default_rng(seed).choice(
