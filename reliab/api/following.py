@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values
+from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values, unused
 from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
 from reliab.assessment.rebuilt_error import (
     DRAWS,
@@ -154,8 +154,8 @@ def follow_test(
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
-    known = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
-    structure = None if known is None else known.test.structure
+    updated = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
+    structure = None if updated is None else updated.test.structure
     if structure is not None:
         f, xi, alpha = structure.frequency, structure.damping_ratio, structure.experimental_fraction
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
@@ -167,7 +167,7 @@ def follow_test(
     )
     watch = _Watch(
         stated=stated,
-        model=known,
+        model=updated,
         equipment=known_equipment(equipment, exact=exact),
         threshold=threshold,
         metric=Metric.parse(metric),
@@ -193,10 +193,7 @@ def model_of(
     }
     for name, is_stated in stated.items():
         if is_stated:
-            raise InputError(
-                f"`{name}` has no meaning beside `model`",
-                remedy="Leave it out; the model says what the test is of, and its force is fed back at once",
-            )
+            raise unused(name, "beside `model`, which says it, and whose force is fed back at once")
     return read_model(model) if isinstance(model, str | Path) else model
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.arguments import Quantity, require_positive, stated_values, unused
 from reliab.api.following import model_of
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import WholeStructure
@@ -110,8 +110,8 @@ def export_monitor(
             "`export` writes c, fmu or fmu3", value=kind, remedy="Name one of them, and where it goes"
         )
     exactly = 1.0 if scale is None else scale
-    of = _Structure(f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model)
-    monitor = _monitor(of, exactly, feedback_lag, threshold, metric, rate)
+    source = _Structure(f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model)
+    monitor = _monitor(source, exactly, feedback_lag, threshold, metric, rate)
     if kind in _FMUS:
         content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
@@ -122,7 +122,7 @@ def export_monitor(
 
 
 def _monitor(
-    of: "_Structure",
+    source: "_Structure",
     scale: Quantity,
     feedback_lag: Quantity,
     threshold: float,
@@ -140,7 +140,7 @@ def _monitor(
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
-    tested, to_interface = of.read()
+    tested, to_interface = source.read()
     return LoopMonitor(
         structure=tested,
         to_interface=to_interface,
@@ -171,23 +171,20 @@ class _Structure:
             self._refuse_beside_frame()
             return _of_frame(read_structure(self.frame), str(self.frame))
         if self.model is not None:
-            known = model_of(
+            updated = model_of(
                 self.model, f=self.f, xi=self.xi, alpha=self.alpha, feedback_lag=self.feedback_lag
             )
-            return known.test, None
+            return updated.test, None
         return self._of_values(), None
 
     def _refuse_beside_frame(self) -> None:
-        for stated, is_stated in {
+        for name, is_stated in {
             "f": self.f is not None,
             "xi": self.xi is not None,
             "alpha": self.alpha not in (1.0, "1"),
         }.items():
             if is_stated:
-                raise InputError(
-                    f"`{stated}` has no meaning beside `structure`",
-                    remedy="Leave it out; the structure says what the test is of",
-                )
+                raise unused(name, "beside `structure`, which says it")
 
     def _of_values(self) -> WholeStructure:
         """Return the structure of one degree of freedom."""

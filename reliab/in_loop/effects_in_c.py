@@ -118,8 +118,10 @@ class _Function:
         if not isinstance(targets_of_all, ast.Tuple):
             raise _NotTranslatedError(f"`{ast.unparse(node)}` has no form in C")
         # all values before any target: a value may hold a target's old one
-        values = [f"const double value_{k} = {self._value(part)};" for k, part in enumerate(node.value.elts)]
-        moved = [f"{self._target(part)} = value_{k};" for k, part in enumerate(targets_of_all.elts)]
+        values = [
+            f"const double value_{k} = {self._value(value)};" for k, value in enumerate(node.value.elts)
+        ]
+        moved = [f"{self._target(target)} = value_{k};" for k, target in enumerate(targets_of_all.elts)]
         return ["{", *(f"    {line}" for line in values + moved), "}"]
 
     def _change(self, node: ast.AugAssign, _depth: int) -> list[str]:
@@ -130,10 +132,10 @@ class _Function:
         return [f"if ({self._value(node.test)}) {{", *self._block(node.body), *otherwise, "}"]
 
     def _loop(self, node: ast.For, _depth: int) -> list[str]:
-        of = node.iter
-        if not (isinstance(of, ast.Call) and ast.unparse(of.func) == "range" and len(of.args) == 1):
-            raise _NotTranslatedError(f"`{ast.unparse(of)}` is no range from zero")
-        place, end = self._target(node.target), self._value(of.args[0])
+        count = node.iter
+        if not (isinstance(count, ast.Call) and ast.unparse(count.func) == "range" and len(count.args) == 1):
+            raise _NotTranslatedError(f"`{ast.unparse(count)}` is no range from zero")
+        place, end = self._target(node.target), self._value(count.args[0])
         return [f"for ({place} = 0.0; {place} < {end}; {place} += 1.0) {{", *self._block(node.body), "}"]
 
     def _target(self, node: ast.expr) -> str:
@@ -162,11 +164,13 @@ class _Function:
         writers: dict[type[ast.AST], Callable[[Any], str]] = {
             ast.Constant: self._number,
             ast.Subscript: self._element,
-            ast.Name: lambda name: self._named(name.id),
+            ast.Name: lambda name: self._symbol(name.id),
             ast.Attribute: self._constant_of_math,
             ast.BinOp: self._arithmetic,
-            ast.UnaryOp: lambda of: f"({self._operator(of.op)}{self._value(of.operand)})",
-            ast.BoolOp: lambda of: f"({f' {self._operator(of.op)} '.join(map(self._value, of.values))})",
+            ast.UnaryOp: lambda sign: f"({self._operator(sign.op)}{self._value(sign.operand)})",
+            ast.BoolOp: lambda link: (
+                f"({f' {self._operator(link.op)} '.join(map(self._value, link.values))})"
+            ),
             ast.Compare: self._comparison,
             ast.IfExp: self._choice,
             ast.Call: self._call,
@@ -184,7 +188,7 @@ class _Function:
     def _constant_of_math(self, node: ast.Attribute) -> str:
         if ast.unparse(node.value) not in self._math:
             raise _NotTranslatedError(f"`{ast.unparse(node)}` has no form in C")
-        return self._named(node.attr)
+        return self._symbol(node.attr)
 
     def _arithmetic(self, node: ast.BinOp) -> str:
         left, right = self._value(node.left), self._value(node.right)
@@ -193,9 +197,9 @@ class _Function:
         return f"({left} {self._operator(node.op)} {right})"
 
     def _comparison(self, node: ast.Compare) -> str:
-        values = [self._value(part) for part in (node.left, *node.comparators)]
+        values = [self._value(side) for side in (node.left, *node.comparators)]
         pairs = zip(values, node.ops, values[1:], strict=False)
-        return f"({' && '.join(f'{a} {self._operator(of)} {b}' for a, of, b in pairs)})"
+        return f"({' && '.join(f'{a} {self._operator(sign)} {b}' for a, sign, b in pairs)})"
 
     def _choice(self, node: ast.IfExp) -> str:
         return f"({self._value(node.test)} ? {self._value(node.body)} : {self._value(node.orelse)})"
@@ -205,7 +209,7 @@ class _Function:
             raise _NotTranslatedError(f"`{ast.unparse(node)}` has no form in C")
         return f"{self._called(node.func)}({', '.join(map(self._value, node.args))})"
 
-    def _named(self, name: str) -> str:
+    def _symbol(self, name: str) -> str:
         if name in self._locals or name in self._arguments:
             return name
         value = self._globals.get(name)

@@ -6,7 +6,7 @@ import zipfile
 from importlib.resources import files
 from typing import Final
 
-from reliab.in_loop.fmu_variables import described_for_2, described_for_3, variables
+from reliab.in_loop.fmu_variables import describe_for_2, describe_for_3, list_variables
 from reliab.in_loop.sources import CONFIGURATION, LoopMonitor, monitor_sources
 
 _BEFORE_BUILDS: Final = 2
@@ -22,9 +22,11 @@ def pack_fmu(monitor: LoopMonitor, version: int) -> bytes:
     texts = monitor_sources(monitor)
     guid = str(uuid.uuid5(_SPACE, "".join(texts[name] for name in _SOURCES)))
     actuators = len(monitor.coefficients.carry)
-    known = variables(actuators)
-    described = described_for_3(known, actuators) if version > _BEFORE_BUILDS else described_for_2(known)
-    values = {"@GUID@": guid, "@STEP@": f"{monitor.time_step:.17g}", **described}
+    variables = list_variables(actuators)
+    description = (
+        describe_for_3(variables, actuators) if version > _BEFORE_BUILDS else describe_for_2(variables)
+    )
+    values = {"@GUID@": guid, "@STEP@": f"{monitor.time_step:.17g}", **description}
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for place, name in _templates(version).items():

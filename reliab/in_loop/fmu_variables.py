@@ -18,14 +18,14 @@ class Variable:
     is_whole: bool = False
 
 
-def variables(actuators: int) -> list[Variable]:
+def list_variables(actuators: int) -> list[Variable]:
     """Return inputs and outputs; those of one actuator have no numbers in their names."""
     place = {k: f"_{k + 1}" if actuators > 1 else "" for k in range(actuators)}
     channels = ("command", "Command displacement"), ("measured", "Measured displacement")
     inputs = [
-        Variable(name=f"{name}{place[k]}", number=2 * k + of, description=what, unit="m", is_input=True)
+        Variable(name=f"{name}{place[k]}", number=2 * k + channel, description=what, unit="m", is_input=True)
         for k in place
-        for of, (name, what) in enumerate(channels)
+        for channel, (name, what) in enumerate(channels)
     ]
     errors = (
         ("error", "Measured displacement minus exact response", "m"),
@@ -33,8 +33,8 @@ def variables(actuators: int) -> list[Variable]:
         ("mte", "MTE^R so far", ""),
     )
     outputs = [
-        Variable(name=f"{name}{place[k]}", number=of * actuators + k, description=what, unit=unit)
-        for of, (name, what, unit) in enumerate(errors, 2)
+        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=what, unit=unit)
+        for block, (name, what, unit) in enumerate(errors, 2)
         for k in place
     ]
     damping = "Net damping ratio of the loop; NaN before it is known"
@@ -48,28 +48,28 @@ def variables(actuators: int) -> list[Variable]:
     return [*inputs, *outputs]
 
 
-def described_for_2(known: Sequence[Variable]) -> dict[str, str]:
+def describe_for_2(variables: Sequence[Variable]) -> dict[str, str]:
     """Return the parts of a model's description in FMI 2.0."""
-    places = [place for place, variable in enumerate(known, 1) if not variable.is_input]
+    places = [place for place, variable in enumerate(variables, 1) if not variable.is_input]
     outputs = "".join(f'<Unknown index="{place}"/>' for place in places)
-    return {"@VARIABLES@": "\n".join(map(_scalar, known)), "@OUTPUTS@": outputs}
+    return {"@VARIABLES@": "\n".join(map(_scalar, variables)), "@OUTPUTS@": outputs}
 
 
-def described_for_3(known: Sequence[Variable], actuators: int) -> dict[str, str]:
+def describe_for_3(variables: Sequence[Variable], actuators: int) -> dict[str, str]:
     """Return the parts of a model's description in FMI 3.0, which has the time as a variable."""
-    numbers = [variable.number for variable in known if not variable.is_input]
+    numbers = [variable.number for variable in variables if not variable.is_input]
     time = (
         f'    <Float64 name="time" valueReference="{5 * actuators + 2}" causality="independent" '
         'variability="continuous" unit="s" description="Time of the last sample"/>'
     )
     return {
-        "@VARIABLES@": "\n".join([*map(_typed, known), time]),
+        "@VARIABLES@": "\n".join([*map(_typed, variables), time]),
         "@OUTPUTS@": "".join(f'<Output valueReference="{number}"/>' for number in numbers),
         "@INITIAL@": "".join(f'<InitialUnknown valueReference="{number}"/>' for number in numbers),
     }
 
 
-def _named(variable: Variable) -> str:
+def _attributes(variable: Variable) -> str:
     causality = 'causality="input"' if variable.is_input else 'causality="output"'
     initial = "" if variable.is_input else ' initial="calculated"'
     return (
@@ -85,9 +85,9 @@ def _measure(variable: Variable) -> str:
 
 def _scalar(variable: Variable) -> str:
     kind = "Integer" if variable.is_whole else "Real"
-    return f"    <ScalarVariable {_named(variable)}><{kind}{_measure(variable)}/></ScalarVariable>"
+    return f"    <ScalarVariable {_attributes(variable)}><{kind}{_measure(variable)}/></ScalarVariable>"
 
 
 def _typed(variable: Variable) -> str:
     kind = "Int32" if variable.is_whole else "Float64"
-    return f"    <{kind} {_named(variable)}{_measure(variable)}/>"
+    return f"    <{kind} {_attributes(variable)}{_measure(variable)}/>"

@@ -198,22 +198,22 @@ def _numbers_of_specimen(monitor: LoopMonitor) -> dict[str, str]:
 
 def _coefficients(monitor: LoopMonitor) -> list[str]:
     """Return the arrays of the recursion."""
-    of = monitor.coefficients
+    recursion = monitor.coefficients
     matrices = {
-        "DECAY": of.decay,
-        "EARLY": of.early,
-        "LATE": of.late,
-        "OUTPUT": of.output,
-        "FEED_THROUGH": of.feed_through,
-        "CARRY": of.carry,
-        "EQUILIBRIUM": of.equilibrium,
+        "DECAY": recursion.decay,
+        "EARLY": recursion.early,
+        "LATE": recursion.late,
+        "OUTPUT": recursion.output,
+        "FEED_THROUGH": recursion.feed_through,
+        "CARRY": recursion.carry,
+        "EQUILIBRIUM": recursion.equilibrium,
     }
     return [
         *(_matrix(name, values) for name, values in matrices.items()),
-        _vector("SHARE", of.share),
+        _vector("SHARE", recursion.share),
         _vector("LAG_WEIGHTS", _weights(monitor)),
-        f"static const mode MODES[{len(of.modes)}] = {{",
-        *(f"    {_mode(mode)}," for mode in of.modes),
+        f"static const mode MODES[{len(recursion.modes)}] = {{",
+        *(f"    {_mode(mode)}," for mode in recursion.modes),
         "};",
         *_specimen(monitor),
     ]
@@ -221,9 +221,9 @@ def _coefficients(monitor: LoopMonitor) -> list[str]:
 
 def _mode(mode: WatchedMode) -> str:
     """Write a mode whose energy is watched."""
-    of = mode.damping
-    numbers = (of.ratio, of.factor, of.forgetting, of.samples, of.circular_frequency)
-    look = max(round(of.samples / LOOKS), 1)
+    damping = mode.damping
+    numbers = (damping.ratio, damping.factor, damping.forgetting, damping.samples, damping.circular_frequency)
+    look = max(round(damping.samples / LOOKS), 1)
     return f"{{{_row(mode.projection)}, {', '.join(map(_real, numbers))}, {look}u}}"
 
 

@@ -223,8 +223,8 @@ def test_each_of_two_effects_is_exchanged():
     kept = []
     models.without = lambda _best, kind: kept.append(kind) or models.null
     models.extend = lambda _parent, promising: promising
-    best = models.best
     models.problem.block = SimpleNamespace(candidates=())
+    best = models.best
     models.exchange(best)
     assert kept == [CUBIC, VISCOUS]
     kept.clear()
