@@ -21,6 +21,7 @@ from reliab.structures import Structure
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
 _BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
+_FAR_BETTER = 0.01  # where the force follows the displacement as that of a spring does
 _EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
@@ -83,7 +84,10 @@ def require_restoring_force(
     unexplained, unexplained_if_reversed = (
         _left_over(measured, sign * force, kernel) for sign in (1.0, -1.0)
     )
-    if unexplained_if_reversed < min(_BETTER * unexplained, _UNRELATED):
+    # in motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip
+    springs_back = _stiffness(measured, force, kernel) is not None
+    better = _FAR_BETTER if springs_back else _BETTER
+    if unexplained_if_reversed < min(better * unexplained, _UNRELATED):
         raise InputError(
             "The recorded force must resist the motion",
             value="a force that acts along it, as if its sign were reversed",

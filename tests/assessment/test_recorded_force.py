@@ -9,7 +9,7 @@ import scipy
 
 from reliab.assessment import assess
 from reliab.assessment.plausibility import require_plausible
-from reliab.assessment.recorded_force import unexamined_unit
+from reliab.assessment.recorded_force import require_restoring_force, unexamined_unit
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -124,6 +124,17 @@ def test_no_mass_tells_the_unit_of_a_dashpot_or_of_no_force(moved):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     assert unexamined_unit(recorded(moved, "dashpot"), structure) == ""
     assert unexamined_unit(replace(recorded(moved, "spring"), force=None), structure) == ""
+
+
+@pytest.mark.parametrize("lag", [0.01, 0.02, 0.04])
+def test_a_force_that_lags_in_motion_of_one_frequency_is_not_reversed(lag):
+    """A mass and a dashpot follow its reverse more closely than a spring follows the force."""
+
+    def moved_at(time):
+        return np.sin(6.0 * time) * np.sin(0.15 * time)
+
+    time = np.arange(0.0, 20.0, 0.005)
+    require_restoring_force(moved_at(time), 40.0 * moved_at(time - lag), 0.005, stiffness=40.0)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 1.0, 2.0])
