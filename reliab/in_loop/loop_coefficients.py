@@ -61,7 +61,6 @@ class LoopCoefficients:
     def of_several(cls, partition: CoupledPartition, carry: Array, step: float) -> "LoopCoefficients":
         """Take a structure with several interface displacements; `step` [s]."""
         recursion = CoupledRecursion.of_partition(partition.with_masses, step)
-        share = np.diag(np.linalg.solve(carry, partition.static_transfer @ carry))
         return cls(
             decay=recursion.transition,
             early=recursion.early,
@@ -70,7 +69,7 @@ class LoopCoefficients:
             feed_through=recursion.feed_through,
             carry=carry,
             equilibrium=recursion.static @ carry,
-            share=np.clip(share, 1e-6, 1.0),
+            share=partition.shares_at_sensors(carry),
             modes=_modes(partition, step),
         )
 

@@ -33,6 +33,7 @@ _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom w
 _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
 _FEW = 6  # degrees of freedom that are too few to be reduced
+_LEAST_SHARE = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -248,6 +249,14 @@ class CoupledPartition:
         """Interface displacements by which a constant x_c − x_m moves the structure, ΓᵀK⁻¹ΓK_e [-]."""
         moved = np.linalg.solve(self.stiffness, self.interface @ self.specimen_stiffness)
         return np.asarray(self.interface.T @ moved)
+
+    def shares_at_sensors(self, carry: Array) -> Array:
+        """Share by which an offset that the loop feels at each sensor moves its command back [-], shape (p,).
+
+        `carry`: interface displacements per unit at each sensor [-], shape (p, p).
+        """
+        shares = np.diag(np.linalg.solve(carry, self.static_transfer @ carry))
+        return np.asarray(np.clip(shares, _LEAST_SHARE, 1.0))
 
     def scaled(self, *, frequency: float, damping_ratio: float, share: float) -> "CoupledPartition":
         """Structure with all frequencies, damping ratios and the specimen multiplied by factors."""

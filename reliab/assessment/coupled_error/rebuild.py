@@ -247,7 +247,7 @@ def _examined(
     command: Array, measured: Array, step: float, partition: CoupledPartition, carry: Array
 ) -> Channels:
     """Estimate noise and offset of each sensor; the offsets are taken away."""
-    share = np.linalg.solve(carry, partition.static_transfer @ carry)
+    shares = partition.shares_at_sensors(carry)
     lowest = float(partition.natural_frequencies[0])
     moves = _moves(command, measured)
     noises, starts, read = [], [], []
@@ -258,7 +258,7 @@ def _examined(
         else:
             others = command[moves & (np.arange(len(moves)) != place)]
             noises.append(estimate_noise(c, m, step, others))
-            own = min(max(float(share[place, place]), 1e-6), 1.0)
+            own = float(shares[place])
             starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
         read.append(m - starts[-1].offset)
     band = _band(noises, measured, partition)
