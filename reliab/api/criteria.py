@@ -38,7 +38,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation.frames import read_frame
+from reliab.simulation.frames import read_structure
 from reliab.sweep import (
     Names,
     Numbers,
@@ -70,6 +70,7 @@ def derive_criteria(
     weights: str | Path | None = None,
     model: str | Path | None = None,
     structure: str | Path | None = None,
+    actuator: int | None = None,
     method: str | None = None,
     assurance: float | None = None,
     distribution: str | None = None,
@@ -117,6 +118,9 @@ def derive_criteria(
         quantity, low, high, share), by which the motions behind the criterion are weighted.
     model, structure : str or pathlib.Path, optional
         Model with effects, or frame with its part in the laboratory, in place of structures.
+    actuator : int, optional
+        Number of the actuator of a frame, from 1, that errs while the others are perfect; all err alike by
+        default. The error is that of the interface displacement whose error is largest.
     method, law : str, optional
         What the confidence means, the recommended method by default; how the limits depend on the structure.
     assurance, distribution, steps, chains : optional
@@ -154,6 +158,7 @@ def derive_criteria(
     if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
         ellipses = POPULATION
     traced_alone = motions or (law == "table" and results)
+    of_records = {"sets": sets, "model": model, "window": window, "alpha": alpha}
     question = _Question(
         case=case,
         structures=(f, xi),
@@ -169,10 +174,11 @@ def derive_criteria(
             alpha=alpha,
             model=model,
             structure=structure,
+            actuator=actuator,
             f=f if traced_alone else None,
             xi=xi if traced_alone else None,
         ),
-        of_source={"sets": sets, "model": model, "window": window, "alpha": alpha, "structure": structure},
+        of_source={**of_records, "structure": structure, "actuator": actuator},
         has_source=any((motions, results, ellipses)),
         law=law,
         method=method,
@@ -350,12 +356,12 @@ class _Question:
             beside["comparison"] = compare_candidates(
                 derived.ellipses, derived.structures, derived.criteria, self.show
             )
-        return replace(derived, beside={**beside, **self._rig(), **_share_law(derived)})
+        return replace(derived, beside={**_frame(dataset), **beside, **self._rig(), **_share_law(derived)})
 
     def _rig(self) -> dict[str, Any]:
         """Compute the error of the rig that a frame's description states, under the same motions."""
         structure = self.of_source["structure"]
-        if structure is None or (frame := read_frame(structure)).transfer_system is None:
+        if structure is None or (frame := read_structure(structure)).transfer_system is None:
             return {}
         source = self.source()
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
@@ -378,6 +384,14 @@ def _structures(
     all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
     all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
     return tuple(itertools.product(listed(f) or all_f, listed(xi) or all_xi))
+
+
+def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
+    """Say which frame the ellipses are of, whose error counts, and which of its actuators err."""
+    if dataset is None or "frame" not in dataset.attrs:
+        return {}
+    names = ("frame", "error_of", "erring_actuator")
+    return {"frame": dict(zip(("name", *names[1:]), (dataset.attrs[name] for name in names), strict=True))}
 
 
 def _share_law(derived: Criteria) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from reliab.rig import (
     require_date,
 )
 from reliab.simulation import Excitation
-from reliab.simulation.frames import read_frame
+from reliab.simulation.frames import read_structure
 from reliab.structures import Structure
 
 _SHIPPED_SUITE = "real_suite"
@@ -212,7 +212,7 @@ def _of_frame(
     for name, value in beside.items():
         if value is not None:
             raise unused(name, "beside the `structure` of a frame")
-    frame = read_frame(structure)
+    frame = read_structure(structure)
     return predict_next(table, None, asked, threshold=threshold, frame=frame.name)
 
 

@@ -16,7 +16,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly, silent
 from reliab.shipped import or_shipped
-from reliab.simulation.frames import read_frame
+from reliab.simulation.frames import read_structure
 from reliab.sweep import (
     FrameRequest,
     Numbers,
@@ -72,6 +72,7 @@ class EllipseSource:
     alpha: Numbers | None = None
     model: str | Path | None = None  # Model with effects instead of structures, for records
     structure: str | Path | None = None  # Description of a frame instead of structures, for records
+    actuator: int | None = None  # Number of the only actuator of the frame that errs; all alike by default
     first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
 
     def __post_init__(self) -> None:
@@ -84,6 +85,12 @@ class EllipseSource:
             )
         if self.motions is None:
             self._refuse_options_of_motions()
+        if self.actuator is not None and self.structure is None:
+            raise InputError(
+                "An actuator is one of those that drive a frame",
+                value=f"`actuator={self.actuator}` without `structure`",
+                remedy="Describe the frame, or leave it out",
+            )
         require_thresholds(self.threshold)
         Metric.parse(self.metric)
 
@@ -182,7 +189,8 @@ class EllipseSource:
                 remedy="Leave them out",
             )
         request = FrameRequest(
-            frame=read_frame(path),
+            frame=read_structure(path),
+            actuator=self.actuator,
             thresholds=self._thresholds,
             metrics=(Metric(self.metric),),
             window=Window.parse(self.window or _RECORD),

@@ -46,7 +46,7 @@ class CoupledAssessment:
     faults : tuple of (str, Fault)
         Faults of the recording, each with the number of its actuator.
     verdict : Verdict
-        The verdict, by the error of the displacement with the largest one.
+        The verdict, by the error of the displacement whose error is largest.
     limit : CoupledLimit
         Where the test would become unstable.
     """

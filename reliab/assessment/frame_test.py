@@ -23,7 +23,7 @@ from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.recordings import Recording, without_spikes
-from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
@@ -89,9 +89,7 @@ def assess_frame(
         another structure, or the recording cannot be judged.
     """
     _check_frame(frame)
-    from reliab.sweep import governing_mode
-
-    mode = governing_mode(frame)
+    mode = governing_mode(frame.partition, frame.output)
     if criterion is not None:
         _check_criterion(criterion, mode)
         threshold, metric = criterion.threshold, Metric(criterion.metric)
@@ -164,9 +162,7 @@ def _rebuilding(
     threshold: float,
 ) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
-    from reliab.sweep import governing_mode
-
-    structure, mode = whole_structure(frame.partition), governing_mode(frame)
+    structure, mode = whole_structure(frame.partition), governing_mode(frame.partition, frame.output)
     lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
     stated = {"feedback_lag": feedback_lag, "scale": scale}
     given = {name: value for name, value in stated.items() if value is not None}

@@ -1,4 +1,5 @@
 from .contour import (
+    AMPLITUDE_STEP as AMPLITUDE_STEP,
     REACH as REACH,
     Contour as Contour,
     furthest_lead as furthest_lead,

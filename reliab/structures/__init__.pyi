@@ -1,5 +1,9 @@
 from .coupled_partition import CoupledPartition as CoupledPartition, condensed as condensed
-from .coupled_stability import CoupledLimit as CoupledLimit, coupled_limit as coupled_limit
+from .coupled_stability import (
+    CoupledLimit as CoupledLimit,
+    coupled_limit as coupled_limit,
+    frequencies_of_loop as frequencies_of_loop,
+)
 from .partition import (
     Partition as Partition,
     Specimen as Specimen,

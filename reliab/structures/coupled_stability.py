@@ -47,7 +47,7 @@ def coupled_limit(partition: CoupledPartition, gain: Array | None = None) -> Cou
     whole = partition.with_masses
     gains = np.eye(whole.degrees) if gain is None else np.asarray(gain, dtype=float)
     _require_stable_without_delay(whole, gains)
-    omega = _grid(whole)
+    omega = frequencies_of_loop(whole)
     values = _tracked(_loop(whole, gains, omega))
     limit, at = math.inf, math.nan
     excess = np.log(np.maximum(np.abs(values), 1e-300))
@@ -83,7 +83,8 @@ def _loop(partition: CoupledPartition, gains: Array, omega: Array) -> Spectrum:
     return np.asarray((partition.interface.T @ moved) @ partition.impedance(s) @ gains)
 
 
-def _grid(partition: CoupledPartition) -> Array:
+def frequencies_of_loop(partition: CoupledPartition) -> Array:
+    """Frequencies [rad/s] close enough to each other to follow the loop of any actuators, shape (n,)."""
     mass, damping, stiffness = _numerical(partition)
     points = []
     for m, c, k in ((mass, damping, stiffness), (partition.mass, partition.damping, partition.stiffness)):

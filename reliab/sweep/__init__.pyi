@@ -12,7 +12,6 @@ from .ellipse_table import (
 from .frame_table import (
     FrameRequest as FrameRequest,
     errors_of_rig as errors_of_rig,
-    governing_mode as governing_mode,
     summary_of_rig as summary_of_rig,
     trace_frame_ellipses as trace_frame_ellipses,
 )

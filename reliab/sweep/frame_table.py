@@ -1,4 +1,4 @@
-"""A partitioned frame under many ground motions: its ellipses, and the error of its described rig."""
+"""A structure with one actuator or several under many ground motions: its ellipses, and its rig's error."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -9,15 +9,24 @@ import pandas as pd
 import xarray as xr
 
 from reliab.arrays import Array
-from reliab.boundary import Curve, motion_contours
+from reliab.boundary import AMPLITUDE_STEP, Curve, motion_contours
 from reliab.errors import InputError
 from reliab.indices import Window, relative_error
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation.frames import FrameLoop, FrameUnderTest, rig_response, stable_with
-from reliab.structures import Structure
+from reliab.simulation import Excitation
+from reliab.simulation.frames import (
+    CoupledFrame,
+    CoupledLoop,
+    FrameLoop,
+    FrameUnderTest,
+    rig_response,
+    stable_with,
+    stable_with_several,
+)
+from reliab.structures import coupled_limit
 from reliab.structures.critical_delay import critical_delay
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates
@@ -26,17 +35,24 @@ from reliab.vocabulary import MILLI, Metric, Side
 
 if TYPE_CHECKING:
     from reliab.boundary import SolvedLoop
+    from reliab.simulation.transfer_systems import ActuatorMatrix, TransferSystem
+
+
+_WORST = "the interface displacement whose error is largest"
+_FEW_AMPLITUDES = 0.01
+"""Step of the amplitude [-] with several actuators, whose cells are dearer: some eleven to thirty points."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameRequest:
     """Errors and curves for which boundaries of a frame are traced.
 
-    Raises InputError if no delay, however short, leaves the test stable.
+    Raises InputError if no delay, however short, leaves the test stable, or there is no such actuator.
     """
 
     # The partitioned frame, with a linear specimen, and the response whose error counts
-    frame: FrameUnderTest
+    frame: FrameUnderTest | CoupledFrame
+    actuator: int | None = None  # Number of the one that errs, from 1; None where all err alike
     thresholds: tuple[float, ...] = (0.05,)  # Errors on the boundary [-]
     metrics: tuple[Metric, ...] = (Metric.RMS,)  # RMS^R, MTE^R or both
     curves: tuple[type[Curve], ...] = CURVES  # Curves fitted to the boundary
@@ -44,7 +60,17 @@ class FrameRequest:
     window: Window = field(default_factory=Window)  # Part of the record over which the error is computed
 
     def __post_init__(self) -> None:
-        delay, _ = critical_delay(self.frame.partition)
+        if isinstance(self.frame, CoupledFrame):
+            delay = coupled_limit(self.frame.partition).delay
+            actuators = self.frame.partition.degrees
+        else:
+            delay, actuators = critical_delay(self.frame.partition)[0], 1
+        if self.actuator is not None and not 1 <= self.actuator <= actuators:
+            raise InputError(
+                f"The actuator that errs is one of the structure's {actuators}",
+                value=self.actuator,
+                remedy="Count them from 1, as the rows of [kinematics]",
+            )
         if delay == 0.0:
             raise InputError(
                 "A boundary needs a test that tolerates some delay",
@@ -64,18 +90,15 @@ def trace_frame_ellipses(
     the error. The attribute `experimental_fraction` is the specimen's share in that mode, `frame` the frame's
     name and `error_of` the response whose error counts.
     """
-    mode = governing_mode(request.frame)
-    tables, errors_at_rest, headers = [], [], []
+    tables, errors_at_rest, headers, modes = [], [], [], []
     for done, motion in enumerate(motions, start=1):
-        loop = FrameLoop(
-            excitation=excitation_of(motion, request.window),
-            partition=request.frame.partition,
-            output=request.frame.output,
-        )
+        loop = _loop(request, excitation_of(motion, request.window))
+        modes.append(loop.governing_mode)
         errors_at_rest.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
+    mode, frame = modes[0], request.frame
     return ellipse_dataset(
         np.stack(tables)[:, np.newaxis, np.newaxis],
         {**join_coordinates(headers), "f": [mode.frequency], "xi": [mode.damping_ratio]},
@@ -86,30 +109,34 @@ def trace_frame_ellipses(
         attributes={
             "window": request.window.label,
             "experimental_fraction": mode.experimental_fraction,
-            "frame": request.frame.name,
-            "error_of": request.frame.error_of,
+            "frame": frame.name,
+            "error_of": _WORST if isinstance(frame, CoupledFrame) else frame.error_of,
+            "erring_actuator": "all alike" if request.actuator is None else request.actuator,
         },
         error_at_rest=np.array(errors_at_rest),
     )
 
 
-def governing_mode(frame: FrameUnderTest) -> Structure:
-    """Frequency, damping ratio and share of the specimen of the mode that governs the error of a frame."""
-    place = FrameLoop.governing(frame.partition, frame.output)
-    share = abs(float(frame.partition.impedance_shares[place].real))
-    return Structure(
-        frequency=float(frame.partition.frame.modes.frequency[place]),
-        damping_ratio=float(frame.partition.frame.damping_ratios[place]),
-        experimental_fraction=float(np.clip(share, 1e-6, 1.0)),
-    )
+def _loop(request: FrameRequest, excitation: Excitation) -> FrameLoop | CoupledLoop:
+    frame = request.frame
+    if isinstance(frame, CoupledFrame):
+        return CoupledLoop(
+            excitation=excitation,
+            partition=frame.partition,
+            kinematics=frame.kinematics,
+            actuator=None if request.actuator is None else request.actuator - 1,
+        )
+    return FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
 
 
-def _table(loop: FrameLoop, request: FrameRequest) -> Array:
+def _table(loop: FrameLoop | CoupledLoop, request: FrameRequest) -> Array:
     """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
+    step = _FEW_AMPLITUDES if isinstance(loop, CoupledLoop) else AMPLITUDE_STEP
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
     contours = [
-        motion_contours(cast("SolvedLoop", loop), levels, metric, side=sides) for metric in request.metrics
+        motion_contours(cast("SolvedLoop", loop), levels, metric, side=sides, amplitude_step=step)
+        for metric in request.metrics
     ]
     sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
     table = curve_table(contours, request.curves).reshape(len(request.metrics), *sizes)
@@ -117,42 +144,75 @@ def _table(loop: FrameLoop, request: FrameRequest) -> Array:
 
 
 def errors_of_rig(
-    frame: FrameUnderTest, motions: Sequence[Motion], *, window: Window, progress: Progress = silent
+    frame: FrameUnderTest | CoupledFrame,
+    motions: Sequence[Motion],
+    *,
+    window: Window,
+    progress: Progress = silent,
 ) -> pd.DataFrame:
     """Compute the error of the rig that a frame's description states.
 
-    `frame`: the frame with its transfer system and a linear specimen.
+    `frame`: the structure with its transfer system and a linear specimen. With several actuators errors are
+    those of the interface displacement whose error is largest, and so are A and d.
     `motions`: the ground motions; read one at a time.
     `window`: part of the record over which the error is computed.
     Returns one row for each motion: `motion`, `rms` and `mte` [-], `A` [-] and `d_ms` of the interface. Empty
     where the test is unstable with this rig.
     Raises InputError if no transfer system is described, or the specimen is nonlinear.
     """
-    if frame.transfer_system is None:
+    if frame.transfer_system is None:  # a rig of one actuator or of several
         raise InputError(
             "The error of a rig needs its transfer system",
             value="no [transfer_system]",
             remedy="Describe it in the file of the frame",
         )
-    if frame.partition.effects:
+    if isinstance(frame, FrameUnderTest) and frame.partition.effects:
         raise InputError(
             "The error of a described rig is computed for a linear specimen",
             value=", ".join(effect.name for effect in frame.partition.effects),
             remedy="Leave [[specimen.effects]] out",
         )
     columns = ["motion", "rms", "mte", "A", "d_ms"]
-    if not stable_with(frame.partition, frame.transfer_system):
+    if not _stable(frame):
         return pd.DataFrame(columns=columns)
     rows = []
-    for done, motion in enumerate(motions, start=1):
-        test = rig_response(
-            excitation_of(motion, window), frame.partition, frame.transfer_system, frame.output
-        )
-        index = frequency_evaluation(test.command, test.measured, test.step)
-        errors = [response_error(test.response, test.ideal, metric) for metric in (Metric.RMS, Metric.MTE)]
-        rows.append((motion.name, *errors, index.amplitude, MILLI * index.equivalent_delay))
-        progress(done, len(motions))
+    for motion in motions:
+        rows.append((motion.name, *_tried(frame, excitation_of(motion, window))))
+        progress(len(rows), len(motions))
     return pd.DataFrame(rows, columns=columns)
+
+
+_ErrorsAndIndices = tuple[float, float, float, float]
+"""RMS^R, MTE^R and A [-], d [ms]."""
+
+
+def _stable(frame: FrameUnderTest | CoupledFrame) -> bool:
+    if isinstance(frame, CoupledFrame):
+        return stable_with_several(frame.partition, cast("ActuatorMatrix", frame.transfer_system))
+    return stable_with(frame.partition, cast("TransferSystem", frame.transfer_system))
+
+
+def _tried(frame: FrameUnderTest | CoupledFrame, excitation: Excitation) -> _ErrorsAndIndices:
+    if isinstance(frame, CoupledFrame):
+        return _tried_several(frame, excitation)
+    rig = cast("TransferSystem", frame.transfer_system)
+    test = rig_response(excitation, frame.partition, rig, frame.output)
+    index = frequency_evaluation(test.command, test.measured, test.step)
+    rms, mte = (response_error(test.response, test.ideal, metric) for metric in (Metric.RMS, Metric.MTE))
+    return rms, mte, index.amplitude, MILLI * index.equivalent_delay
+
+
+def _tried_several(frame: CoupledFrame, excitation: Excitation) -> _ErrorsAndIndices:
+    loop = CoupledLoop(excitation=excitation, partition=frame.partition, kinematics=frame.kinematics)
+    command, measured, step = loop.response(cast("ActuatorMatrix", frame.transfer_system))
+    judged = np.flatnonzero(loop.judged)
+    rms, mte = (
+        np.array([response_error(measured[place], loop.ideal[place], metric) for place in judged])
+        for metric in (Metric.RMS, Metric.MTE)
+    )
+    worst = judged[np.argmax(rms)]
+    index = frequency_evaluation(command[worst], measured[worst], step)
+    return float(rms.max()), float(mte.max()), index.amplitude, MILLI * index.equivalent_delay
 
 
 def summary_of_rig(errors: pd.DataFrame, metric: str, threshold: float) -> dict[str, Any]:

@@ -12,10 +12,9 @@ from reliab.criterion.laws import Dimensionless
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.progress import Progress, silent
 from reliab.simulation.compensators import ModelInverse
-from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.frames import governing_mode
 from reliab.simulation.laboratory import Rig, Sensors, run_laboratory
 from reliab.structures import Partition
-from reliab.sweep import governing_mode
 
 from .drawing import RATE, PartitionedTest
 from .predictions import (
@@ -65,7 +64,7 @@ def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimension
     run = run_laboratory(
         partition, rig, test.motion.acceleration, test.motion.time_step, rate=RATE, seed=test.seed
     )
-    mode = governing_mode(FrameUnderTest(name="", partition=partition, output=None, error_of=""))
+    mode = governing_mode(partition)
     row: dict[str, Any] = {
         "structure": test.structure,
         "motion": test.motion.name,

@@ -26,7 +26,7 @@ def recorded(tmp_path_factory):
     time = np.arange(0.0, 20.0, STEP)
     motion = np.sin(9.0 * time) * np.sin(2.0 * time) * np.minimum(time / 4.0, 1.0) ** 3
     run = coupled_response(
-        frame.partition, frame.actuators, motion * np.exp(-(((time - 9.0) / 6.0) ** 2)), STEP
+        frame.partition, frame.transfer_system, motion * np.exp(-(((time - 9.0) / 6.0) ** 2)), STEP
     )
     moved = {"command": frame.kinematics @ run.command, "measured": frame.kinematics @ run.measured}
     noise = 1e-6 * np.random.default_rng(0).normal(size=(2, time.size))
@@ -139,7 +139,7 @@ def test_its_report_is_written(recorded, tmp_path):
 
 def test_what_takes_one_actuator_refuses_several(recorded):
     file, path, _ = recorded
-    with pytest.raises(InputError, match="Only `reliab assess` takes a frame"):
+    with pytest.raises(InputError, match="driven at one degree of freedom"):
         read_frame(path)
     with pytest.raises(InputError, match="skew"):
         reliab.assess(file, path, skew="0.1")

@@ -12,6 +12,7 @@ from reliab.errors import InputError
 from reliab.motions.synthetic import synthetic_suite
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment import frame_assessment_report
+from reliab.simulation.frames import governing_mode
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.frame_tables import TolerancesTable
 from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
@@ -19,7 +20,6 @@ from reliab.simulation.transfer_systems import TransferFunction
 from reliab.stated_value import StatedValue
 from reliab.structures.frames import Frame, modal_damping, shear_frame, undivided_response
 from reliab.structures.partition import Partition, Specimen, floor_interface
-from reliab.sweep.frame_table import governing_mode
 from reliab.vocabulary import Metric
 
 RATE, THINNED = 4096.0, 8
@@ -101,7 +101,7 @@ def test_a_copied_channel_is_not_called_reliable(frame, test_and_truth):
 
 
 def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_and_truth):
-    mode = governing_mode(frame)
+    mode = governing_mode(frame.partition, frame.output)
     provenance = replace(
         published_criterion("guo_2017_18").provenance, experimental_fraction=mode.experimental_fraction
     )

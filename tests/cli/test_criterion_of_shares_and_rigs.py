@@ -1,4 +1,4 @@
-"""`reliab criterion` for several shares of the stiffness, and for a frame with its described rig."""
+"""`reliab criterion` for several shares of the stiffness, and for frames with the rigs that they describe."""
 
 import json
 
@@ -79,6 +79,67 @@ def test_a_described_rig_that_would_be_unstable_is_said_to_be(records, tmp_path)
     given = ("--motions", records, "--structure", tmp_path / "frame.toml")
     assert answer(*given)["rig"]["stable"] is False
     assert "unstable" in run(*given, "--method", "quantile", "--confidence", "0.5").stdout
+
+
+SEVERAL = """
+name = "two alike"
+[frame]
+names = ["left", "right"]
+mass_matrix_kg = [[2000.0, 0.0], [0.0, 2000.0]]
+stiffness_matrix_n_per_m = [[3e5, 0.0], [0.0, 3e5]]
+[damping]
+ratio = 0.05
+[specimen]
+degrees_of_freedom = ["left", "right"]
+stiffness_matrix_n_per_m = [[1.5e5, 0.0], [0.0, 1.5e5]]
+[transfer_system]
+gain = 0.98
+delay_ms = {delay}
+"""
+
+
+def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_path):
+    (tmp_path / "one.toml").write_text(FRAME.format(delay=4.0))
+    (tmp_path / "two.toml").write_text(SEVERAL.format(delay=4.0))
+    one, alike, first = (
+        answer("--motions", records, "--structure", tmp_path / name, *beside)
+        for name, *beside in (("one.toml",), ("two.toml",), ("two.toml", "--actuator", "1"))
+    )
+    for content in (alike, first):
+        for limit in ("a", "b"):
+            assert content["criteria"][0][limit] == pytest.approx(one["criteria"][0][limit], rel=5e-3)
+        assert content["rig"]["largest"] == pytest.approx(one["rig"]["largest"], rel=1e-3)
+    assert alike["frame"] == {
+        "name": "two alike",
+        "error_of": "the interface displacement whose error is largest",
+        "erring_actuator": "all alike",
+    }
+    assert first["frame"]["erring_actuator"] == 1
+    given = ("--motions", records, "--structure", tmp_path / "two.toml", "--actuator", "1")
+    shown = run(*given, "--method", "quantile", "--confidence", "0.5").stdout
+    assert "A and d of actuator 1; others are perfect." in " ".join(shown.split())
+
+
+@pytest.mark.parametrize(
+    ("frame", "actuator", "rule"),
+    [
+        (SEVERAL, 3, "one of the structure's 2"),
+        (SEVERAL, 0, "one of the structure's 2"),
+        (FRAME, 2, "one of the structure's 1"),
+        (None, 1, "without `structure`"),
+    ],
+)
+def test_an_actuator_must_drive_the_frame(records, tmp_path, frame, actuator, rule):
+    (tmp_path / "frame.toml").write_text((frame or FRAME).format(delay=4.0))
+    of_frame = () if frame is None else ("--structure", tmp_path / "frame.toml")
+    result = run("--motions", records, *of_frame, "--actuator", actuator)
+    assert isinstance(result.exception, InputError)
+    assert rule in str(result.exception)
+
+
+def test_several_actuators_that_would_diverge_are_said_to(records, tmp_path):
+    (tmp_path / "two.toml").write_text(SEVERAL.format(delay=60.0))
+    assert answer("--motions", records, "--structure", tmp_path / "two.toml")["rig"]["stable"] is False
 
 
 def test_criteria_of_several_shares_stand_beside_their_law(records):

@@ -96,7 +96,7 @@ def test_errors_of_many_frames_are_those_of_assess(tmp_path, rate):
 def test_a_simulated_test_of_the_shipped_frame_is_followed(tmp_path):
     """The error of each degree is the true one, and the governing one that of `assess`."""
     frame, rate = read_structure(FRAME), 1024
-    response = coupled_response(frame.partition, frame.actuators, shaken(rate), 1.0 / rate)
+    response = coupled_response(frame.partition, frame.transfer_system, shaken(rate), 1.0 / rate)
     command, measured = channels_of(frame, response)
     export_monitor(("c", tmp_path), structure=FRAME, rate=rate)
     ours = followed(built(tmp_path), command, measured, np.zeros(4))

@@ -7,12 +7,13 @@ import pytest
 
 from reliab import load_motions
 from reliab.errors import InputError
+from reliab.simulation.frames import governing_mode
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.frames import Frame
 from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
-from reliab.sweep.frame_table import FrameRequest, governing_mode, trace_frame_ellipses
+from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 from reliab.vocabulary import Metric
 
 
@@ -35,7 +36,7 @@ def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
 
 def test_the_governing_mode_is_described_as_it_is():
     structure = Structure(frequency=1.7, damping_ratio=0.03, experimental_fraction=0.4)
-    mode = governing_mode(framed(Partition.from_structure(structure, mass=3.0)))
+    mode = governing_mode(Partition.from_structure(structure, mass=3.0))
     assert dataclasses.astuple(mode) == pytest.approx((1.7, 0.03, 0.4))
 
 

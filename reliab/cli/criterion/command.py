@@ -81,6 +81,14 @@ class CriterionDemand(Demand):
     ] = None
     model: ModelFile = None
     structure: StructureFile = None
+    actuator: Annotated[
+        int | None,
+        typer.Option(
+            "--actuator",
+            metavar="N",
+            help="Number of the only actuator of --structure that errs, from 1; all err alike by default.",
+        ),
+    ] = None
     method: Annotated[
         str | None,
         typer.Option(

@@ -111,6 +111,21 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
         terminal.print(complaint, style="red", highlight=False)
 
 
+def _show_frame(frame: Mapping[str, Any]) -> None:
+    """Print what the limits of a frame are of."""
+    erring = frame["erring_actuator"]
+    whose = (
+        "all actuators, which err alike"
+        if erring == "all alike"
+        else f"actuator {erring}; others are perfect"
+    )
+    console().print(
+        f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {whose}.",
+        markup=False,
+        highlight=False,
+    )
+
+
 def _show_rig(rig: Mapping[str, Any]) -> None:
     """Print the error of a rig."""
     terminal = console()
@@ -239,6 +254,7 @@ def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
+    "frame": _show_frame,
     "own_boundary": _show_own_boundary,
     "rig": _show_rig,
     "share_law": _show_shares,

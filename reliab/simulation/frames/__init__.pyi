@@ -1,3 +1,4 @@
+from .coupled_deviation import CoupledLoop as CoupledLoop, stable_with_several as stable_with_several
 from .coupled_file import (
     CoupledFrame as CoupledFrame,
     read_structure as read_structure,
@@ -12,5 +13,5 @@ from .frame_file import (
     frame_of_tables as frame_of_tables,
     read_frame as read_frame,
 )
-from .frame_loop import FrameLoop as FrameLoop
+from .frame_loop import FrameLoop as FrameLoop, governing_mode as governing_mode
 from .rig_loop import rig_response as rig_response, stable_with as stable_with

@@ -59,7 +59,7 @@ class CoupledFrame:
     partition: CoupledPartition
     kinematics: Array  # T, displacements of the actuators per interface displacement, shape (p, p)
     channels_at_interface: bool  # Whether a test's channels are interface displacements
-    actuators: ActuatorMatrix | None = None  # The rig; None where the file describes none
+    transfer_system: ActuatorMatrix | None = None  # The rig; None where the file describes none
     tolerances: TolerancesTable = EXACT  # How exactly the structure is known
 
     @property
@@ -100,7 +100,7 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
         partition=partition,
         kinematics=kinematics,
         channels_at_interface=rows is None or rows.channels == "interface",
-        actuators=_actuators(description.transfer_system, kinematics, folder),
+        transfer_system=_actuators(description.transfer_system, kinematics, folder),
         tolerances=description.tolerances,
     )
 

@@ -96,9 +96,9 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
     """Build a tested frame with one actuator from the tables of a file."""
     if names_several(content):
         raise InputError(
-            "Only `reliab assess` takes a frame whose specimen is driven at several degrees of freedom",
+            "The specimen of this frame must be driven at one degree of freedom",
             value="degrees_of_freedom",
-            remedy="Describe one driven degree of freedom, or assess the test",
+            remedy="Describe one driven degree of freedom",
             where=where,
         )
     folder = Path(where).parent

@@ -130,6 +130,11 @@ class FrameLoop:
             )
 
     @property
+    def governing_mode(self) -> Structure:
+        """The mode that governs the error."""
+        return governing_mode(self.partition, self.output)
+
+    @property
     def structure(self) -> Structure:
         """One-mode structure that sets the scale of gains and delays: the mode that governs the error.
 
@@ -282,6 +287,17 @@ class FrameLoop:
             peak=peaks,
             ideal_peak=peak_of_history(ideal),
         )
+
+
+def governing_mode(partition: Partition, output: Array | None = None) -> Structure:
+    """Frequency, damping ratio and share of the specimen of the mode that governs the error of a frame."""
+    place = FrameLoop.governing(partition, output)
+    share = abs(float(partition.impedance_shares[place].real))
+    return Structure(
+        frequency=float(partition.frame.modes.frequency[place]),
+        damping_ratio=float(partition.frame.damping_ratios[place]),
+        experimental_fraction=float(np.clip(share, 1e-6, 1.0)),
+    )
 
 
 def _column(partition: Partition, gain: float, delay: float, output: Array | None, s: Spectrum) -> Spectrum:

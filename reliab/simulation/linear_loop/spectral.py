@@ -8,7 +8,7 @@ lies above 256 Hz, where the record's transform and the structure's fall with ω
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -37,12 +37,12 @@ def respond(
     `transfer_function` [rad/s]; `longest`, `lead` [s].
     Returns `response`: response at equal steps from the begin to the end of the window, both included.
     """
-    line = _Line.for_excitation(excitation, longest, lead)
-    return line.response(transfer_function), line.step
+    line = TransformLine.for_excitation(excitation, longest, lead)
+    return line.response(transfer_function(line.s)), line.step
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Line:
+class TransformLine:
     """The record's transform on the line s = σ + iω, moved to the begin of the window."""
 
     s: Spectrum
@@ -53,6 +53,7 @@ class _Line:
 
     @classmethod
     def for_excitation(cls, excitation: Excitation, longest: float, lead: float) -> Self:
+        """Transform a record for steps and leads up to the longest [s]."""
         begin, end = excitation.window
         steps = int(np.ceil((end - begin) / longest - 1e-9))
         step = (end - begin) / steps
@@ -64,8 +65,9 @@ class _Line:
         spectrum = _record_transform(excitation, s) * np.exp(s * begin)
         return cls(s=s, spectrum=spectrum, points=points, steps=steps, step=step)
 
-    def response(self, transfer_function: Transfer) -> Array:
-        decayed = scipy.fft.irfft(self.spectrum * transfer_function(self.s), self.points)[: self.steps + 1]
+    def response(self, transfer: Spectrum) -> Array:
+        """Response at equal steps of the window to transfer functions at s, shape (…, frequencies)."""
+        decayed = scipy.fft.irfft(self.spectrum * transfer, self.points)[..., : self.steps + 1]
         return np.asarray(decayed * self._growth, dtype=np.float64)
 
     @cached_property
@@ -122,8 +124,8 @@ def deviation(
     `longest` [s].
     """
     refuse_long_leads(structure, gain, delay)
-    line = _Line.for_excitation(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
-    ideal = line.response(lambda s: transfer(structure, np.ones(()), np.zeros(()), s))
+    line = TransformLine.for_excitation(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
+    ideal = line.response(transfer(structure, np.ones(()), np.zeros(()), line.s))
     unstable = np.flatnonzero(delay >= critical_delay(structure, gain))
     if unstable.size:
         refuse_unstable(structure, float(gain[unstable[0]]), float(delay[unstable[0]]))
@@ -131,7 +133,7 @@ def deviation(
     for one_delay in np.unique(delay):
         shift = np.exp(-line.s * one_delay)  # the same for all gains, and dearer than all the rest
         for cell in np.flatnonzero(delay == one_delay):
-            loop = partial(transfer_of_shift, structure, np.asarray(gain[cell]), shift)
+            loop = transfer_of_shift(structure, np.asarray(gain[cell]), shift, line.s)
             strayed = line.response(loop) - ideal
             mean_square[cell] = np.trapezoid(strayed**2, dx=line.step) / excitation.window_duration
             peak[cell] = peak_of_history(strayed)

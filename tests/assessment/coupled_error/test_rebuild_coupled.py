@@ -33,7 +33,7 @@ def frame():
 
 @pytest.fixture(scope="module")
 def run(frame):
-    return coupled_response(frame.partition, frame.actuators, ground(1), STEP)
+    return coupled_response(frame.partition, frame.transfer_system, ground(1), STEP)
 
 
 def true_errors(run):
@@ -143,7 +143,7 @@ def test_intervals_hold_the_true_error_in_most_tests(frame):
     """60 tests under other ground motions, noise at 40 dB; both displacements of each."""
     ratios, held = [], []
     for seed in range(100, 160):
-        run = coupled_response(frame.partition, frame.actuators, ground(seed), STEP)
+        run = coupled_response(frame.partition, frame.transfer_system, ground(seed), STEP)
         error = rebuilt(frame, run, noise=0.01, seed=seed, draws=128)
         for degree, true in zip(error.degrees, true_errors(run)[0], strict=True):
             ratios.append(degree.rms.value / true)
