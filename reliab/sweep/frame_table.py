@@ -91,13 +91,13 @@ def trace_frame_ellipses(
     name and `error_of` the response whose error counts.
     """
     tables, errors_at_rest, headers, modes = [], [], [], []
-    for done, motion in enumerate(motions, start=1):
+    for motion in motions:
         loop = _loop(request, excitation_of(motion, request.window))
         modes.append(loop.governing_mode)
         errors_at_rest.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
-        progress(done, len(motions))
+        progress(len(headers), len(motions))
     mode, frame = modes[0], request.frame
     return ellipse_dataset(
         np.stack(tables)[:, np.newaxis, np.newaxis],
