@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+_NAMES_IN_2 = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
 _STATUS = "1: may diverge, 2: error above twice the threshold, 4: fault; sums of them"
 
 
@@ -14,16 +15,23 @@ class Variable:
     number: int  # Its value reference, as `template/unit.h` numbers them
     description: str
     unit: str = ""
-    is_input: bool = False
-    is_whole: bool = False
+    kind: str = "Float64"  # Float64, Int32 or Boolean
+    causality: str = "output"  # input, output or parameter
+
+    @property
+    def is_output(self) -> bool:
+        """Whether it is computed."""
+        return self.causality == "output"
 
 
 def list_variables(actuators: int) -> list[Variable]:
-    """Return inputs and outputs; those of one actuator have no numbers in their names."""
+    """Return inputs, outputs and parameters; those of one actuator have no numbers in their names."""
     place = {k: f"_{k + 1}" if actuators > 1 else "" for k in range(actuators)}
     channels = ("command", "Command displacement"), ("measured", "Measured displacement")
     inputs = [
-        Variable(name=f"{name}{place[k]}", number=2 * k + channel, description=what, unit="m", is_input=True)
+        Variable(
+            name=f"{name}{place[k]}", number=2 * k + channel, description=what, unit="m", causality="input"
+        )
         for k in place
         for channel, (name, what) in enumerate(channels)
     ]
@@ -40,24 +48,52 @@ def list_variables(actuators: int) -> list[Variable]:
     damping = "Net damping ratio of the loop; NaN before it is known"
     outputs += [
         Variable(name="net_damping", number=5 * actuators, description=damping),
-        Variable(name="status", number=5 * actuators + 1, description=_STATUS, is_whole=True),
+        Variable(name="status", number=5 * actuators + 1, description=_STATUS, kind="Int32"),
     ]
     if actuators > 1:
         which = "Number of the displacement with the largest error so far"
-        outputs.append(Variable(name="governing", number=5 * actuators + 3, description=which, is_whole=True))
-    return [*inputs, *outputs]
+        outputs.append(Variable(name="governing", number=5 * actuators + 3, description=which, kind="Int32"))
+    return [*inputs, *outputs, *_parameters(place)]
+
+
+def _parameters(place: dict[int, str]) -> list[Variable]:
+    """List what may be stated of the sensors before a test."""
+    actuators = len(place)
+    stated = (
+        ("sensor_offset", "Offset of the displacement sensor"),
+        ("standing", "Command minus measured displacement under which the test begins in equilibrium"),
+    )
+    numbers = [
+        Variable(
+            name=f"{name}{place[k]}",
+            number=(5 + block) * actuators + 4 + k,
+            description=what,
+            unit="m",
+            causality="parameter",
+        )
+        for block, (name, what) in enumerate(stated)
+        for k in place
+    ]
+    whether = Variable(
+        name="offsets_are_stated",
+        number=7 * actuators + 4,
+        description="Whether the offsets are those stated here; otherwise they are learned at rest",
+        kind="Boolean",
+        causality="parameter",
+    )
+    return [*numbers, whether]
 
 
 def describe_for_2(variables: Sequence[Variable]) -> dict[str, str]:
     """Return the parts of a model's description in FMI 2.0."""
-    places = [place for place, variable in enumerate(variables, 1) if not variable.is_input]
+    places = [place for place, variable in enumerate(variables, 1) if variable.is_output]
     outputs = "".join(f'<Unknown index="{place}"/>' for place in places)
     return {"@VARIABLES@": "\n".join(map(_scalar, variables)), "@OUTPUTS@": outputs}
 
 
 def describe_for_3(variables: Sequence[Variable], actuators: int) -> dict[str, str]:
     """Return the parts of a model's description in FMI 3.0, which has the time as a variable."""
-    numbers = [variable.number for variable in variables if not variable.is_input]
+    numbers = [variable.number for variable in variables if variable.is_output]
     time = (
         f'    <Float64 name="time" valueReference="{5 * actuators + 2}" causality="independent" '
         'variability="continuous" unit="s" description="Time of the last sample"/>'
@@ -70,24 +106,25 @@ def describe_for_3(variables: Sequence[Variable], actuators: int) -> dict[str, s
 
 
 def _attributes(variable: Variable) -> str:
-    causality = 'causality="input"' if variable.is_input else 'causality="output"'
-    initial = "" if variable.is_input else ' initial="calculated"'
+    variability = "fixed" if variable.causality == "parameter" else "discrete"
+    initial = ' initial="calculated"' if variable.is_output else ""
     return (
-        f'name="{variable.name}" valueReference="{variable.number}" {causality} '
-        f'variability="discrete"{initial} description="{variable.description}"'
+        f'name="{variable.name}" valueReference="{variable.number}" causality="{variable.causality}" '
+        f'variability="{variability}"{initial} description="{variable.description}"'
     )
 
 
-def _measure(variable: Variable) -> str:
+def _values(variable: Variable) -> str:
+    """Write the unit and the start value."""
     unit = f' unit="{variable.unit}"' if variable.unit else ""
-    return unit + (' start="0"' if variable.is_input else "")
+    start = "false" if variable.kind == "Boolean" else "0"
+    return unit + ("" if variable.is_output else f' start="{start}"')
 
 
 def _scalar(variable: Variable) -> str:
-    kind = "Integer" if variable.is_whole else "Real"
-    return f"    <ScalarVariable {_attributes(variable)}><{kind}{_measure(variable)}/></ScalarVariable>"
+    kind = _NAMES_IN_2[variable.kind]
+    return f"    <ScalarVariable {_attributes(variable)}><{kind}{_values(variable)}/></ScalarVariable>"
 
 
 def _typed(variable: Variable) -> str:
-    kind = "Int32" if variable.is_whole else "Float64"
-    return f"    <{kind} {_attributes(variable)}{_measure(variable)}/>"
+    return f"    <{variable.kind} {_attributes(variable)}{_values(variable)}/>"

@@ -126,7 +126,7 @@ def monitor_sources(monitor: LoopMonitor) -> dict[str, str]:
 def _configuration(monitor: LoopMonitor) -> str:
     return "\n".join(
         [
-            "/* The structure, rate and threshold of this monitor; written, not edited. */",
+            f"/* {_told(monitor)} Written, not edited. */",
             "#ifndef RELIAB_MONITOR_CONFIG_H",
             "#define RELIAB_MONITOR_CONFIG_H",
             *(f"#define RELIAB_{name} {value}" for name, value in _numbers(monitor).items()),
@@ -137,6 +137,17 @@ def _configuration(monitor: LoopMonitor) -> str:
             "#endif",
             "",
         ]
+    )
+
+
+def _told(monitor: LoopMonitor) -> str:
+    """Say what a monitor is of."""
+    lowest = significant(float(monitor.linear.natural_frequencies[0]))
+    effects = ", ".join(effect.name for effect in monitor.effects)
+    return (
+        f"Degrees of freedom: {monitor.degrees_of_freedom}; lowest natural frequency: {lowest} Hz; "
+        f"actuators: {len(monitor.coefficients.carry)}; effects of the specimen: {effects or 'none'}; "
+        f"rate: {significant(1.0 / monitor.time_step)} Hz."
     )
 
 
@@ -277,5 +288,4 @@ def _row(values: Array) -> str:
 
 def _real(value: float) -> str:
     """Write a double so that reading gives the same bits."""
-    text = f"{value:.17g}"
-    return text if any(mark in text for mark in ".en") else f"{text}.0"
+    return repr(float(value))

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from reliab.in_loop import monitor_sources
+
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler is installed here")
@@ -70,6 +72,14 @@ def built(folder, compiler=None, flags=STRICT):
     return ctypes.CDLL(str(library))
 
 
+def built_of(monitor, folder, compiler=None):
+    """The library of a monitor."""
+    folder.mkdir(exist_ok=True)
+    for name, text in monitor_sources(monitor).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return built(folder, compiler)
+
+
 def followed(library, command, measured, begin=None):
     """Follow a test; histories of several actuators in rows, `begin`: offsets, then standing differences."""
     actuators = 1 if command.ndim == 1 else command.shape[0]
@@ -84,3 +94,25 @@ def followed(library, command, measured, begin=None):
     parts = np.split(table.T, [actuators, 2 * actuators, 3 * actuators])
     of_degrees = [part[0] if command.ndim == 1 else part for part in parts[:3]]
     return Followed(*of_degrees, *parts[3])
+
+
+def compare(folder, drawn, compiler=None):
+    """Whether C gives the errors of a drawn test, and its alarm at the same sample; return what it says."""
+    ours = followed(built_of(drawn.monitor, folder, compiler), drawn.command, drawn.measured, drawn.begin)
+    assert_same(ours.error, drawn)
+    if len(drawn.error) == 1:
+        raised = np.flatnonzero(ours.status.astype(int) & UNSTABLE)
+        assert (raised[0] * drawn.monitor.time_step if raised.size else None) == pytest.approx(drawn.alarm)
+    offset = drawn.begin[: len(drawn.command), np.newaxis]
+    carry = drawn.monitor.coefficients.carry
+    ideal = np.abs(carry @ (drawn.measured - offset) - drawn.error).max(axis=1)
+    square = drawn.error**2
+    mean = (square.sum(axis=1) - 0.5 * (square[:, 0] + square[:, -1])) / (square.shape[1] - 1)
+    assert ours.rms[:, -1] == pytest.approx(np.sqrt(mean) / ideal, rel=1e-9)
+    assert ours.mte[:, -1] == pytest.approx(np.abs(drawn.error).max(axis=1) / ideal, rel=1e-9)
+    return ours
+
+
+def assert_same(error, drawn):
+    """Whether errors are those of Python, to 1e-12 of the peak."""
+    assert (np.abs(error - drawn.error) < 1e-12 * drawn.peaks[:, np.newaxis]).all()

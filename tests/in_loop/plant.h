@@ -10,7 +10,7 @@
 
 typedef struct {
     struct { unsigned status; } monitor;
-    double x, v, past[LATE + 1];
+    double x, v, past[LATE + 1], time;
     unsigned long random, count;
 } unit;
 
@@ -25,6 +25,14 @@ static int unit_get(const unit *here, unsigned at, double *value)
 }
 
 static int unit_get_whole(const unit *here, unsigned at, int *value)
+{
+    *value = 0;
+    return 1;
+}
+
+static int unit_set_yes_or_no(unit *here, unsigned at, int value) { return 1; }
+
+static int unit_get_yes_or_no(const unit *here, unsigned at, int *value)
 {
     *value = 0;
     return 1;

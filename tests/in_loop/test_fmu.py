@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from compiled_monitor import built, followed
+from compiled_monitor import UNSTABLE, built, followed
 
 from reliab.api import export_monitor
 from reliab.assessment.rebuilt_error import Monitor
@@ -38,12 +38,6 @@ def compiled_unit(kind, folder, **stated):
 def units(tmp_path_factory):
     """An FMU of each version, asked for by its kind."""
     return {kind: compiled_unit(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
-
-
-@pytest.fixture
-def unit(units):
-    """The FMU of FMI 2.0."""
-    return units["fmu"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -129,7 +123,8 @@ def test_units_of_several_actuators_and_of_models_give_the_error_of_the_sources(
         assert table[f"rms{number}"][-1] == pytest.approx(ours.rms[k, count - 1], rel=1e-12)
 
 
-PLANT = """<?xml version="1.0" encoding="UTF-8"?>
+PLANTS = {
+    "fmu": """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="plant" guid="plant">
   <CoSimulation modelIdentifier="plant"><SourceFiles><File name="fmi2.c"/></SourceFiles></CoSimulation>
   <ModelVariables>
@@ -138,70 +133,132 @@ PLANT = """<?xml version="1.0" encoding="UTF-8"?>
   </ModelVariables>
   <ModelStructure><Outputs><Unknown index="1"/><Unknown index="2"/></Outputs></ModelStructure>
 </fmiModelDescription>
-"""
+""",
+    "fmu3": """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="plant" instantiationToken="plant">
+  <CoSimulation modelIdentifier="plant"/>
+  <ModelVariables>
+    <Float64 name="command" valueReference="0" causality="output"/>
+    <Float64 name="measured" valueReference="1" causality="output"/>
+    <Float64 name="time" valueReference="2" causality="independent" variability="continuous"/>
+  </ModelVariables>
+  <ModelStructure><Output valueReference="0"/><Output valueReference="1"/></ModelStructure>
+</fmiModelDescription>
+""",
+}
 
 
 @pytest.fixture(scope="module")
-def plant(tmp_path_factory, units):
-    """An FMU of a structure with an actuator that is four times too late, by the wrapper of ours."""
+def plants(tmp_path_factory, units):
+    """FMUs of a structure with an actuator that is four times too late, by the wrappers of ours."""
+    return {kind: compiled_plant(kind, tmp_path_factory.mktemp("plant"), units[kind]) for kind in KINDS}
+
+
+def compiled_plant(kind, folder, unit):
+    """A plant in the place of the monitor."""
     from fmpy.build import build_platform_binary
 
-    folder = tmp_path_factory.mktemp("plant")
     (folder / "sources").mkdir()
-    (folder / "modelDescription.xml").write_text(PLANT, encoding="utf-8")
+    (folder / "modelDescription.xml").write_text(PLANTS[kind], encoding="utf-8")
     text = (Path(__file__).parent / "plant.h").read_text(encoding="utf-8")
     for mark, value in {"@DELAY@": DELAY, "@STEP@": 1.0 / RATE}.items():
         text = text.replace(mark, repr(value))
     (folder / "sources" / "unit.h").write_text(text, encoding="utf-8")
-    shutil.copy(units["fmu"] / "sources" / "fmi2.c", folder / "sources")
+    if kind == "fmu":
+        shutil.copy(unit / "sources" / "fmi2.c", folder / "sources")
+    else:
+        shutil.copy(unit / "sources" / "fmi3.c", folder / "sources")
+        build = (unit / "sources" / "buildDescription.xml").read_text(encoding="utf-8")
+        build = build.replace('<SourceFile name="reliab_monitor.c"/>', "").replace("reliab_monitor", "plant")
+        (folder / "sources" / "buildDescription.xml").write_text(build, encoding="utf-8")
     (folder / "build").mkdir()
     build_platform_binary(folder, build_dir=folder / "build")
     return folder
 
 
-def started(folder):
-    """An instance of an FMU, ready to be stepped."""
-    from fmpy import read_model_description
-    from fmpy.fmi2 import FMU2Slave
+class Unit:
+    """An instance of an FMU of either version, ready to be stepped."""
 
-    description = read_model_description(str(folder))
-    slave = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=str(folder),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName=description.modelName,
-    )
-    slave.instantiate()
-    slave.setupExperiment(startTime=0.0)
-    slave.enterInitializationMode()
-    slave.exitInitializationMode()
-    return slave
+    def __init__(self, folder):
+        description = fmpy.read_model_description(str(folder))
+        self.slave = fmpy.instantiate_fmu(str(folder), description, fmi_type="CoSimulation")
+        self.number = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.is_second = description.fmiVersion == "2.0"
+        if self.is_second:
+            self.slave.setupExperiment(startTime=0.0)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+        self.samples = 0
+
+    def put(self, **values):
+        """Set numbers by name."""
+        write = self.slave.setReal if self.is_second else self.slave.setFloat64
+        write([self.number[name] for name in values], list(values.values()))
+
+    def get(self, *names):
+        """Ask for numbers by name."""
+        read = self.slave.getReal if self.is_second else self.slave.getFloat64
+        return read([self.number[name] for name in names])
+
+    @property
+    def status(self):
+        """Sum of the alarms."""
+        read = self.slave.getInteger if self.is_second else self.slave.getInt32
+        return read([self.number["status"]])[0]
+
+    def step(self):
+        """Take one sample."""
+        now, self.samples = self.samples / RATE, self.samples + 1
+        self.slave.doStep(currentCommunicationPoint=now, communicationStepSize=1.0 / RATE)
+
+    def end(self):
+        """Free the instance."""
+        self.slave.terminate()
+        self.slave.freeInstance()
 
 
 def commands_of(plant, monitor=None, seconds=60):
     """Commands of a simulated loop until the monitor's alarm of the energy, or to the end."""
-    slaves = [started(folder) for folder in (plant, monitor) if folder is not None]
+    units = [Unit(folder) for folder in (plant, monitor) if folder is not None]
     commands = []
-    for k in range(seconds * RATE):
-        channels = slaves[0].getReal([0, 1])
-        commands.append(channels[0])
+    for _ in range(seconds * RATE):
+        command, measured = units[0].get("command", "measured")
+        commands.append(command)
         if monitor is not None:
-            slaves[1].setReal([0, 1], channels)
-        for slave in slaves:
-            slave.doStep(currentCommunicationPoint=k / RATE, communicationStepSize=1.0 / RATE)
-        if monitor is not None and slaves[1].getInteger([6])[0] & 1:
+            units[1].put(command=command, measured=measured)
+        for unit in units:
+            unit.step()
+        if monitor is not None and units[1].status & UNSTABLE:
             break
-    for slave in slaves:
-        slave.terminate()
-        slave.freeInstance()
+    for unit in units:
+        unit.end()
     return np.array(commands)
 
 
-def test_a_co_simulation_of_two_units_is_stopped_at_the_alarm(unit, plant):
-    stopped, unstopped = commands_of(plant, unit), commands_of(plant)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_co_simulation_of_two_units_is_stopped_at_the_alarm(units, plants, kind):
+    stopped, unstopped = commands_of(plants[kind], units[kind]), commands_of(plants[kind])
     assert stopped.size < unstopped.size
     assert np.array_equal(stopped, unstopped[: stopped.size])
     assert np.abs(stopped).max() < 0.1 * np.abs(unstopped).max()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_offset_is_stated_before_the_first_sample_and_not_after(units, kind):
+    learned, stated = Unit(units[kind]), Unit(units[kind])
+    stated.put(sensor_offset=2e-3)
+    stated.slave.setBoolean([stated.number["offsets_are_stated"]], [True])
+    assert stated.get("sensor_offset") == [2e-3]
+    for unit in (learned, stated):
+        for k in range(8):
+            unit.put(command=1e-3 * k, measured=1e-3 * k + 2e-3)
+            unit.step()
+    assert abs(learned.get("error")[0]) > 1e-3
+    assert abs(stated.get("error")[0]) < 1e-15
+    with pytest.raises(Exception, match="failed"):
+        stated.put(sensor_offset=0.0)
+    for unit in (learned, stated):
+        unit.end()
 
 
 @pytest.mark.parametrize("kind", KINDS)

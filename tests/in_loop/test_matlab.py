@@ -10,7 +10,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from reliab.api import assess, derive_criteria
+from reliab.api import assess, derive_criteria, diagnose_campaign
 from reliab.shipped import shipped
 
 OCTAVE = shutil.which("octave-cli")
@@ -18,9 +18,20 @@ pytestmark = pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed 
 TOOLBOX = str(files("reliab.in_loop").joinpath("matlab"))
 
 
-def said(script, folder, *, code=0):
+ANSWERS = """
+for word; do printf '%s\\n' "$word" >> words.txt; answer=$word; done
+printf '{"verdict": "reliable", "rms": {"low": 0.01}, "criteria": [{"a": 1}, {"a": 2}],' > "$answer"
+printf '"none": null}' >> "$answer"
+"""
+REFUSES = """
+echo 'Error: The file must be there; found 2 of 3. Give it'
+exit 2
+"""
+
+
+def said(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
     """Run lines of Octave with the toolbox on its path; return what they print."""
-    environment = {**os.environ, "RELIAB": f"{sys.executable} -m reliab"}
+    environment = {**os.environ, "RELIAB": program}
     words = [OCTAVE, "--quiet", "--no-init-file", "--eval", f"addpath('{TOOLBOX}'); {script}"]
     run = subprocess.run(  # noqa: S603 - Octave
         words, cwd=folder, env=environment, capture_output=True, text=True, check=False
@@ -33,6 +44,44 @@ def test_a_monitor_is_written_wherever_it_shall_stand(tmp_path):
     script = "m = reliab.monitor_export('c', 'it''s here', 'f', 1, 'xi', 0.02, 'rate', 256);"
     assert said(f"{script} disp(m.degrees_of_freedom)", tmp_path).strip() == "1"
     assert (tmp_path / "it's here" / "reliab_monitor.c").is_file()
+
+
+def test_names_and_values_are_options_of_the_command_line(tmp_path):
+    """With a program in the place of reliab, which keeps its words and answers."""
+    (tmp_path / "answers.sh").write_text(ANSWERS)
+    script = """
+        r = reliab.assess('t.csv', 'f', 1, 'xi', '0.02', 'exact', true, 'check', false, 'feedback_lag', 2.5);
+        assert(strcmp(r.verdict, 'reliable') && r.rms.low == 0.01 && isempty(r.none));
+        r = reliab.criterion('ellipses', {'a b.csv', 'c.csv'}, 'f', [1 2]);
+        assert([r.criteria.a], [1 2]);
+        reliab.diagnose('it''s', 'out', 'x');
+        reliab.monitor_export('fmu3', 'm.fmu', 'structure', 'frame.toml', 'rate', 4096);
+    """
+    said(script, tmp_path, program="sh answers.sh")
+    words = (tmp_path / "words.txt").read_text().splitlines()
+    calls = [
+        "assess t.csv --f 1 --xi 0.02 --exact --feedback-lag 2.5 --json *",
+        "criterion --ellipses a b.csv c.csv --f 1 2 --json *",
+        "diagnose it's --out x --json *",
+        "monitor --export fmu3 m.fmu --structure frame.toml --rate 4096 --json *",
+    ]
+    assert " ".join("*" if word.endswith(".json") else word for word in words) == " ".join(calls)
+
+
+def test_what_the_command_line_refuses_is_an_error(tmp_path):
+    (tmp_path / "refuses.sh").write_text(REFUSES)
+    sentence = said("reliab.criterion('f', 1)", tmp_path, code=1, program="sh refuses.sh")
+    assert sentence.splitlines()[0] == "error: The file must be there; found 2 of 3. Give it"
+
+
+@pytest.mark.slow
+def test_a_diagnosis_is_that_of_python(tmp_path):
+    folder = shipped("datasets", "campaigns/rig_c")
+    script = f"d = reliab.diagnose('{folder}'); disp(jsonencode(d))"
+    answer = json.loads(said(script, tmp_path))
+    expected = diagnose_campaign(str(folder)).to_dict()
+    assert answer["verdict"] == expected["verdict"]
+    assert answer.keys() == expected.keys()
 
 
 @pytest.mark.slow

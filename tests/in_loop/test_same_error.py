@@ -1,10 +1,9 @@
 """The monitor in C gives the error that Python gives, and a fault instead of a wrong number."""
 
-import subprocess
-
 import numpy as np
 import pytest
-from compiled_monitor import COMPILERS, FAULT, STRICT, UNSTABLE, built, followed, needs_compiler
+from compiled_monitor import FAULT, STRICT, UNSTABLE, built, compare, followed, needs_compiler
+from drawn_tests import of_one_degree, random_test
 
 from reliab.api import export_monitor
 from reliab.assessment.rebuilt_error import Monitor, WholeStructure
@@ -17,24 +16,6 @@ from reliab.structures import Structure
 pytestmark = needs_compiler
 
 
-def random_test(seed, rate, seconds=12.0):
-    """A structure, and the command and measured displacement of its simulated test."""
-    rng = np.random.default_rng(seed)
-    structure = Structure(
-        frequency=float(np.exp(rng.uniform(np.log(0.5), np.log(4.0)))),
-        damping_ratio=float(rng.uniform(0.01, 0.06)),
-        experimental_fraction=float(rng.uniform(0.3, 1.0)),
-    )
-    share = rng.uniform(0.0, 3.0)
-    delay = share * structure.damping_ratio / (np.pi * structure.frequency * structure.experimental_fraction)
-    ground = np.repeat(rng.normal(size=int(seconds * rate) // 8), 8)
-    test = HybridTest(structure=structure, actuator=Actuator(gain=rng.uniform(0.97, 1.03), delay=delay))
-    histories = run_closed_loop(test, ground, 1.0 / rate)
-    command = np.ascontiguousarray(histories.command.values[0])
-    noise = rng.normal(size=command.size) * 1e-3 * np.abs(command).max()
-    return structure, command, histories.measured + noise
-
-
 def by_python(structure, command, measured, rate, lag, offset):
     """The monitor of Python after the whole test."""
     monitor = Monitor(structure, 1.0 / rate, feedback_lag=lag, sensor_offset=offset)
@@ -42,43 +23,9 @@ def by_python(structure, command, measured, rate, lag, offset):
     return monitor
 
 
-def compare(folder, seed, rate):
-    structure, command, measured = random_test(seed, rate)
-    lag, offset = (0.0, 0.37, 2.6)[seed % 3] / rate, 1e-3 * (seed % 2)
-    export_monitor(
-        ("c", folder),
-        f=structure.frequency,
-        xi=structure.damping_ratio,
-        alpha=structure.experimental_fraction,
-        feedback_lag=1e3 * lag,
-        rate=rate,
-    )
-    ours = followed(built(folder), command, measured, (offset, 0.0))
-    theirs = by_python(structure, command, measured, rate, lag, offset)
-    peak = np.abs(command).max()
-    assert theirs.error.size == command.size
-    assert np.abs(ours.error - theirs.error).max() < 1e-12 * peak
-    assert ours.rms[-1] == pytest.approx(theirs.now.rms, rel=1e-11)
-    assert ours.mte[-1] == pytest.approx(theirs.now.mte, rel=1e-11)
-    return ours, theirs
-
-
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024), (2, 4096)])
 def test_errors_are_those_of_python(tmp_path, seed, rate):
-    compare(tmp_path, seed, rate)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [256, 1024, 4096])
-def test_errors_and_alarms_of_many_tests_are_those_of_python(tmp_path, rate):
-    alarms = 0
-    for seed in range(67):
-        ours, theirs = compare(tmp_path, seed, rate)
-        here = np.flatnonzero(ours.status.astype(int) & UNSTABLE)
-        since = here[0] / rate if here.size else None
-        assert since == theirs.gains_energy_since
-        alarms += since is not None
-    assert 10 < alarms < 60
+    compare(tmp_path, of_one_degree(seed, rate))
 
 
 def test_net_damping_and_the_alarm_are_those_of_python(tmp_path):
@@ -167,60 +114,3 @@ def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
         assert np.isnan(ours.error[first:]).all()
         assert np.isnan(ours.rms[first:]).all()
         assert not np.isnan(ours.error[:first]).any()
-
-
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_every_compiler_accepts_it_and_fast_arithmetic_changes_nothing(tmp_path, compiler):
-    if compiler not in COMPILERS:
-        pytest.skip(f"{compiler} is not installed here")
-    _, command, measured = random_test(6, 512)
-    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=512)
-    exact = followed(built(tmp_path, compiler), command, measured)
-    fast = followed(built(tmp_path, compiler, ("-std=c99", "-O3", "-ffast-math")), command, measured)
-    assert np.abs(exact.error - fast.error).max() < 1e-9 * np.abs(command).max()
-    assert (exact.status == fast.status).all()
-
-
-@pytest.mark.parametrize("sanitizer", ["address,undefined", pytest.param("thread", marks=pytest.mark.slow)])
-def test_sanitizers_find_nothing_in_the_example(tmp_path, sanitizer):
-    _, command, measured = random_test(7, 256)
-    export_monitor(("c", tmp_path), f=1, xi=0.02, feedback_lag=9, rate=256)
-    table = np.stack([command, measured], axis=1)
-    np.savetxt(tmp_path / "test.csv", table, delimiter=",", header="command_m,measured_m", fmt="%.17g")
-    flags = [*STRICT, f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all"]
-    sources = ["reliab_monitor.c", "example.c", "-lm", "-o", "example"]
-    subprocess.run([COMPILERS[0], *flags, *sources], cwd=tmp_path, check=True)  # noqa: S603 - a compiler
-    run = subprocess.run(["./example", "test.csv"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert "Sanitizer" not in run.stderr
-    assert len(run.stdout.splitlines()) == command.size
-    errors = np.array([float(line.split()[0]) for line in run.stdout.splitlines()])
-    ours = followed(built(tmp_path), command, measured)
-    assert np.abs(errors - ours.error).max() < 1e-12 * np.abs(command).max()
-
-
-def test_nothing_is_allocated_and_no_state_is_shared(tmp_path):
-    export_monitor(("c", tmp_path), f=1, xi=0.02, rate=256)
-    object_file = [COMPILERS[0], *STRICT, "-c", "reliab_monitor.c", "-o", "monitor.o"]
-    subprocess.run(object_file, cwd=tmp_path, check=True)  # noqa: S603
-    listed = subprocess.run(
-        ["nm", "monitor.o"],  # noqa: S607 - of the compiler
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    symbols = [line.split()[-2:] for line in listed.splitlines()]
-    needed = {name for kind, name in symbols if kind == "U"}
-    assert needed <= {
-        "sqrt",
-        "log",
-        "exp",
-        "erfc",
-        "ceil",
-        "fabs",
-        "memset",
-        "memcpy",
-        "__stack_chk_fail",
-        "_GLOBAL_OFFSET_TABLE_",
-    }
-    assert not {name for kind, name in symbols if kind in "BbDdC"}

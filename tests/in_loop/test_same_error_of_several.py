@@ -2,25 +2,18 @@
 
 import numpy as np
 import pytest
-from compiled_monitor import ERROR, FAULT, UNSTABLE, built, followed, needs_compiler
+from compiled_monitor import ERROR, FAULT, UNSTABLE, built, built_of, compare, followed, needs_compiler
+from drawn_tests import by_assess, delayed_loop, of_several_actuators, random_partition, shaken
 
 from reliab.api import export_monitor
-from reliab.assessment.coupled_error import CoupledRecursion, rebuild_coupled
-from reliab.assessment.rebuilt_error import delayed
-from reliab.in_loop import LoopMonitor, monitor_sources
+from reliab.assessment.coupled_error import rebuild_coupled
+from reliab.in_loop import LoopMonitor
 from reliab.shipped import shipped
 from reliab.simulation.frames import coupled_response, read_structure
-from reliab.structures import CoupledPartition, coupled_limit
+from reliab.structures import coupled_limit
 
 pytestmark = needs_compiler
 FRAME = shipped("datasets", "frames/two_actuators.toml")
-
-
-def shaken(rate, seconds=12.0, seed=0):
-    """A ground acceleration that begins and ends at rest [m/s²]."""
-    time = np.arange(int(seconds * rate)) / rate
-    values = np.random.default_rng(seed).normal(size=int(seconds * 32))
-    return np.interp(time, np.arange(values.size) / 32, values) * np.sin(np.pi * time / seconds) ** 2
 
 
 def channels_of(frame, response):
@@ -28,69 +21,9 @@ def channels_of(frame, response):
     return (frame.kinematics @ values for values in (response.command, response.measured))
 
 
-def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None):
-    """Errors by degree of freedom as `assess` computes them, without taking noise away."""
-    recursion = CoupledRecursion.of_partition(partition.with_masses, 1.0 / rate)
-    felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
-    state = None if standing is None else recursion.static @ carry @ standing
-    return recursion.respond(carry @ (command - felt), state) - carry @ (command - measured)
-
-
-def random_partition(seed):
-    """A frame of some storeys of which two or three displacements are driven, coupled by the specimen."""
-    rng = np.random.default_rng((seed, 7))
-    floors, degrees = int(rng.integers(3, 6)), int(rng.integers(2, 4))
-    stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
-    stiffness *= (2.0 * np.pi * rng.uniform(0.8, 3.0)) ** 2
-    own, across, rest = (
-        stiffness[:degrees, :degrees],
-        stiffness[:degrees, degrees:],
-        stiffness[degrees:, degrees:],
-    )
-    share = (own - across @ np.linalg.solve(rest, across.T)) * rng.uniform(0.2, 0.9)
-    return CoupledPartition(
-        mass=np.diag(rng.uniform(0.5, 2.0, floors)),
-        damping=2e-3 * stiffness,
-        stiffness=stiffness,
-        interface=np.eye(floors)[:, :degrees],
-        specimen_stiffness=share,
-        specimen_damping=1e-3 * share,
-        specimen_mass=0.05 * np.eye(degrees),
-    )
-
-
-def compare(folder, seed, rate):
-    """A test of a random frame with coupled kinematics, offsets, standing differences and a late force."""
-    rng = np.random.default_rng((seed, 8))
-    partition = random_partition(seed)
-    carry = np.eye(partition.degrees) + 0.3 * rng.normal(size=(partition.degrees, partition.degrees))
-    lag = float(rng.choice([0.0, 0.4, 2.7])) / rate
-    command = np.cumsum(rng.normal(size=(partition.degrees, 6 * rate)), axis=1) * 1e-3 / np.sqrt(rate)
-    measured = 0.98 * command + 1e-5 * rng.normal(size=command.shape)
-    begin = 1e-4 * rng.normal(size=(2, partition.degrees))
-    monitor = LoopMonitor(structure=partition, to_interface=carry, time_step=1.0 / rate, feedback_lag=lag)
-    for name, text in monitor_sources(monitor).items():
-        (folder / name).write_text(text, encoding="utf-8")
-    ours = followed(built(folder), command, measured, begin.ravel())
-    expected = by_assess(partition, carry, command, measured - begin[0][:, np.newaxis], rate, lag, begin[1])
-    peaks = np.abs(carry @ command).max(axis=1, keepdims=True)
-    assert (np.abs(ours.error - expected) < 1e-12 * peaks).all()
-    reference = carry @ (measured - begin[0][:, np.newaxis]) - expected
-    sizes = np.abs(expected).max(axis=1) / np.abs(reference).max(axis=1)
-    assert ours.mte[:, -1] == pytest.approx(sizes, rel=1e-9)
-
-
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024)])
 def test_errors_by_degree_are_those_of_assess(tmp_path, seed, rate):
-    compare(tmp_path, seed, rate)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [256, 1024, 4096])
-def test_errors_of_many_frames_are_those_of_assess(tmp_path, rate):
-    for seed in range(12):
-        (tmp_path / f"{seed}").mkdir()
-        compare(tmp_path / f"{seed}", seed, rate)
+    compare(tmp_path, of_several_actuators(seed, rate))
 
 
 def test_a_simulated_test_of_the_shipped_frame_is_followed(tmp_path):
@@ -131,31 +64,6 @@ def test_the_alarm_of_the_error_is_that_of_any_degree(tmp_path):
     assert late.governing[-1] == 1
 
 
-def delayed_loop(partition, delay, rate, seconds, seed):
-    """Commands and measured displacements of a loop whose actuators are late by whole samples."""
-    whole = partition.with_masses
-    gamma, late = whole.interface, round(delay * rate)
-    parts = [whole.mass, whole.damping, whole.stiffness]
-    specimen = [whole.specimen_mass, whole.specimen_damping, whole.specimen_stiffness]
-    mass, damping, stiffness = (whole.numerical(*pair) for pair in zip(parts, specimen, strict=True))
-    ground = shaken(rate, seconds, seed)
-    x, v = np.zeros(whole.size), np.zeros(whole.size)
-    moved = np.zeros((ground.size + late + 1, whole.degrees))
-    inverse = np.linalg.inv(mass)
-    for k in range(ground.size):
-        y = moved[k]
-        rate_of_y = (moved[k] - moved[max(k - 1, 0)]) * rate
-        force = whole.specimen_stiffness @ y + whole.specimen_damping @ rate_of_y
-        a = inverse @ (
-            -whole.mass @ whole.influence * ground[k] - damping @ v - stiffness @ x - gamma @ force
-        )
-        v = v + a / rate
-        x = x + v / rate
-        moved[k + late + 1] = gamma.T @ x
-    command = moved[late + 1 :].T
-    return np.ascontiguousarray(command), np.ascontiguousarray(moved[: ground.size].T)
-
-
 @pytest.mark.slow
 def test_a_coupled_loop_that_diverges_is_caught_and_a_stable_one_is_not(tmp_path):
     """Ten frames with 0.5 and 1.5 times their critical delay."""
@@ -165,12 +73,9 @@ def test_a_coupled_loop_that_diverges_is_caught_and_a_stable_one_is_not(tmp_path
         partition = random_partition(seed)
         limit = coupled_limit(partition).delay
         monitor = LoopMonitor(structure=partition, time_step=1.0 / rate)
-        (tmp_path / f"{seed}").mkdir()
-        for name, text in monitor_sources(monitor).items():
-            (tmp_path / f"{seed}" / name).write_text(text, encoding="utf-8")
-        library = built(tmp_path / f"{seed}")
+        library = built_of(monitor, tmp_path / f"{seed}")
         for share in (0.5, 1.5):
-            command, measured = delayed_loop(partition, share * limit, rate, 8.0, seed)
+            command, measured = delayed_loop(partition, share * limit, rate, shaken(rate, 8.0, seed))
             noise = (
                 np.random.default_rng(seed).normal(size=command.shape)
                 * 1e-5

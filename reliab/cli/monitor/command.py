@@ -59,7 +59,7 @@ class MonitorDemand(Demand):
     ] = None
     feedback_lag: Annotated[
         str,
-        typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]."),
+        typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]; not with --model."),
     ] = "0"
     equipment: EquipmentFile = None
     exact: TakenAsExact = False
@@ -141,7 +141,8 @@ def monitor(demand: MonitorDemand) -> None:
     Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
     may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
-    response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB.
+    response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB; but
+    with --model it is held whole, and may last about an hour. What --export writes has no such limit.
     """
     if demand.export is not None:
         _export(demand)

@@ -67,6 +67,28 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference at[], size_t
     return refused ? fmi2Error : fmi2OK;
 }
 
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference at[], size_t n, const fmi2Boolean values[])
+{
+    size_t i;
+    int refused = 0;
+    for (i = 0u; i < n; i++) {
+        refused |= unit_set_yes_or_no((unit *)c, at[i], values[i] != fmi2False);
+    }
+    return refused ? fmi2Error : fmi2OK;
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Boolean values[])
+{
+    size_t i;
+    int refused = 0;
+    for (i = 0u; i < n; i++) {
+        int value;
+        refused |= unit_get_yes_or_no((const unit *)c, at[i], &value);
+        values[i] = value != 0 ? fmi2True : fmi2False;
+    }
+    return refused ? fmi2Error : fmi2OK;
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean final)
 {
     static const fmi2Status answers[3] = {fmi2OK, fmi2Warning, fmi2Error};
@@ -76,13 +98,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean 
 
 /* There is nothing else to set, get or store. */
 #define REFUSED(name, ...) fmi2Status name(__VA_ARGS__)
-REFUSED(fmi2GetBoolean, fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Boolean v[])
-{ (void)c, (void)at, (void)v; return n == 0u ? fmi2OK : fmi2Error; }
 REFUSED(fmi2GetString, fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2String v[])
 { (void)c, (void)at, (void)v; return n == 0u ? fmi2OK : fmi2Error; }
 REFUSED(fmi2SetInteger, fmi2Component c, const fmi2ValueReference at[], size_t n, const fmi2Integer v[])
-{ (void)c, (void)at, (void)v; return n == 0u ? fmi2OK : fmi2Error; }
-REFUSED(fmi2SetBoolean, fmi2Component c, const fmi2ValueReference at[], size_t n, const fmi2Boolean v[])
 { (void)c, (void)at, (void)v; return n == 0u ? fmi2OK : fmi2Error; }
 REFUSED(fmi2SetString, fmi2Component c, const fmi2ValueReference at[], size_t n, const fmi2String v[])
 { (void)c, (void)at, (void)v; return n == 0u ? fmi2OK : fmi2Error; }

@@ -76,6 +76,28 @@ fmi3Status fmi3GetInt32(fmi3Instance c, places at, size_t n, fmi3Int32 values[],
     return refused ? fmi3Error : fmi3OK;
 }
 
+fmi3Status fmi3SetBoolean(fmi3Instance c, places at, size_t n, const fmi3Boolean values[], size_t m)
+{
+    size_t i;
+    int refused = n != m;
+    for (i = 0u; i < n && !refused; i++) {
+        refused = unit_set_yes_or_no((unit *)c, at[i], values[i]);
+    }
+    return refused ? fmi3Error : fmi3OK;
+}
+
+fmi3Status fmi3GetBoolean(fmi3Instance c, places at, size_t n, fmi3Boolean values[], size_t m)
+{
+    size_t i;
+    int refused = n != m;
+    for (i = 0u; i < n && !refused; i++) {
+        int value;
+        refused = unit_get_yes_or_no((const unit *)c, at[i], &value);
+        values[i] = value != 0;
+    }
+    return refused ? fmi3Error : fmi3OK;
+}
+
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 step, fmi3Boolean final,
                       fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)
 {
@@ -121,7 +143,6 @@ NO_OTHER(fmi3SetInt32, const fmi3Int32)
 NEITHER(UInt32)
 NEITHER(Int64)
 NEITHER(UInt64)
-NEITHER(Boolean)
 NEITHER(String)
 REFUSED(fmi3GetBinary, (fmi3Instance c, places at, size_t n, size_t sizes[], fmi3Binary v[], size_t m))
 REFUSED(fmi3SetBinary, (fmi3Instance c, places at, size_t n, const size_t sizes[], const fmi3Binary v[], size_t m))

@@ -7,7 +7,7 @@ function result = call(command, words, options)
     end
     answer = [tempname() '.json'];
     words = [{command} words written(options) {'--json', answer}];
-    words = cellfun(@quoted, words, 'UniformOutput', false);  % MATLAB does not index what a call returns
+    words = cellfun(@(word) quoted(char(word)), words, 'UniformOutput', false);
     line = [program sprintf(' %s', words{:})];
     [code, said] = system([line ' 2>&1']);
     if code > 1 || exist(answer, 'file') ~= 2
@@ -24,7 +24,10 @@ function words = written(options)
     words = {};
     for k = 1:2:numel(options)
         value = options{k + 1};
-        name = ['--' strrep(options{k}, '_', '-')];
+        name = ['--' strrep(char(options{k}), '_', '-')];
+        if isstring(value)
+            value = cellstr(value);
+        end
         if islogical(value)
             words = [words repmat({name}, 1, double(value))];
         elseif isnumeric(value)

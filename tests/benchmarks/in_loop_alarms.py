@@ -1,0 +1,422 @@
+"""Alarms of the monitor in C beside simulated tests: sound ones, diverging ones, channels that drop out.
+
+python tests/benchmarks/in_loop_alarms.py [--count N] [--seed S] [--out TABLE.csv]
+
+N tests of each stable kind, as many diverging ones altogether, and a quarter as many in which a channel
+drops out. Kinds are those of `monitor.py` (one degree of freedom), frames of three to five storeys with one
+actuator and with two or three, and specimens with one of the effects that ship (the monitor has the model);
+noise of the sensor is 1e-4 to 3e-3 of the exact peak. A loop that diverges is cut off at three times the
+exact peak of any interface displacement. An alarm is in time when it is raised at least 0.3 s before one of
+them passes twice its exact peak. Needs a C compiler.
+"""
+
+import argparse
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy.linalg
+from monitor import DIVERGING, LARGE, RATE, STABLE, STOPPED, THRESHOLD, cases as cases_of_one_degree, effect
+
+from reliab.arrays import Array
+from reliab.assessment.rebuilt_error import WholeStructure
+from reliab.compiled import compiled
+from reliab.effects import Effect, Role, library
+from reliab.in_loop import LoopMonitor, monitor_sources
+from reliab.motions import Motion, resample
+from reliab.motions.synthetic import synthetic_suite
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.structures import CoupledPartition, Structure, coupled_limit
+
+IN_TIME = 0.3  # s
+FINE = 1024.0  # Hz, at which frames and nonlinear specimens are simulated; frames are followed at RATE
+FURTHER = ("frame", "several actuators", "model")
+KINDS = (*((kind, False) for kind in FURTHER), *((kind, True) for kind in FURTHER))
+BREAKS = ("not a number", "held", "zero", "held for 0.05 s")
+READ = """
+#include "reliab_monitor.h"
+#include <stdio.h>
+int main(void)
+{
+    static reliab_monitor monitor;
+    double row[2 * RELIAB_ACTUATORS];
+    unsigned long first[3] = {0, 0, 0}, i = 0;
+    unsigned k;
+    reliab_monitor_init(&monitor);
+    for (; fread(row, sizeof row, 1, stdin) == 1; i++) {
+        const unsigned status = reliab_monitor_step(&monitor, row, row + RELIAB_ACTUATORS);
+        for (k = 0u; k < 3u; k++) {
+            if ((status & (1u << k)) != 0u && first[k] == 0) { first[k] = i + 1; }
+        }
+    }
+    printf("%lu %lu %lu\\n", first[0], first[1], first[2]);
+    return 0;
+}
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopCase:
+    """A simulated test; histories by actuator, which are the interface displacements, in rows."""
+
+    kind: str
+    diverges: bool
+    monitor: LoopMonitor
+    command: Array
+    measured: Array
+    ideal: Array
+    peaks: Array  # of the exact response over the whole motion, by displacement
+    offset: float = 0.0
+
+
+def compiled_program(monitor: LoopMonitor, folder: Path) -> Path:
+    for name, text in {**monitor_sources(monitor), "main.c": READ}.items():
+        (folder / name).write_text(text)
+    words = ["cc", "-std=c99", "-O0", "reliab_monitor.c", "main.c", "-lm", "-o", "program"]
+    subprocess.run(words, cwd=folder, check=True)  # noqa: S603 - a compiler
+    return folder / "program"
+
+
+def alarms_of(case: LoopCase) -> list[float | None]:
+    """Times of the alarm of the energy, of the error, and of a fault [s]."""
+    with tempfile.TemporaryDirectory() as name:
+        program = compiled_program(case.monitor, Path(name))
+        rows = np.ascontiguousarray(np.concatenate([case.command, case.measured]).T).tobytes()
+        said = subprocess.run([program], input=rows, capture_output=True, check=True).stdout  # noqa: S603
+    step = case.monitor.time_step
+    return [(int(word) - 1) * step if int(word) else None for word in said.split()]
+
+
+@compiled
+def _march(
+    mass: Array,
+    damping: Array,
+    stiffness: Array,
+    load: Array,
+    interface: Array,
+    force: Array,
+    drag: Array,
+    gain: Array,
+    late: int,
+    ground: Array,
+    rate: float,
+) -> tuple[Array, Array]:
+    """Commands and measured displacements of a loop whose actuators are `late` by whole samples."""
+    size, degrees, count = mass.shape[0], gain.shape[0], ground.size
+    x, v = np.zeros(size), np.zeros(size)
+    command, measured = np.zeros((count, degrees)), np.zeros((count, degrees))
+    for k in range(count):
+        command[k] = interface.T @ x
+        if k >= late:
+            measured[k] = gain @ command[k - late]
+        moved = measured[k] - measured[k - 1] if k > 0 else measured[k]
+        resists = interface @ (force @ measured[k] + drag @ (moved * rate))
+        v = v + mass @ (-load * ground[k] - damping @ v - stiffness @ x - resists) / rate
+        x = x + v / rate
+    return command, measured
+
+
+def loop_of_frame(
+    partition: CoupledPartition, gain: Array, delay: float, ground: Array
+) -> tuple[Array, Array]:
+    """Commands and measured displacements at RATE, simulated at FINE."""
+    whole, every = partition, round(FINE / RATE)
+    arrays = (
+        np.linalg.inv(whole.mass),
+        whole.numerical(whole.damping, whole.specimen_damping),
+        whole.numerical(whole.stiffness, whole.specimen_stiffness),
+        whole.mass @ whole.influence,
+        whole.interface,
+        whole.specimen_stiffness,
+        whole.specimen_damping,
+        gain,
+    )
+    arrays = tuple(np.ascontiguousarray(array, dtype=float) for array in arrays)
+    both = _march(*arrays, round(delay * FINE), np.ascontiguousarray(ground), FINE)
+    command, measured = (np.ascontiguousarray(moved[::every].T) for moved in both)
+    return command, measured
+
+
+def drawn_frame(rng: np.random.Generator, degrees: int) -> CoupledPartition:
+    """A shear frame, the lower `degrees` floors in the laboratory."""
+    floors = int(rng.integers(3, 6))
+    stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
+    stiffness[-1, -1] = 1.0
+    mass = np.diag(rng.uniform(0.7, 1.5, floors))
+    first = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)[0]
+    w1 = 2.0 * np.pi * np.exp(rng.uniform(np.log(0.4), np.log(3.0)))
+    stiffness *= w1**2 / first
+    own, across = stiffness[:degrees, :degrees], stiffness[:degrees, degrees:]
+    condensed = own - across @ np.linalg.solve(stiffness[degrees:, degrees:], across.T)
+    share = condensed * rng.uniform(0.2, 0.9)
+    return CoupledPartition(
+        mass=mass,
+        damping=2.0 * rng.uniform(0.01, 0.06) / w1 * stiffness,
+        stiffness=stiffness,
+        interface=np.eye(floors)[:, :degrees],
+        specimen_stiffness=share,
+        specimen_damping=0.2 * rng.uniform() * 2.0 * 0.02 / w1 * share,
+    )
+
+
+def drawn_share(rng: np.random.Generator, diverges: bool, most: float = 0.9) -> float:  # noqa: FBT001
+    """Delay over the critical one."""
+    return float(rng.uniform(1.1, 3.0) if diverges else np.exp(rng.uniform(np.log(0.005), np.log(most))))
+
+
+def frame_case(kind: str, diverges: bool, motion: Motion, rng: np.random.Generator) -> LoopCase | None:  # noqa: FBT001
+    """A frame with one actuator, or with two or three; gains are off, and actuators move each other."""
+    degrees = 1 if kind == "frame" else int(rng.integers(2, 4))
+    partition = drawn_frame(rng, degrees)
+    gain = np.eye(degrees) + 0.01 * rng.standard_normal((degrees, degrees))
+    limit = coupled_limit(partition, gain).delay
+    if not (4.0 / FINE < limit < 1.0):
+        return None  # shorter than whole samples can show
+    ground = resample(motion, FINE).acceleration
+    exact, _ = loop_of_frame(partition, np.eye(degrees), 0.0, ground)
+    delay = drawn_share(rng, diverges) * limit
+    if (round(delay * FINE) > limit * FINE) != diverges:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        command, measured = loop_of_frame(partition, gain, delay, ground)
+    whole = WholeStructure(
+        mass=partition.mass,
+        damping=partition.damping,
+        stiffness=partition.stiffness,
+        interface=partition.interface[:, 0],
+        specimen_stiffness=float(partition.specimen_stiffness[0, 0]),
+        specimen_damping=float(partition.specimen_damping[0, 0]),
+    )
+    monitor = LoopMonitor(structure=whole if degrees == 1 else partition, time_step=1.0 / RATE)
+    return cut(kind, diverges, monitor, command, measured, exact, rng)
+
+
+def sized(name: str, peak: float, k: float, w0: float, rng: np.random.Generator) -> Effect:
+    """An effect that shows in a motion of a peak [m]; `k` [N/m], `w0` [rad/s]."""
+    force, speed = k * peak, peak * w0
+    friction = {
+        "force_n": rng.uniform(0.02, 0.15) * force,
+        "regularisation_velocity_m_per_s": 0.01 * speed,
+    }
+    yields = {
+        "force_n": rng.uniform(0.2, 0.6) * force,
+        "displacement_m": rng.uniform(0.2, 0.6) * peak,
+        "lost_share": 1.0,
+    }
+    parameters = {
+        "series_play": {"width_m": rng.uniform(0.005, 0.05) * peak},
+        "cubic_stiffness": {"cubic_n_per_m3": rng.uniform(0.1, 0.5) * k / peak**2},
+        "quadratic_stiffness": {"quadratic_n_per_m2": rng.uniform(0.05, 0.2) * k / peak},
+        "coulomb_friction": friction,
+        "directional_friction": {**friction, "asymmetry": 0.2},
+        "viscous_damping": {"damping_n_s_per_m": rng.uniform(0.01, 0.05) * k / w0},
+        "quadratic_damping": {"coefficient_n_s2_per_m2": rng.uniform(0.05, 0.2) * force / speed**2},
+        "power_law_damping": {"coefficient": rng.uniform(0.02, 0.1) * force / speed**0.4, "exponent": 0.4},
+        "hysteresis": yields,
+        "degrading_hysteresis": {**yields, "stiffness_loss": 0.02, "strength_loss": 0.02, "slip": 0.5},
+        "added_mass": {"mass_kg": rng.uniform(0.02, 0.1) * k / w0**2},
+        "gap": {"gap_m": rng.uniform(0.05, 0.2) * peak},
+    }
+    return effect(name, **{key: float(value) for key, value in parameters[name].items()})
+
+
+def model_case(kind: str, diverges: bool, motion: Motion, rng: np.random.Generator) -> LoopCase | None:  # noqa: FBT001
+    """A nonlinear specimen with its model; stable ones up to half the delay that is critical at first."""
+    structure = Structure(
+        frequency=float(np.exp(rng.uniform(np.log(0.4), np.log(3.0)))),
+        damping_ratio=float(rng.uniform(0.01, 0.06)),
+        experimental_fraction=float(rng.uniform(0.3, 1.0)),
+    )
+    ground, w0 = resample(motion, FINE).acceleration, structure.circular_frequency
+    plain = HybridTest(structure=structure, mass=float(np.exp(rng.uniform(0.0, 8.0))))
+    peak = float(np.abs(run_closed_loop(plain, ground, 1.0 / FINE).command.values[0]).max())
+    names = [name for name, one in library().items() if one.role is Role.FORCE]
+    assert plain.specimen is not None
+    acting = sized(names[int(rng.integers(len(names)))], peak, plain.specimen.stiffness, w0, rng)
+    test = replace(plain, effects=(acting,))
+    limit = 2.0 * structure.damping_ratio / (w0 * structure.experimental_fraction)
+    late = Actuator(
+        gain=1.0 + structure.damping_ratio * rng.uniform(-0.3, 0.3),
+        delay=drawn_share(rng, diverges, 0.5) * limit,
+    )
+    exact = run_closed_loop(test, ground, 1.0 / FINE).command.values[:1]
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = run_closed_loop(replace(test, actuator=late), ground, 1.0 / FINE)
+    if not diverges and not np.abs(run.command.values[0]).max() < LARGE * np.abs(exact).max():
+        return None
+    monitor = LoopMonitor(structure=test, time_step=1.0 / FINE)
+    return cut(kind, diverges, monitor, run.command.values[:1], run.measured[np.newaxis], exact, rng)
+
+
+def cut(
+    kind: str,
+    diverges: bool,  # noqa: FBT001
+    monitor: LoopMonitor,
+    command: Array,
+    measured: Array,
+    exact: Array,
+    rng: np.random.Generator,
+) -> LoopCase | None:
+    """End a diverging test where the rig switches off, and add the sensors' noise."""
+    peaks = np.abs(exact).max(axis=1)
+    beyond = ~(np.abs(command) < STOPPED * peaks[:, np.newaxis]).all(axis=0)
+    if beyond.any() != diverges:
+        return None
+    end = int(np.argmax(beyond)) if diverges else command.shape[1]
+    level = peaks * np.exp(rng.uniform(np.log(1e-4), np.log(3e-3)))
+    noise = level[:, np.newaxis] * rng.standard_normal((peaks.size, end))
+    return LoopCase(
+        kind=kind,
+        diverges=diverges,
+        monitor=monitor,
+        command=command[:, :end],
+        measured=measured[:, :end] + noise,
+        ideal=exact[:, :end],
+        peaks=peaks,
+    )
+
+
+def cases(count: int, seed: int) -> Iterator[LoopCase]:
+    suite = list(synthetic_suite(count=40, seed=seed))
+    diverging = count * (len(STABLE) + len(FURTHER)) // (len(DIVERGING) + len(FURTHER))
+    for case in cases_of_one_degree(suite, count, seed, diverging):
+        monitor = LoopMonitor(structure=WholeStructure.of_structure(case.structure), time_step=1.0 / RATE)
+        offset = float(np.mean(case.measured[:20] - case.command[:20])) if case.facts["offset"] else 0.0
+        rows = (np.atleast_2d(values) for values in (case.command, case.measured, case.ideal))
+        command, measured, ideal = rows
+        yield LoopCase(
+            kind=case.kind,
+            diverges=case.diverges,
+            monitor=monitor,
+            command=command,
+            measured=measured,
+            ideal=ideal,
+            peaks=np.array([case.facts["peak"]]),
+            offset=offset,
+        )
+    for place, (kind, diverges) in enumerate(KINDS):
+        wanted, number = diverging if diverges else count, 0
+        while wanted:
+            rng = np.random.default_rng((seed, 100 + place, number))
+            motion = suite[int(rng.integers(len(suite)))]
+            case = (model_case if kind == "model" else frame_case)(kind, diverges, motion, rng)
+            number += 1
+            if case is not None:
+                wanted -= 1
+                yield case
+
+
+def judged(case: LoopCase) -> dict[str, object]:
+    """Alarms of a test, and what is true of it."""
+    energy, error, fault = alarms_of(case)
+    large = (np.abs(case.command) > LARGE * case.peaks[:, np.newaxis]).any(axis=0)
+    strayed = case.measured - case.offset - case.ideal
+    share = np.sqrt(np.mean(strayed**2, axis=1)) / case.peaks
+    return {
+        "kind": case.kind,
+        "diverges": case.diverges,
+        "energy": energy,
+        "error": error,
+        "fault": fault,
+        "first": min((at for at in (energy, error, fault) if at is not None), default=None),
+        "doubled": float(np.argmax(large)) * case.monitor.time_step if large.any() else None,
+        "rms": float(share.max()),
+        "calm": seconds_calm(case),
+        "seconds": case.command.shape[1] * case.monitor.time_step,
+    }
+
+
+def seconds_calm(case: LoopCase) -> float:
+    """Time from the last doubling of the exact peak to the end, the longest of any displacement [s]."""
+    longest = 0.0
+    for row in case.ideal:
+        settled, place = 0.0, 0
+        for k, value in enumerate(np.maximum.accumulate(np.abs(row))):
+            if value > 2.0 * settled:
+                settled, place = value, k
+        longest = max(longest, (row.size - 1 - place) * case.monitor.time_step)
+    return longest
+
+
+def broken(case: LoopCase, how: str, rng: np.random.Generator) -> dict[str, object]:
+    """A sound test of which one channel drops out while it moves."""
+    channel, measured = int(rng.integers(len(case.measured))), case.measured.copy()
+    moves = np.flatnonzero(np.abs(case.command[channel]) > 0.2 * case.peaks[channel])
+    at = int(rng.choice(moves))
+    end = at + round(0.05 / case.monitor.time_step) if how == BREAKS[-1] else None
+    last = measured[channel, at - 1]
+    measured[channel, at:end] = {"not a number": np.nan, "zero": 0.0}.get(how, last)
+    energy, error, fault = alarms_of(replace(case, measured=measured))
+    after = case.command[channel, at : at + round(1.0 / case.monitor.time_step)]
+    return {
+        "how": how,
+        "at": at * case.monitor.time_step,
+        "fault": fault,
+        "energy": energy,
+        "error": error,
+        "travel": float(np.ptp(after)),
+        "peak": float(case.peaks[channel]),
+    }
+
+
+def say_of_kinds(table: pd.DataFrame) -> None:
+    for (diverges, kind), part in table.groupby(["diverges", "kind"]):
+        margin = part.doubled - part["first"].astype(float)
+        in_time = f"{(margin >= IN_TIME).sum()} in time" if diverges else f"{part.fault.notna().sum()} faults"
+        print(f"{kind:20} {len(part):4} tests, {part.energy.notna().sum():4} alarms of the energy, {in_time}")
+
+
+def say(table: pd.DataFrame) -> None:
+    say_of_kinds(table)
+    sound, ran = table[~table.diverges], table[table.diverges & table.doubled.notna()]
+    good, bad = sound[sound.rms < THRESHOLD], sound[sound.rms > 2.0 * THRESHOLD]
+    print(f"stable: {len(sound)}, false alarms of the energy {sound.energy.notna().sum()}")
+    print(f"stable: {len(sound)}, false faults {sound.fault.notna().sum()}")
+    print(f"error below the threshold: {len(good)}, false alarms of the error {good.error.notna().sum()}")
+    false = sound.energy.notna() | sound.fault.notna() | (sound.error.notna() & (sound.rms < THRESHOLD))
+    print(f"stable: {len(sound)}, with any false alarm {false.sum()}")
+    silent = bad[bad.error.isna()]
+    short = (silent.calm < 12.0).sum()
+    print(f"stable, error above twice the threshold: {len(bad)}, silent {len(silent)}, too short {short}")
+    print(silent.to_string())
+    margin = ran.doubled - ran["first"].astype(float)
+    in_time, silent = (margin >= IN_TIME).sum(), ran["first"].isna().sum()
+    print(f"passed twice the peak: {len(ran)}, {in_time} in time, {silent} silent")
+    print(ran[~(margin >= IN_TIME)].to_string())
+
+
+def say_of_dropouts(table: pd.DataFrame) -> None:
+    for how, part in table.groupby("how"):
+        wait = (part.fault - part["at"]).astype(float)
+        print(
+            f"{how:16} {len(part):4} dropouts, {part.fault.notna().sum()} faults, half within "
+            f"{wait.median():.3f} s, all of them within {wait.max():.3f} s"
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--count", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    rows, dropouts = [], []
+    for place, case in enumerate(cases(given.count, given.seed)):
+        rows.append(judged(case))
+        if not case.diverges and place % 4 == 0:
+            rng = np.random.default_rng((given.seed, 200, place))
+            dropouts.append(broken(case, BREAKS[place // 4 % len(BREAKS)], rng))
+    if given.out:
+        pd.DataFrame(rows).to_csv(given.out, index=False)
+        pd.DataFrame(dropouts).to_csv(given.out.with_suffix(".dropouts.csv"), index=False)
+    say(pd.DataFrame(rows))
+    say_of_dropouts(pd.DataFrame(dropouts))
+
+
+if __name__ == "__main__":
+    main()

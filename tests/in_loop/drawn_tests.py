@@ -1,0 +1,263 @@
+"""Drawn tests of every kind that a monitor in a loop is made for, with the errors that Python computes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.assessment.coupled_error import CoupledRecursion
+from reliab.assessment.rebuilt_error import Monitor, WholeStructure, delayed
+from reliab.effects import Role, find_effect, library
+from reliab.in_loop import LoopMonitor
+from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
+from reliab.structures import CoupledPartition, Structure, coupled_limit
+
+FINE = 4096
+SHIPPED = [name for name, effect in library().items() if effect.role is Role.FORCE]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """A test, and what Python says of it; histories in rows by actuator or interface displacement."""
+
+    monitor: LoopMonitor
+    command: np.ndarray
+    measured: np.ndarray
+    begin: np.ndarray  # offsets of the sensors, then differences in equilibrium [m]
+    error: np.ndarray
+    peaks: np.ndarray  # of the commands, carried to the interface [m]
+    alarm: float | None = None  # time of the alarm of the energy [s]; of one actuator only
+
+
+def by_monitor(structure, monitor, command, measured, offset, peak=None):
+    """What Python's monitor of one actuator says."""
+    theirs = Monitor(structure, monitor.time_step, feedback_lag=monitor.feedback_lag, sensor_offset=offset)
+    theirs.feed(command, measured)
+    return Drawn(
+        monitor=monitor,
+        command=command[np.newaxis],
+        measured=measured[np.newaxis],
+        begin=np.array([offset, 0.0]),
+        error=theirs.error[np.newaxis],
+        peaks=np.array([np.abs(command).max() if peak is None else peak]),
+        alarm=theirs.gains_energy_since,
+    )
+
+
+def random_structure(rng):
+    """A structure of one degree of freedom."""
+    return Structure(
+        frequency=float(np.exp(rng.uniform(np.log(0.5), np.log(4.0)))),
+        damping_ratio=float(rng.uniform(0.01, 0.06)),
+        experimental_fraction=float(rng.uniform(0.3, 1.0)),
+    )
+
+
+def random_test(seed, rate, seconds=12.0):
+    """A structure, and the command and measured displacement of its simulated test."""
+    rng = np.random.default_rng(seed)
+    structure = random_structure(rng)
+    share = rng.uniform(0.0, 3.0)
+    delay = share * structure.damping_ratio / (np.pi * structure.frequency * structure.experimental_fraction)
+    ground = np.repeat(rng.normal(size=int(seconds * rate) // 8), 8)
+    test = HybridTest(structure=structure, actuator=Actuator(gain=rng.uniform(0.97, 1.03), delay=delay))
+    histories = run_closed_loop(test, ground, 1.0 / rate)
+    command = np.ascontiguousarray(histories.command.values[0])
+    noise = rng.normal(size=command.size) * 1e-3 * np.abs(command).max()
+    return structure, command, histories.measured + noise
+
+
+def of_one_degree(seed, rate):
+    """A linear structure of one degree of freedom, with a delay up to thrice the critical one."""
+    structure, command, measured = random_test(seed, rate)
+    monitor = LoopMonitor(
+        structure=WholeStructure.of_structure(structure),
+        time_step=1.0 / rate,
+        feedback_lag=(0.0, 0.37, 2.6)[seed % 3] / rate,
+    )
+    return by_monitor(structure, monitor, command, measured, 1e-3 * (seed % 2))
+
+
+def shaken(rate, seconds=12.0, seed=0):
+    """A ground acceleration that begins and ends at rest [m/s²]."""
+    time = np.arange(int(seconds * rate)) / rate
+    values = np.random.default_rng(seed).normal(size=int(seconds * 32))
+    return np.interp(time, np.arange(values.size) / 32, values) * np.sin(np.pi * time / seconds) ** 2
+
+
+def random_partition(seed, degrees=None):
+    """A frame of some storeys whose lower ones are driven, coupled by the specimen; `degrees`: so many."""
+    rng = np.random.default_rng((seed, 7))
+    floors = int(rng.integers(3, 6))
+    degrees = int(rng.integers(2, 4)) if degrees is None else degrees
+    stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
+    stiffness *= (2.0 * np.pi * rng.uniform(0.8, 3.0)) ** 2
+    own, across, rest = (
+        stiffness[:degrees, :degrees],
+        stiffness[:degrees, degrees:],
+        stiffness[degrees:, degrees:],
+    )
+    share = (own - across @ np.linalg.solve(rest, across.T)) * rng.uniform(0.2, 0.9)
+    return CoupledPartition(
+        mass=np.diag(rng.uniform(0.5, 2.0, floors)),
+        damping=2e-3 * stiffness,
+        stiffness=stiffness,
+        interface=np.eye(floors)[:, :degrees],
+        specimen_stiffness=share,
+        specimen_damping=1e-3 * share,
+        specimen_mass=0.05 * np.eye(degrees),
+    )
+
+
+def delayed_loop(partition, delay, rate, ground):
+    """Interface commands and measured displacements of a loop whose actuators are late by whole samples."""
+    whole = partition.with_masses
+    gamma, late = whole.interface, round(delay * rate)
+    parts = [whole.mass, whole.damping, whole.stiffness]
+    specimen = [whole.specimen_mass, whole.specimen_damping, whole.specimen_stiffness]
+    mass, damping, stiffness = (whole.numerical(*pair) for pair in zip(parts, specimen, strict=True))
+    x, v = np.zeros(whole.size), np.zeros(whole.size)
+    moved = np.zeros((ground.size + late, whole.degrees))
+    inverse = np.linalg.inv(mass)
+    for k in range(ground.size):
+        moved[k + late] = gamma.T @ x
+        rate_of_y = (moved[k] - moved[max(k - 1, 0)]) * rate
+        force = whole.specimen_stiffness @ moved[k] + whole.specimen_damping @ rate_of_y
+        a = inverse @ (
+            -whole.mass @ whole.influence * ground[k] - damping @ v - stiffness @ x - gamma @ force
+        )
+        v = v + a / rate
+        x = x + v / rate
+    channels = moved[late:], moved[: ground.size]
+    return tuple(np.ascontiguousarray(channel.T) for channel in channels)
+
+
+def whole_of(partition):
+    """A frame with one interface displacement, as one actuator drives it."""
+    with_mass = partition.with_masses
+    return WholeStructure(
+        mass=with_mass.mass,
+        damping=with_mass.damping,
+        stiffness=with_mass.stiffness,
+        interface=with_mass.interface[:, 0],
+        specimen_stiffness=float(with_mass.specimen_stiffness[0, 0]),
+        specimen_damping=float(with_mass.specimen_damping[0, 0]),
+        specimen_mass=float(with_mass.specimen_mass[0, 0]),
+    )
+
+
+def of_frame(seed, rate):
+    """A frame of three to five storeys with one actuator, late by up to 1.5 times the critical delay."""
+    rng = np.random.default_rng((seed, 9))
+    partition = random_partition(seed, 1)
+    delay = float(rng.uniform(0.0, 1.5)) * coupled_limit(partition).delay
+    (command,), (measured,) = delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
+    read = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
+    monitor = LoopMonitor(
+        structure=whole_of(partition),
+        time_step=1.0 / rate,
+        feedback_lag=float(rng.choice([0.0, 0.4, 2.7])) / rate,
+    )
+    return by_monitor(monitor.structure, monitor, command, read, float(rng.choice([0.0, 1e-4])))
+
+
+def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None):
+    """Errors by degree of freedom as `assess` computes them, without taking noise away."""
+    recursion = CoupledRecursion.of_partition(partition.with_masses, 1.0 / rate)
+    felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
+    state = None if standing is None else recursion.static @ carry @ standing
+    return recursion.respond(carry @ (command - felt), state) - carry @ (command - measured)
+
+
+def of_several_actuators(seed, rate):
+    """Two or three actuators with coupled kinematics, offsets, standing differences and a late force."""
+    rng = np.random.default_rng((seed, 8))
+    partition = random_partition(seed)
+    carry = np.eye(partition.degrees) + 0.3 * rng.normal(size=(partition.degrees, partition.degrees))
+    lag = float(rng.choice([0.0, 0.4, 2.7])) / rate
+    if seed % 2:
+        command = np.cumsum(rng.normal(size=(partition.degrees, 6 * rate)), axis=1) * 1e-3 / np.sqrt(rate)
+        measured = 0.98 * command
+    else:
+        delay = float(rng.uniform(0.0, 1.5)) * coupled_limit(partition).delay
+        command, measured = (
+            np.linalg.solve(carry, moved)
+            for moved in delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
+        )
+    measured = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.shape)
+    offset, standing = 1e-4 * rng.normal(size=(2, partition.degrees))
+    sound = measured - offset[:, np.newaxis]
+    return Drawn(
+        monitor=LoopMonitor(structure=partition, to_interface=carry, time_step=1.0 / rate, feedback_lag=lag),
+        command=command,
+        measured=measured,
+        begin=np.concatenate([offset, standing]),
+        error=by_assess(partition, carry, command, sound, rate, lag, standing),
+        peaks=np.abs(carry @ command).max(axis=1),
+    )
+
+
+def effects(kind, peak, stiffness, frequency):
+    """Effects of a size that shows in a motion of a peak [m]; `stiffness` [N/m], `frequency` [rad/s]."""
+    force, speed = stiffness * peak, peak * frequency
+    friction = {"force_n": 0.1 * force, "regularisation_velocity_m_per_s": 0.01 * speed}
+    yields = {"force_n": 0.3 * force, "displacement_m": 0.3 * peak, "lost_share": 1.0}
+    sizes = {
+        "series_play": {"width_m": 0.05 * peak},
+        "cubic_stiffness": {"cubic_n_per_m3": 0.5 * stiffness / peak**2},
+        "quadratic_stiffness": {"quadratic_n_per_m2": 0.2 * stiffness / peak},
+        "coulomb_friction": friction,
+        "directional_friction": {**friction, "asymmetry": 0.2},
+        "viscous_damping": {"damping_n_s_per_m": 0.05 * stiffness / frequency},
+        "quadratic_damping": {"coefficient_n_s2_per_m2": 0.1 * force / speed**2},
+        "power_law_damping": {"coefficient": 0.05 * force / speed**0.4, "exponent": 0.4},
+        "hysteresis": yields,
+        "degrading_hysteresis": {**yields, "stiffness_loss": 0.02, "strength_loss": 0.02, "slip": 0.5},
+        "added_mass": {"mass_kg": 0.1 * stiffness / frequency**2},
+        "gap": {"gap_m": 0.1 * peak},
+    }
+    return (find_effect(kind)(**sizes[kind]),)
+
+
+def nonlinear_test(seed, rate, kinds, seconds=10.0):
+    """A model, and command, measured and exact displacement of a simulated test."""
+    rng = np.random.default_rng((seed, 40))
+    structure = Structure(
+        frequency=float(np.exp(rng.uniform(np.log(0.5), np.log(3.0)))),
+        damping_ratio=float(rng.uniform(0.02, 0.06)),
+        experimental_fraction=float(rng.uniform(0.5, 1.0)),
+    )
+    mass = float(np.exp(rng.uniform(0.0, 8.0)))
+    time = np.arange(int(seconds * FINE)) / FINE
+    shaking = np.interp(time, np.arange(int(seconds * 32)) / 32, rng.normal(size=int(seconds * 32)))
+    plain = HybridTest(structure=structure, mass=mass)
+    peak = float(np.abs(run_closed_loop(plain, shaking, 1.0 / FINE).command.values[0]).max())
+    sized = [effects(kind, peak, plain.specimen.stiffness, structure.circular_frequency) for kind in kinds]
+    model = HybridTest(structure=structure, mass=mass, effects=tuple(one for (one,) in sized))
+    share = rng.uniform(0.2, 0.8) * 2.0 * structure.damping_ratio / structure.circular_frequency
+    late = Actuator(gain=float(rng.uniform(0.98, 1.02)), delay=float(share))
+    run = run_closed_loop(
+        HybridTest(structure=structure, mass=mass, effects=model.effects, actuator=late), shaking, 1.0 / FINE
+    )
+    exact = run_closed_loop(model, shaking, 1.0 / FINE).command.values[0]
+    every = FINE // rate
+    return model, *(np.ascontiguousarray(x[::every]) for x in (run.command.values[0], run.measured, exact))
+
+
+def of_model(seed, rate, kinds=None, noise=None):
+    """A specimen with one of the shipped effects in turn, or with `kinds`; every other one with noise."""
+    kinds = (SHIPPED[seed % len(SHIPPED)],) if kinds is None else kinds
+    model, command, measured, exact = nonlinear_test(seed, rate, kinds)
+    level = 1e-3 * (seed // len(SHIPPED) % 2) if noise is None else noise
+    peak = float(np.abs(exact).max())
+    read = measured + level * peak * np.random.default_rng(seed).normal(size=measured.size)
+    monitor = LoopMonitor(structure=model, time_step=1.0 / rate)
+    return by_monitor(UpdatedModel(name="", test=model), monitor, command, read, 0.0, peak)
+
+
+KINDS = {
+    "one degree of freedom": of_one_degree,
+    "frame": of_frame,
+    "several actuators": of_several_actuators,
+    "model": of_model,
+}
