@@ -59,7 +59,11 @@ class MonitorDemand(Demand):
     ] = None
     feedback_lag: Annotated[
         str,
-        typer.Option("--feedback-lag", metavar="MS", help="Time by which the force is fed back late [ms]; not with --model."),
+        typer.Option(
+            "--feedback-lag",
+            metavar="MS",
+            help="Time by which the force is fed back late [ms]; not with --model.",
+        ),
     ] = "0"
     equipment: EquipmentFile = None
     exact: TakenAsExact = False
