@@ -40,10 +40,11 @@ def index_errors(
     contribution, energy = _contributions(command, residual, window)
     blocks, leverage = _blocks(contribution, energy)
     rng = np.random.default_rng(seed)
-    weights = rng.normal(size=(draws, blocks.size))
+    parts = np.ascontiguousarray(blocks / (1.0 - leverage)).view(np.float64).reshape(-1, 2)
+    sums = rng.multivariate_normal(np.zeros(2), parts.T @ parts, draws)  # of blocks with normal weights
     freedom = max(1.0 / float(np.sum(leverage**2)) - 1.0, 1.0)
     tails = np.sqrt(freedom / rng.chisquare(freedom, draws))
-    return np.asarray(tails * (weights @ (blocks / (1.0 - leverage))), dtype=np.complex128)
+    return np.asarray(tails * (sums[:, 0] + 1j * sums[:, 1]), dtype=np.complex128)
 
 
 def _contributions(command: Array, residual: Array, window: str) -> tuple[NDArray[np.complex128], Array]:

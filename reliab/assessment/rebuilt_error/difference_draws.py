@@ -18,6 +18,7 @@ together with the level.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -25,7 +26,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
-from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
+from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood, sample_backwards
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.signals import converter_step, vary_rounding
 from reliab.threads import one_thread
@@ -102,7 +103,8 @@ def draw_differences(
 def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generator) -> None:
     """Draw histories; levels of the remainder follow from draws of the part that follows the command."""
     level = _FIRST_LEVEL if reading.largest is None else 0.0  # many coefficients: first as if they said all
-    first = _least_squares(reading, reading.noise[-1] + level * reading.command_power)[0]
+    variance = np.broadcast_to(reading.noise[-1] + level * reading.command_power, reading.observed.shape)
+    first = _least_squares(reading, variance[np.newaxis])[0][0]
     few = np.empty((_DRAWS_OF_FOLLOWING, histories.shape[1]))
     follows = _draw(reading, _filtered(reading, first), few, generator)
     _draw(reading, _filtered(reading, follows.mean(axis=0)), histories, generator)
@@ -221,55 +223,75 @@ def _chain(factors: int) -> tuple[Array, Array]:
     return _steps(_LEVELS, _STEP), _steps(np.arange(factors, dtype=np.float64), _FACTOR_STEP)
 
 
+def _normal_equations(reading: Reading, variance: Array) -> tuple[Array, Array]:
+    """Matrix and right side of the least squares for each variance, (draws, rows, rows) and (draws, rows)."""
+    rows = reading.following.shape[0]
+    following = reading.following.reshape(rows, -1)
+    columns = np.concatenate([following, reading.observed.reshape(1, -1)]).T
+    tables = np.empty((len(variance), rows, rows + 1))
+    for table, weights in zip(tables, 1.0 / variance.reshape(len(variance), -1), strict=True):
+        table[:] = (following * weights) @ columns
+    return tables[:, :, :rows], tables[:, :, rows]
+
+
 def _least_squares(reading: Reading, variance: Array) -> tuple[Array, Array]:
-    """Coefficients of what follows the command, and a root of their covariance."""
-    rows = reading.following.shape[0]
-    weighted = (reading.following / variance).reshape(rows, -1)
-    normal = weighted @ reading.following.reshape(rows, -1).T
+    """Coefficients of what follows the command for each variance, and roots of their covariances."""
+    normal, right = _normal_equations(reading, variance)
     values, vectors = np.linalg.eigh(normal)
-    least = _SINGULAR * float(values[-1])
-    inverse = np.divide(1.0, values, out=np.zeros(rows), where=values > least)
-    root = vectors * np.sqrt(inverse)
-    return root @ (root.T @ (weighted @ reading.observed.ravel())), root
+    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=values > _SINGULAR * values[:, -1:])
+    roots = vectors * np.sqrt(inverse)[:, np.newaxis]
+    return np.einsum("dij,dkj,dk->di", roots, roots, right), roots
 
 
-def _follow(reading: Reading, variance: Array, generator: np.random.Generator) -> Array:
-    """Draw coefficients of what follows the command."""
-    if reading.largest is None:
-        mean, deviations = _least_squares(reading, variance)
-        return np.asarray(mean + deviations @ generator.standard_normal(mean.size))
+def _follow(reading: Reading, variance: Array, generator: np.random.Generator) -> tuple[Array, Array]:
+    """Draw coefficients of what follows the command, with standard normal numbers for all else."""
     rows = reading.following.shape[0]
-    weighted = (reading.following / variance).reshape(rows, -1)
-    normal = weighted @ reading.following.reshape(rows, -1).T
+    uniform, normal = np.empty((len(variance), rows)), np.empty((len(variance), rows + variance[0].size))
+    for places, numbers in zip(uniform, normal, strict=True):
+        if reading.largest is not None:
+            places[:] = generator.uniform(size=rows)
+        numbers[:] = generator.standard_normal(numbers.size)
+    scattered = normal[:, rows:].reshape(variance.shape)
+    if reading.largest is None:
+        mean, roots = _least_squares(reading, variance)
+        return mean + np.einsum("dij,dj->di", roots, normal[:, :rows]), scattered
+    equations = _normal_equations(reading, variance)
+    follows = [
+        _limited(matrix, right, reading.largest, *numbers)
+        for matrix, right, *numbers in zip(*equations, uniform, normal[:, :rows], strict=True)
+    ]
+    return np.array(follows), scattered
+
+
+def _limited(normal: Array, right: Array, largest: float, uniform: Array, scatter: Array) -> Array:
+    """Draw coefficients of unknown sizes from the normal equations of their least squares."""
+    rows = right.size
     normal[np.diag_indices(rows)] *= 1.0 + _SINGULAR
     root = np.linalg.cholesky(normal)
     # of rows made orthogonal one after the other, each with the noise's deviation of one
-    found = scipy.linalg.solve_triangular(root, weighted @ reading.observed.ravel(), lower=True)
-    spread = (np.diag(root) * reading.largest)[:, np.newaxis] * _SIZES
+    found = scipy.linalg.solve_triangular(root, right, lower=True)
+    spread = (np.diag(root) * largest)[:, np.newaxis] * _SIZES
     likelihood = -0.5 * (np.log(1.0 + spread**2) + found[:, np.newaxis] ** 2 / (1.0 + spread**2))
-    chosen = _chosen(np.exp(likelihood - likelihood.max(axis=1, keepdims=True)), generator)
+    sums = np.cumsum(np.exp(likelihood - likelihood.max(axis=1, keepdims=True)), axis=1)
+    drawn = uniform[:, np.newaxis] * sums[:, -1:]
+    chosen = np.minimum((sums < drawn).sum(axis=1), _SIZES.size - 1)
     square = spread[np.arange(rows), chosen] ** 2
     share = square / (1.0 + square)
-    drawn = share * found + np.sqrt(share) * generator.standard_normal(rows)
+    drawn = share * found + np.sqrt(share) * scatter
     return np.asarray(scipy.linalg.solve_triangular(root, drawn, lower=True, trans="T"))
 
 
 def _filtered(reading: Reading, follows: Array) -> Array:
     """Probabilities of levels and factors by the bands so far, shape (bands, levels, factors)."""
     rest = reading.observed - np.tensordot(follows, reading.following, axes=1)
-    factors = reading.noise.shape[0]
+    power, noise = np.ascontiguousarray(reading.command_power), np.ascontiguousarray(reading.noise)
+    factors = noise.shape[0]
     of_level, of_factor = _chain(factors)
     before = np.full((_LEVELS.size, factors), 1.0 / (_LEVELS.size * factors))
     filtered = []
-    for band in range(int(reading.bands[-1]) + 1):
-        inside = reading.bands == band
-        likelihood = level_likelihood(
-            np.ascontiguousarray(rest[:, inside]),
-            np.ascontiguousarray(reading.command_power[:, inside]),
-            np.ascontiguousarray(reading.noise[:, :, inside]),
-            np.exp(_LEVELS),
-            _LEAST_COMMAND,
-        )
+    edges = np.searchsorted(reading.bands, np.arange(int(reading.bands[-1]) + 2))
+    for band in pairwise(edges.tolist()):
+        likelihood = level_likelihood(rest, power, noise, band, np.exp(_LEVELS), _LEAST_COMMAND)
         joint = before * np.exp(likelihood - likelihood.max())
         filtered.append(joint / joint.sum())
         before = of_level.T @ filtered[-1] @ of_factor
@@ -280,14 +302,9 @@ def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.ran
     """Draw levels and factors, then what follows the command, which is returned, then the rest."""
     bands, _, factors = filtered.shape
     draws, size = histories.shape
-    of_level, of_factor = _chain(factors)
-    levels, places = np.empty((2, draws, bands), dtype=np.int64)
-    weights = np.broadcast_to(filtered[-1], (draws, *filtered[-1].shape))
-    for band in range(bands - 1, -1, -1):
-        chosen = _chosen(weights.reshape(draws, -1), generator)
-        levels[:, band], places[:, band] = np.divmod(chosen, factors)
-        steps = of_level[:, levels[:, band]].T[:, :, np.newaxis]
-        weights = filtered[band - 1] * steps * of_factor[:, places[:, band]].T[:, np.newaxis]
+    levels, places = np.divmod(
+        sample_backwards(filtered, *_chain(factors), generator.uniform(size=(bands, draws))), factors
+    )
     within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
     level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
     follows = np.empty((draws, reading.following.shape[0]))
@@ -300,11 +317,12 @@ def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.ran
         total = power + variance
         share = power / total
         coefficients = np.sqrt(share * variance)
-        for place, k in enumerate(some):
-            follows[k] = _follow(reading, total[place], generator)
-            followed = np.tensordot(follows[k], reading.following, axes=1)
-            coefficients[place] *= generator.standard_normal(followed.shape)
-            coefficients[place] += followed + share[place] * (reading.observed - followed)
+        follows[first : some.stop], scattered = _follow(reading, total, generator)
+        followed = np.tensordot(follows[first : some.stop], reading.following, axes=1)
+        coefficients *= scattered
+        coefficients += followed
+        share *= reading.observed - followed
+        coefficients += share
         histories[first : some.stop] = synthesise(coefficients, size)
     return follows
 
@@ -313,10 +331,3 @@ def _variance(reading: Reading, places: NDArray[np.int64]) -> Array:
     """Variances of the noise with factors drawn for each band, shape (draws, frames or 1, hop)."""
     factors = np.moveaxis(reading.noise, 1, 2)[places[:, reading.bands], np.arange(reading.bands.size)]
     return np.ascontiguousarray(np.moveaxis(factors, 1, 2))
-
-
-def _chosen(weights: Array, generator: np.random.Generator) -> NDArray[np.int64]:
-    """Draw a column of each row by its weight."""
-    sums = np.cumsum(weights, axis=1)
-    drawn = generator.uniform(size=(weights.shape[0], 1)) * sums[:, -1:]
-    return np.asarray(np.minimum((sums < drawn).sum(axis=1), weights.shape[1] - 1))

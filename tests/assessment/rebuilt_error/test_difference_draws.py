@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error import difference_draws
 from reliab.assessment.rebuilt_error.difference_draws import (
     _FACTORS,
     _LEVELS,
     _bands,
     _chain,
-    _chosen,
     _draw,
     _filtered,
     _follow,
@@ -25,6 +23,7 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     draw_differences,
 )
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.assessment.rebuilt_error.level_likelihood import sample_backwards
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 
 STEP = 1.0 / 256.0
@@ -148,9 +147,8 @@ def correlation(joint):
     return (_LEVELS @ joint @ _LEVELS - means[0] * means[1]) / np.sqrt(squares[0] * squares[1])
 
 
-def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
+def test_levels_and_factors_are_drawn_by_their_joint_probability():
     """Backward sampling: each band given the next one, from probabilities so wide that steps matter."""
-    reading = small_reading()
     filtered = np.random.default_rng(2).uniform(size=(3, _LEVELS.size, 2))
     of_level, of_factor = _chain(2)
     steps = np.einsum("lm,fg->lfmg", of_level, of_factor)
@@ -158,14 +156,8 @@ def test_levels_and_factors_are_drawn_by_their_joint_probability(monkeypatch):
     for band in (1, 0):
         joint.append(np.einsum("lfmg,mg->lf", given_next(filtered[band], steps), joint[-1]))
 
-    chosen = []
-
-    def noted(weights, generator):
-        chosen.append(_chosen(weights, generator))
-        return chosen[-1]
-
-    monkeypatch.setattr(difference_draws, "_chosen", noted)
-    _draw(reading, filtered, np.empty((4000, SIZE // 100)), np.random.default_rng(5))
+    uniform = np.random.default_rng(5).uniform(size=(3, 4000))
+    chosen = sample_backwards(filtered, of_level, of_factor, uniform).T[::-1]
     for places, expected in zip(chosen, joint, strict=True):  # from the last band to the first
         count = np.bincount(places, minlength=expected.size)
         assert scipy.stats.chisquare(count, 4000.0 * expected.ravel()).pvalue > 1e-3
@@ -191,17 +183,18 @@ def test_a_draw_without_chance_is_the_mean_given_the_median_level():
     level = np.exp(_LEVELS[np.searchsorted(np.cumsum(filtered[0, :, 0]), 0.5)])
     noise = np.broadcast_to(reading.noise[0], reading.observed.shape)
     power = level * np.maximum(reading.command_power, 0.01 * noise)
-    expected = _least_squares(reading, power + noise)[0]
+    expected = _least_squares(reading, (power + noise)[np.newaxis])[0][0]
     assert follows == pytest.approx(expected)
     followed = np.tensordot(expected, reading.following, axes=1)
     whole = followed + power / (power + noise) * (reading.observed - followed)
     assert histories == pytest.approx(synthesise(whole[np.newaxis], 40))
 
 
-def test_a_column_is_drawn_by_its_weight():
-    weights = np.tile([0.1, 0.0, 2.0, 0.9], (30_000, 1))
-    chosen = _chosen(weights, np.random.default_rng(6))
-    shares = np.bincount(chosen, minlength=4) / 30_000
+def test_a_place_is_drawn_by_its_weight():
+    weights = np.array([[[0.1, 0.0], [2.0, 0.9]]])
+    uniform = np.random.default_rng(6).uniform(size=(1, 30_000))
+    chosen = sample_backwards(weights, *(np.ones((2, 2)) for _ in range(2)), uniform)
+    shares = np.bincount(chosen[:, 0], minlength=4) / 30_000
     assert shares == pytest.approx(np.array([0.1, 0.0, 2.0, 0.9]) / 3.0, abs=0.01)
     assert shares[1] == 0.0
 
@@ -209,7 +202,7 @@ def test_a_column_is_drawn_by_its_weight():
 def test_least_squares_have_their_closed_form():
     reading = _reading(COMMAND, 0.98 * COMMAND + noise_of(sensor(white=1e-4), 7), sensor(white=1e-4), 1.1, 2)
     variance = reading.noise[-1] + 1e-3 * reading.command_power
-    mean, root = _least_squares(reading, variance)
+    (mean,), (root,) = _least_squares(reading, variance[np.newaxis])
     rows = reading.following.reshape(reading.following.shape[0], -1)
     weight = 1.0 / np.broadcast_to(variance, reading.observed.shape).ravel()
     covariance = np.linalg.inv((rows * weight) @ rows.T)
@@ -298,8 +291,8 @@ def test_coefficients_of_any_size_are_those_of_least_squares_and_of_no_size_zero
     white = sensor(white=1e-4)
     reading = _reading(COMMAND, 0.98 * COMMAND + noise_of(white, 7), white, 1.1, 2)
     variance = reading.noise[-1] + 1e-3 * reading.command_power
-    found = _follow(replace(reading, largest=largest), variance, Middle())
-    expected = _least_squares(reading, variance)[0]
+    (found,), _ = _follow(replace(reading, largest=largest), variance[np.newaxis], Middle())
+    expected = _least_squares(reading, variance[np.newaxis])[0][0]
     if rel is None:
         assert np.abs(found).max() < 1e-3 * np.abs(expected).max()
     else:
