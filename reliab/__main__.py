@@ -1,15 +1,19 @@
 """The program `reliab`, also as `python -m reliab`."""
 
 import contextlib
+import gc
 import sys
 import tempfile
 import traceback
 
 from reliab.errors import INTERRUPTED, UNEXPECTED
 
+_ALLOCATED = 100_000  # objects after which cycles are looked for: imports make many, all of which stay
+
 
 def main() -> None:
     """Run the command line; Ctrl-C and a fault of the program end it with a sentence, also during imports."""
+    gc.set_threshold(_ALLOCATED, *gc.get_threshold()[1:])
     try:
         from reliab.cli import main as command_line
 

@@ -1,5 +1,6 @@
 """Fixtures shared by all rooms."""
 
+import gc
 import json
 import os
 import sys
@@ -35,6 +36,8 @@ def pytest_configure(config):
 
     Where several processes share the work, each uses one thread for linear algebra, as what it starts does.
     """
+    # modules and tests are allocated by the million and stay: they need not be gone through for cycles
+    gc.set_threshold(100_000, *gc.get_threshold()[1:])
     # compiled modules are kept beside the code as compiled kernels are: each process that the tests start
     # would compile hundreds of them anew
     sys.dont_write_bytecode = False

@@ -50,9 +50,7 @@ def level_likelihood(
 
 
 @compiled
-def sample_backwards(
-    filtered: Array, of_level: Array, of_factor: Array, uniform: Array
-) -> NDArray[np.int64]:
+def sample_backwards(filtered: Array, of_level: Array, of_factor: Array, uniform: Array) -> NDArray[np.int64]:
     """Draw the levels and factors of all bands, from the last one to the first.
 
     `filtered`: probabilities by the bands so far, shape (bands, levels, factors); `of_level`, `of_factor`:
