@@ -126,7 +126,7 @@ def _write_coupled_test(folder: Path) -> None:
     path = shutil.copy(shipped("datasets", "frames/two_actuators.toml"), folder / "corner.toml")
     frame = read_structure(Path(path))
     shaking = ground(6)
-    run = coupled_response(frame.partition, frame.actuators, shaking, 1.0 / RATE)
+    run = coupled_response(frame.partition, frame.transfer_system, shaking, 1.0 / RATE)
     time = np.arange(shaking.size) / RATE
     noise = 1e-6 * np.random.default_rng(1).normal(size=(2, time.size))
     command, measured = frame.kinematics @ run.command, frame.kinematics @ run.measured + noise
