@@ -54,7 +54,6 @@ _SAME = 0.01
 """Relative difference up to which a stated structure is that of a model."""
 
 _NOT_FOR_FRAMES = {
-    "equipment": "The error of a frame's test is computed as if everything that is not stated were exact",
     "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
     "specimen": "The error of a frame's test is rebuilt for a linear specimen",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
@@ -409,7 +408,8 @@ class _Terms:
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)
-        criterion = self._own_criterion()
+        criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
+        of_filters = stated_of_filters(self.filters)
 
         def judge(channels: Channels, test: Test) -> FrameAssessment:
             recording = channels.read(test)
@@ -421,8 +421,8 @@ class _Terms:
                 criterion=criterion,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                feedback_lag=stated.get("feedback_lag"),
-                scale=stated.get("scale"),
+                stated={**stated, **of_filters},
+                equipment=equipment,
             )
 
         return judge
@@ -436,6 +436,7 @@ class _Terms:
         if self.criterion is not None:
             raise unused("criterion", _BESIDE_SEVERAL)
         require_positive(self.numbers)
+        equipment = known_equipment(self.equipment, exact=self.exact)
 
         def judge(channels: Channels, test: Test) -> CoupledAssessment:
             return assess_coupled(
@@ -443,8 +444,8 @@ class _Terms:
                 frame,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                feedback_lag=self.numbers.get("feedback_lag"),
-                scale=self.numbers.get("scale"),
+                stated=self.numbers,
+                equipment=equipment,
             )
 
         return judge

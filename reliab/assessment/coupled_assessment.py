@@ -1,11 +1,13 @@
 """What is found about a test with several actuators."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from reliab.assessment.budget import BudgetItem, Size, as_certain_as, budget_item
 from reliab.assessment.coupled_error import CoupledError, DegreeError
 from reliab.assessment.faults import Fault
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
@@ -45,6 +47,8 @@ class CoupledAssessment:
         Largest error of a reliable test [-].
     faults : tuple of (str, Fault)
         Faults of the recording, each with the number of its actuator.
+    sizes : mapping of str to Size
+        Sizes of what is not known of the test, by the names of the tolerances.
     verdict : Verdict
         The verdict, by the error of the displacement whose error is largest.
     limit : CoupledLimit
@@ -57,6 +61,7 @@ class CoupledAssessment:
     metric: Metric
     threshold: float
     faults: tuple[tuple[str, Fault], ...]
+    sizes: Mapping[str, Size]
     verdict: Verdict
     limit: CoupledLimit
 
@@ -72,8 +77,11 @@ class CoupledAssessment:
 
     @property
     def probability(self) -> float:
-        """Probability that the error of every judged displacement is below the threshold."""
-        return self.error.probability(self.threshold, self.metric)
+        """Probability that the error of every judged displacement is below the threshold.
+
+        At most 0.99 where sizes of what is not known are assumed.
+        """
+        return as_certain_as(self.sizes, self.error.probability(self.threshold, self.metric))
 
     @property
     def stability_margin(self) -> float:
@@ -111,7 +119,7 @@ class CoupledAssessment:
             **_stability(self),
             "modes": _modes(self),
             "error": _error(self),
-            "budget": _budget(self),
+            "budget": [item.to_dict() for item in budget_of_several(self.error, self.metric, self.sizes)],
             "metric": str(self.metric),
             "threshold": self.threshold,
             "probability": self.probability,
@@ -235,14 +243,32 @@ def _degree(assessment: CoupledAssessment, degree: DegreeError) -> dict[str, Any
         "judged": True,
         "rms": plain_estimate(degree.rms),
         "mte": plain_estimate(degree.mte),
-        "probability": degree.probability(assessment.threshold, assessment.metric),
+        "probability": as_certain_as(
+            assessment.sizes, degree.probability(assessment.threshold, assessment.metric)
+        ),
         "parts": {name: plain_part(part) for name, part in parts.items()},
         "improve_first": assessment.error.parts.first(place),
     }
 
 
-def _budget(assessment: CoupledAssessment) -> list[dict[str, Any]]:
-    return [
-        {"name": name, "contribution": contribution}
-        for name, contribution in assessment.error.widenings(assessment.metric).items()
-    ]
+def budget_of_several(
+    error: CoupledError, metric: Metric, sizes: Mapping[str, Size]
+) -> tuple[BudgetItem, ...]:
+    """List what makes the interval of the governing error, the largest contribution first."""
+    deviations = dict(zip(error.unknown.names, error.unknown.deviations.tolist(), strict=True))
+    items = []
+    for name, contribution in error.widenings(metric).items():
+        quantity, _, number = name.rpartition("_")
+        of_sensor = number.isdecimal()
+        known = quantity if of_sensor else name
+        known = "initial_state" if known.startswith("initial") else known
+        items.append(
+            budget_item(
+                known,
+                deviations.get(name, 0.0),
+                contribution,
+                sizes,
+                actuator=number if of_sensor else "",
+            )
+        )
+    return tuple(items)

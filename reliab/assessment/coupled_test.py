@@ -1,15 +1,17 @@
 """The verdict on a test with several actuators, by the error of each interface displacement."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.coupled_assessment import CoupledAssessment, lost_in_noise
+from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
+from reliab.assessment.coupled_assessment import CoupledAssessment, budget_of_several, lost_in_noise
 from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
 from reliab.assessment.doubts import ERROR_NAMES, probability_text
 from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.frame_test import sizes_of_structure
 from reliab.assessment.plausibility import require_length, require_plausible
-from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.errors import InputError
@@ -17,18 +19,12 @@ from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent
 from reliab.simulation.frames import CoupledFrame
 from reliab.stated_value import StatedValue
-from reliab.structures import coupled_limit
+from reliab.structures import Structure, coupled_limit
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
+_LEAST_SHARE = 1e-6
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
-_SHARPER = {
-    "frequency": "Determine the natural frequencies more exactly: they widen the interval most.",
-    "damping_ratio": "Determine the damping ratio more exactly: it widens the interval most.",
-    "experimental_fraction": "Determine the stiffness of the specimen more exactly: it widens the interval "
-    "most.",
-    "sensor_noise": "Record with less noise: it widens the interval most.",
-}
 
 
 def assess_coupled(
@@ -37,26 +33,32 @@ def assess_coupled(
     *,
     threshold: float = 0.05,
     metric: Metric = Metric.RMS,
-    feedback_lag: StatedValue | None = None,
-    scale: StatedValue | None = None,
+    stated: Mapping[str, StatedValue] | None = None,
+    equipment: Equipment | None = None,
 ) -> CoupledAssessment:
     """Judge a test with several actuators by the errors computed from its displacements.
 
-    `threshold` [-]; `feedback_lag` [ms]; `scale`: of all displacement sensors [-]. Raises InputError where
-    the recording does not fit the frame or cannot be judged.
+    `threshold` [-]; `stated`: "feedback_lag" [ms] and "scale" of all displacement sensors [-]; `equipment`:
+    what is not known where neither tolerances nor `stated` have it, nothing by default. Raises InputError
+    where the recording does not fit the frame or cannot be judged.
     """
     recording = _in_order(recording, frame)
-    if scale is not None:
-        recording = replace(recording, measured=recording.measured / scale.value)
+    stated = stated or {}
+    if "scale" in stated:
+        recording = replace(recording, measured=recording.measured / stated["scale"].value)
     recording, faults = _without_faults(recording, frame, threshold)
+    sizes = {
+        **sizes_of_unknown(stated, _lowest_mode(frame), equipment, recording.time_step),
+        **sizes_of_structure(frame),
+    }
     error = rebuild_coupled(
         recording.command,
         recording.measured,
         recording.time_step,
         frame.partition,
         to_interface=frame.to_interface,
-        feedback_lag=0.0 if feedback_lag is None else feedback_lag.value / MILLI,
-        tolerances=_tolerances(frame, feedback_lag, scale),
+        feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
+        tolerances=tolerances_of(sizes),
     )
     gains = frame.to_interface @ error.parts.gain @ np.linalg.inv(frame.to_interface)
     return CoupledAssessment(
@@ -66,7 +68,8 @@ def assess_coupled(
         metric=metric,
         threshold=threshold,
         faults=faults,
-        verdict=_verdict(error, metric, threshold, faults),
+        sizes=sizes,
+        verdict=_verdict(error, metric, threshold, sizes, faults),
         limit=coupled_limit(frame.partition, gains),
     )
 
@@ -124,21 +127,23 @@ def _without_faults(
     return replace(recording, command=command, measured=measured), tuple(faults)
 
 
-def _tolerances(
-    frame: CoupledFrame, feedback_lag: StatedValue | None, scale: StatedValue | None
-) -> Tolerances:
-    stated = frame.tolerances
-    return Tolerances(
-        frequency=stated.of_frequency,
-        damping_ratio=stated.damping_ratio,
-        experimental_fraction=stated.specimen_stiffness,
-        feedback_lag=0.0 if feedback_lag is None else feedback_lag.deviation / MILLI,
-        sensor_scale=0.0 if scale is None else scale.deviation / scale.value,
+def _lowest_mode(frame: CoupledFrame) -> Structure:
+    """Lowest mode, whose share of the specimen stands for that of the structure."""
+    frequency, ratio, moved = frame.partition.modes
+    share = moved[:, 0] @ frame.partition.specimen_stiffness @ moved[:, 0] / (2.0 * np.pi * frequency[0]) ** 2
+    return Structure(
+        frequency=float(frequency[0]),
+        damping_ratio=float(ratio[0]),
+        experimental_fraction=float(np.clip(share, _LEAST_SHARE, 1.0)),
     )
 
 
 def _verdict(
-    error: CoupledError, metric: Metric, threshold: float, faults: tuple[tuple[str, Fault], ...]
+    error: CoupledError,
+    metric: Metric,
+    threshold: float,
+    sizes: Mapping[str, Size],
+    faults: tuple[tuple[str, Fault], ...],
 ) -> Verdict:
     governing = error.governing(metric)
     if governing is None:
@@ -147,15 +152,15 @@ def _verdict(
             reasons=tuple(lost_in_noise(degree) for degree in error.degrees),
             would_decide=("Record with less noise, or drive the specimen further.",),
         )
-    size, probability = governing.estimate(metric), error.probability(threshold, metric)
+    size = governing.estimate(metric)
+    probability = as_certain_as(sizes, error.probability(threshold, metric))
     word = word_of_probability(probability)
     reason = (
         f"{ERROR_NAMES[metric]} of {governing.name}, the largest, is {percent(size.value, decimals=2)}, 90 % "
         f"interval {percent(size.low, decimals=2)} to {percent(size.high, decimals=2)}, against a threshold "
         f"of {percent(threshold)}: probability {probability_text(probability)} of staying below it."
     )
-    sharper = next(iter(error.widenings(metric)))
-    remedy = _SHARPER.get(sharper, "Calibrate the displacement sensors: they widen the interval most.")
+    remedy = budget_of_several(error, metric, sizes)[0].remedy
     verdict = Verdict(word=word, reasons=(reason,), would_decide=(remedy,) if word is Word.UNDECIDED else ())
     doubts = [f"Actuator {number}: {fault.finding}" for number, fault in faults if fault.in_loop is None]
     return verdict.doubted(doubts, ["Repair the channel: the verdict may depend on it."] if doubts else [])

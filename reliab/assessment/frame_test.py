@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.budget import Size, Source, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget import Equipment, Size, Source, sizes_of_unknown, tolerances_of
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, with_learned
@@ -23,7 +23,7 @@ from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.recordings import Recording, without_spikes
-from reliab.simulation.frames import FrameUnderTest, governing_mode
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
@@ -54,8 +54,8 @@ def assess_frame(
     criterion: Criterion | None = None,
     threshold: float = 0.05,
     metric: Metric = Metric.RMS,
-    feedback_lag: StatedValue | None = None,
-    scale: StatedValue | None = None,
+    stated: Mapping[str, StatedValue] | None = None,
+    equipment: Equipment | None = None,
 ) -> FrameAssessment:
     """Judge a test of a partitioned frame by the error computed from its displacements.
 
@@ -72,10 +72,12 @@ def assess_frame(
         Largest error of a reliable test [-].
     metric : Metric, optional
         Which error.
-    feedback_lag : StatedValue, optional
-        Time by which the force was fed back late [ms]; none by default.
-    scale : StatedValue, optional
-        Scale of the displacement sensor [-]; 1 by default.
+    stated : mapping of str to StatedValue, optional
+        Time "feedback_lag" by which the force was fed back late [ms], "scale" of the displacement sensor [-],
+        and the deviations of what the recording was corrected for.
+    equipment : Equipment, optional
+        What is not known where neither the frame's tolerances nor `stated` have it; by default all that is
+        exact.
 
     Returns
     -------
@@ -89,12 +91,13 @@ def assess_frame(
         another structure, or the recording cannot be judged.
     """
     _check_frame(frame)
+    stated = stated or {}
     mode = governing_mode(frame.partition, frame.output)
     if criterion is not None:
         _check_criterion(criterion, mode)
         threshold, metric = criterion.threshold, Metric(criterion.metric)
-    if scale is not None:
-        recording = replace(recording, measured=recording.measured / scale.value)
+    if "scale" in stated:
+        recording = replace(recording, measured=recording.measured / stated["scale"].value)
     require_length(recording, mode.frequency)
     require_drawable(recording, whole_structure(frame.partition))
     require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
@@ -105,7 +108,7 @@ def assess_frame(
         threshold=threshold,
         experimental_fraction=_share_at_rest(frame.partition),
     )
-    rebuilt = _rebuilding(frame, feedback_lag, scale, metric, threshold)
+    rebuilt = _rebuilding(frame, stated, equipment, metric, threshold)
     error, effects = error_with_faults(recording, faults, rebuilt)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
@@ -156,20 +159,18 @@ def _resolved(
 
 def _rebuilding(
     frame: FrameUnderTest,
-    feedback_lag: StatedValue | None,
-    scale: StatedValue | None,
+    stated: Mapping[str, StatedValue],
+    equipment: Equipment | None,
     metric: Metric,
     threshold: float,
 ) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
     structure, mode = whole_structure(frame.partition), governing_mode(frame.partition, frame.output)
-    lag = 0.0 if feedback_lag is None else feedback_lag.value / MILLI
-    stated = {"feedback_lag": feedback_lag, "scale": scale}
-    given = {name: value for name, value in stated.items() if value is not None}
-    of_structure = _sizes_of_structure(frame)
+    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+    of_structure = sizes_of_structure(frame)
 
     def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
-        sizes = {**sizes_of_unknown(given, mode, None, test.time_step), **of_structure, **left}
+        sizes = {**sizes_of_unknown(stated, mode, equipment, test.time_step), **of_structure, **left}
         error = rebuild(
             test.command,
             test.measured,
@@ -190,8 +191,8 @@ def _rebuilding(
     return rebuilt
 
 
-def _sizes_of_structure(frame: FrameUnderTest) -> dict[str, Size]:
-    """Sizes of what is not known of the structure; a factor of M acts as its inverse does on C, K and k_e."""
+def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
+    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e."""
     tolerances = frame.tolerances
     deviations = {
         "frequency": tolerances.of_frequency,

@@ -143,3 +143,23 @@ def test_what_takes_one_actuator_refuses_several(recorded):
         read_frame(path)
     with pytest.raises(InputError, match="skew"):
         reliab.assess(file, path, skew="0.1")
+
+
+def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_leaves_it(recorded, assessed):
+    file, path, _ = recorded
+    exact = reliab.assess(file, path, exact=True)
+    budget = {item["name"]: item for item in assessed.to_dict()["budget"]}
+    assert budget["sensor_scale_2"]["quantity"] == "scale of the displacement sensor of actuator 2"
+    assert budget["sensor_scale_2"]["size"] == pytest.approx(0.6)
+    assert budget["time_shift_1"]["source"] == "default"
+    assert budget["damping_ratio"]["source"] == "stated"
+    assert {item["name"] for item in exact.to_dict()["budget"]} == {
+        "frequency",
+        "damping_ratio",
+        "sensor_noise",
+        *(f"sensor_offset_{number}" for number in (1, 2)),
+    }
+    for found, known in zip(assessed.error.degrees, exact.error.degrees, strict=True):
+        assert found.rms.value == pytest.approx(known.rms.value, rel=1e-6)
+        assert found.rms.high - found.rms.low > known.rms.high - known.rms.low
+    assert 0.01 <= assessed.probability <= 0.99

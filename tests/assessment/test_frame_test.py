@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reliab.assessment.budget import Source, ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
 from reliab.criterion import published_criterion
 from reliab.effects import find_effect
@@ -63,7 +64,7 @@ def simulated(partition, motion, seed):
 
 def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
     recording, truth = test_and_truth
-    assessment = assess_frame(recording, frame, feedback_lag=LAG)
+    assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
     assert truth > 0.02
     assert assessment.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert assessment.faults == ()
@@ -77,7 +78,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     recording, truth = test_and_truth
     spiky = recording.measured.copy()
     spiky[3000] += 0.5 * np.abs(recording.command).max()
-    spoilt = assess_frame(replace(recording, measured=spiky), frame, feedback_lag=LAG)
+    spoilt = assess_frame(replace(recording, measured=spiky), frame, stated={"feedback_lag": LAG})
     assert [(effect.fault.kind, effect.fault.in_loop) for effect in spoilt.faults] == [("spike", False)]
     assert spoilt.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
@@ -86,7 +87,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
 def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
     recording, truth = test_and_truth
     shifted = recording.measured + 0.05 * np.abs(recording.command).max()
-    spoilt = assess_frame(replace(recording, measured=shifted), frame, feedback_lag=LAG)
+    spoilt = assess_frame(replace(recording, measured=shifted), frame, stated={"feedback_lag": LAG})
     (effect,) = spoilt.faults
     assert effect.fault.kind == "offset"
     without = spoilt.error if effect.fault.in_loop is False else effect.otherwise
@@ -130,7 +131,7 @@ def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
 
 def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
     recording, _ = test_and_truth
-    assessment = assess_frame(recording, frame, feedback_lag=LAG)
+    assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
     summary = assessment.to_dict()
     found, held = assessment.over_frequency, 0.5 / RATE
     servo = SERVO.transfer(2j * np.pi * found.frequency, frame.partition.specimen)
@@ -154,7 +155,7 @@ def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, tes
 
 
 def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
-    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     document = frame_assessment_report(assessment, provenance={"file": "frame.csv"})
     titles = [section.title for section in document.blocks]
     assert titles[0] == "The error of this test"
@@ -177,12 +178,12 @@ def test_what_the_equation_of_the_error_does_not_hold_for_is_refused(frame, test
 def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
     recording, truth = test_and_truth
     scaled = replace(recording, measured=1.02 * recording.measured)
-    corrected = assess_frame(scaled, frame, feedback_lag=LAG, scale=StatedValue(1.02))
+    corrected = assess_frame(scaled, frame, stated={"feedback_lag": LAG, "scale": StatedValue(1.02)})
     assert corrected.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
-    assessment = assess_frame(test_and_truth[0], frame, feedback_lag=LAG)
+    assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
     for critical, margin in margins.items():
         judged = replace(assessment, critical_delay=critical)
@@ -205,7 +206,7 @@ def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
         true = Partition(frame=built, interface=frame.partition.interface, specimen=specimen)
         recording, error = simulated(true, motion, seed)
         for name, known in (("exact", frame), ("uncertain", uncertain)):
-            interval = assess_frame(recording, known, feedback_lag=LAG).error.estimate(Metric.RMS)
+            interval = assess_frame(recording, known, stated={"feedback_lag": LAG}).error.estimate(Metric.RMS)
             held[name] += interval.low <= error <= interval.high
     assert held["exact"] <= 0.5 * len(motions)
     assert held["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases
@@ -227,3 +228,20 @@ def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
 def test_frequencies_are_not_stated_beside_mass_and_stiffness():
     with pytest.raises(ValueError, match="give frequency, or mass and stiffness"):
         TolerancesTable(frequency=0.01, stiffness=0.03)
+
+
+def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(frame, test_and_truth):
+    recording, _ = test_and_truth
+    assumed = assess_frame(recording, frame, equipment=ordinary_equipment())
+    exact = assess_frame(recording, frame)
+    sources = {item.name: item.source for item in assumed.error.budget}
+    expected = {"damping_ratio", "sensor_scale", "time_shift", "filter_delay", "feedback_lag"}
+    assert expected <= {name for name, source in sources.items() if source is Source.DEFAULT}
+    widths = [found.error.estimate(Metric.RMS) for found in (assumed, exact)]
+    assert widths[0].high - widths[0].low > 5.0 * (widths[1].high - widths[1].low)
+    assert 0.01 <= assumed.error.probability <= 0.99
+    stated = assess_frame(
+        recording, frame, stated={"skew": StatedValue(0.0, 0.01)}, equipment=ordinary_equipment()
+    )
+    (skew,) = [item for item in stated.error.budget if item.name == "time_shift"]
+    assert (skew.source, skew.size) == (Source.STATED, pytest.approx(0.01))

@@ -1,4 +1,8 @@
-from .budget import BudgetItem as BudgetItem, budget_of_error as budget_of_error
+from .budget import (
+    BudgetItem as BudgetItem,
+    budget_item as budget_item,
+    budget_of_error as budget_of_error,
+)
 from .corrections import (
     CHANNELS as CHANNELS,
     LowPass as LowPass,

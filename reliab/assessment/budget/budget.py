@@ -160,17 +160,22 @@ _QUANTITIES = {
 
 def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
     """List what makes the interval of an error, the largest contribution first."""
-    return tuple(_item(widening, sizes.get(widening.name)) for widening in widenings)
+    return tuple(
+        budget_item(widening.name, widening.deviation, widening.contribution, sizes) for widening in widenings
+    )
 
 
-def _item(widening: Widening, size: Size | None) -> BudgetItem:
-    quantity = _QUANTITIES[widening.name]
+def budget_item(
+    name: str, deviation: float, contribution: float, sizes: Mapping[str, Size], *, actuator: str = ""
+) -> BudgetItem:
+    """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
+    quantity, size = _QUANTITIES[name], sizes.get(name)
     return BudgetItem(
-        name=widening.name,
-        quantity=quantity.name,
-        size=quantity.factor * widening.deviation if quantity.factor else None,
+        name=f"{name}_{actuator}" if actuator else name,
+        quantity=f"{quantity.name} of actuator {actuator}" if actuator else quantity.name,
+        size=quantity.factor * deviation if quantity.factor else None,
         unit=quantity.unit,
         source=Source.LEARNED if size is None else size.source,
-        contribution=widening.contribution,
+        contribution=contribution,
         remedy=quantity.remedy,
     )

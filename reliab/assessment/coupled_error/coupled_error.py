@@ -10,15 +10,18 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
 from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.interval import normal_points
 from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
-_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset")
+_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset", "lagging_hysteresis")
 LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 
@@ -28,30 +31,56 @@ class Unknowns:
 
     names: tuple[str, ...]
     deviations: Array  # Relative, or in SI units, shape (unknowns,)
+    own_frequency: OwnFrequency | None = None  # What the test shows of its frequency
 
     @classmethod
-    def of_test(cls, tolerances: Tolerances, starts: Array, degrees: int) -> "Unknowns":
+    def of_test(
+        cls,
+        tolerances: Tolerances,
+        starts: Array,
+        degrees: int,
+        own_frequency: OwnFrequency | None = None,
+    ) -> "Unknowns":
         """Collect what is not known; `starts`: deviations of offsets and first errors [m], shape (2, p)."""
         stated = dict(tolerances.items())
         deviations = {name: stated[name] for name in _OF_STRUCTURE}
         for place in range(degrees):
             number = place + 1
-            deviations |= {f"{name}_{number}": stated[name] for name in _AT_SENSORS[:2]}
+            deviations |= {f"{name}_{number}": stated[name] for name in _AT_SENSORS}
+            # filters delay a reading as a skew does
+            deviations[f"time_shift_{number}"] = float(np.hypot(stated["time_shift"], stated["filter_delay"]))
             deviations[f"sensor_offset_{number}"] = float(np.hypot(stated["sensor_offset"], starts[0, place]))
             deviations[f"initial_displacement_{number}"] = float(starts[1, place])
             deviations[f"initial_velocity_{number}"] = float(starts[1, place])
         drawn = {name: value for name, value in deviations.items() if value > 0.0}
-        return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())))
+        return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())), own_frequency=own_frequency)
 
-    def at_sensors(self, drawn: Mapping[str, float], measured: Array, rate: Array) -> Array | float:
-        """Return what scales, shifts in time and offsets of sensors add to x_c − x_m [m], shape (p, n)."""
+    def draw(self, draws: int, seed: int) -> Array:
+        """Draw all of them, shape (unknowns, draws)."""
+        points = normal_points(len(self.names), draws, seed)
+        drawn = points * self.deviations[:, np.newaxis]
+        if self.own_frequency is not None:
+            place = self.names.index("frequency")
+            drawn[place] = self.own_frequency.drawn(points[place])
+        return drawn
+
+    def lags(self, command: Array) -> Array:
+        """Distances [m] by which readings lag by their hysteresis, over that, shape (p, n)."""
+        sizes = dict(zip(self.names, self.deviations.tolist(), strict=True))
+        widths = [sizes.get(f"lagging_hysteresis_{place + 1}", 0.0) for place in range(command.shape[0])]
+        return np.stack([lag_of_reading(row, width) for row, width in zip(command, widths, strict=True)])
+
+    def at_sensors(
+        self, drawn: Mapping[str, float], measured: Array, rate: Array, lags: Array
+    ) -> Array | float:
+        """Return what sensors add to x_c − x_m [m], shape (p, n): by scale, shift in time, offset and lag."""
         if not any(name.startswith(_AT_SENSORS) for name in self.names):
             return 0.0
         numbers = range(1, measured.shape[0] + 1)
-        scale, shift, offset = (
+        scale, shift, offset, hysteresis = (
             np.array([[drawn.get(f"{name}_{number}", 0.0)] for number in numbers]) for name in _AT_SENSORS
         )
-        return np.asarray(scale * measured + shift * rate + offset)
+        return np.asarray(scale * measured + shift * rate + offset - np.maximum(hysteresis, 0.0) * lags)
 
     def at_first_sample(self, drawn: Mapping[str, float], recursion: CoupledRecursion) -> Array | float:
         """State of the structure's error at the first sample where the test begins in motion."""

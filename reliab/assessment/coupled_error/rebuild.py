@@ -17,9 +17,10 @@ from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
+from reliab.assessment.coupled_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
-from reliab.assessment.rebuilt_error.interval import ACCURACY, FEWEST_SWEPT, normal_points
+from reliab.assessment.rebuilt_error.interval import ACCURACY, FEWEST_SWEPT
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -99,9 +100,6 @@ def rebuild_coupled(
     structure = partition.below(_ABOVE_BAND * max(band, float(partition.natural_frequencies[0])))
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
-    unknown = Unknowns.of_test(
-        tolerances or Tolerances(), _of_starts(channels, structure, carry), partition.degrees
-    )
     differences = _draw(channels, structure, every, draws, seed)
     histories = CoupledHistories(
         command=channels.command,
@@ -110,6 +108,13 @@ def rebuild_coupled(
         feedback_lag=feedback_lag,
         time_step=time_step,
         standing=carry @ channels.standing,
+    )
+    tolerances = tolerances or Tolerances()
+    unknown = Unknowns.of_test(
+        tolerances,
+        _of_starts(channels, structure, carry),
+        partition.degrees,
+        learn_frequency(histories, structure, tolerances.frequency),
     )
     sweep = _Sweep(histories=histories, structure=structure, every=every, seed=seed)
     exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
@@ -145,18 +150,21 @@ class _Sweep:
         """
         histories, every = self.histories, self.every
         step, draws = every * histories.time_step, differences.shape[0]
-        drawn = normal_points(len(unknown.names), draws, self.seed) * unknown.deviations[:, np.newaxis]
+        drawn = unknown.draw(draws, self.seed)
         command = histories.carry @ histories.command[:, ::every]
         measured = histories.measured[:, ::every]
         late = (histories.fed_back - histories.difference)[:, ::every]
         rate = np.gradient(measured, step, axis=1)
+        lags = unknown.lags(histories.command[:, ::every])
         stated = CoupledRecursion.of_partition(self.structure, step)
         statistics = np.empty((draws, 3, command.shape[0]))
         sums = np.zeros((2, *command.shape))
         for draw in range(draws):
             of_draw = dict(zip(unknown.names, drawn[:, draw], strict=True))
             recursion = self._recursion(of_draw, stated, step)
-            difference = histories.carry @ (differences[draw] + unknown.at_sensors(of_draw, measured, rate))
+            difference = histories.carry @ (
+                differences[draw] + unknown.at_sensors(of_draw, measured, rate, lags)
+            )
             fed_back = difference + late + of_draw.get("feedback_lag", 0.0) * (histories.carry @ rate)
             state = recursion.static @ histories.standing + unknown.at_first_sample(of_draw, recursion)
             response = recursion.respond(fed_back, state)

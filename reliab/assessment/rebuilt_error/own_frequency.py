@@ -18,7 +18,7 @@ together with a stated one of 2 %, the 90 % interval held it in 92 to 94 of 100 
 is taken as known to a third of itself: Student's t with four degrees of freedom (JCGM 100:2008, G.4.2).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,36 +130,69 @@ def learn_frequency(
     `time_step` [s]; `deviation` of the stated frequency, relative; `standing` x_c − x_m before the test [m].
     """
     lowest = float(structure.natural_frequencies[0])
-    if not deviation or not command.size * time_step * lowest > _FEWEST_PERIODS:
+    every = samples_to_learn(command.size, time_step, lowest)
+    if not deviation or every is None:
         return None
-    every = max(int(1.0 / (_PER_PERIOD * lowest * time_step)), 1)
-    felt = _Felt(
-        command=np.ascontiguousarray(command[::every]),
-        fed_back=np.ascontiguousarray(fed_back[::every]),
-        time_step=every * time_step,
-        structure=structure,
-        standing=standing,
+    short, drive = (np.ascontiguousarray(history[::every]) for history in (command, fed_back))
+    step = every * time_step
+
+    def responses(factors: Array) -> Iterator[tuple[Array, Array]]:
+        for factor, recursion in zip(factors, _recursions(structure, step, factors), strict=True):
+            moved = respond(recursion, drive, equilibrium(structure, standing) / factor**2)[0]
+            yield short - moved, moved - drive
+
+    felt = Felt(
+        time_step=step,
+        frequencies=structure.natural_frequencies,
+        first_mode=_first_mode(structure),
+        responses=responses,
     )
-    offsets = np.linspace(-1.0, 1.0, _TRIED) * min(_REACH * deviation, _LARGEST)
-    likelihood, errors = felt.examined(1.0 + offsets)
-    return OwnFrequency(
-        offsets=offsets, likelihood=_COUNTS * likelihood, errors=errors, stated_deviation=deviation
-    )
+    return felt.learn(deviation)
+
+
+def samples_to_learn(samples: int, time_step: float, lowest: float) -> int | None:
+    """Say of how many samples one is enough to learn a frequency; None where the test is too short."""
+    if not samples * time_step * lowest > _FEWEST_PERIODS:
+        return None
+    return max(int(1.0 / (_PER_PERIOD * lowest * time_step)), 1)
+
+
+def _recursions(structure: WholeStructure, step: float, factors: Array) -> Iterator[Recursion]:
+    """Recursions of the structure with each factor of its frequencies."""
+    same = np.ones(factors.size)
+    every = Recursion.of_scaled(structure, step, frequency=factors, damping_ratio=same, share=same)
+    for place in range(factors.size):
+        yield Recursion(
+            decay=every.decay[place],
+            early=np.ascontiguousarray(every.early[place]),
+            late=every.late[place],
+            output=every.output[place][np.newaxis],
+            feed_through=every.feed_through[place : place + 1],
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Felt:
-    """Histories from which the ground acceleration is computed for any frequency."""
+class Felt:
+    """What is needed to compute the ground acceleration that was felt, for any frequency."""
 
-    command: Array
-    fed_back: Array
-    time_step: float
-    structure: WholeStructure
-    standing: float
+    time_step: float  # s
+    frequencies: Array  # Natural frequencies as stated, ascending [Hz]
+    first_mode: tuple[float, float]  # ω₀ [rad/s] and 2ξω₀ [1/s]
+    # Gives the response without actuator errors and the error [m], each shape (n,), for factors of all
+    # frequencies
+    responses: Callable[[Array], Iterator[tuple[Array, Array]]]
 
-    def examined(self, factors: Array) -> tuple[Array, Array]:
+    def learn(self, deviation: float) -> OwnFrequency:
+        """Learn the natural frequency beside a stated one of a relative standard deviation."""
+        offsets = np.linspace(-1.0, 1.0, _TRIED) * min(_REACH * deviation, _LARGEST)
+        likelihood, errors = self._examined(1.0 + offsets)
+        return OwnFrequency(
+            offsets=offsets, likelihood=_COUNTS * likelihood, errors=errors, stated_deviation=deviation
+        )
+
+    def _examined(self, factors: Array) -> tuple[Array, Array]:
         """Logarithm of the likelihood of each factor of the frequencies, and RMS^R with it."""
-        frequencies = self.structure.natural_frequencies
+        frequencies = self.frequencies
         lowest = float(frequencies[0])
         kernel = Kernel.of_frequency(lowest, self.time_step)
         step = kernel.every * self.time_step
@@ -170,32 +203,15 @@ class _Felt:
         gain = _gain(kernel, places[band])
         parts = places[band, np.newaxis] + ((np.arange(_PARTS) + 0.5) / _PARTS - 0.5) / (2.0 * hop * step)
         answer, errors, fit = np.empty(factors.size), np.empty(factors.size), None
-        for place, (factor, response) in enumerate(zip(factors, self._responses(factors), strict=True)):
-            w0, twice = (factor * value for value in _first_mode(self.structure))
+        for place, (response, strayed) in enumerate(self.responses(factors)):
+            w0, twice = (factors[place] * value for value in self.first_mode)
             moved = [kernel.seen(response, order) for order in range(3)]
             ground = analyse(moved[2] + twice * moved[1] + w0**2 * moved[0], hop)[:, band]
             squares = (ground / gain) ** 2
             fit = fit or _VariancesFit(squares, places[band] / lowest)
             answer[place] = fit.likelihood(squares) + 0.5 * len(ground) * _resonance(w0, twice, parts)
-            errors[place], _ = relative_errors(self.command - self.fed_back - response, response)
+            errors[place], _ = relative_errors(strayed, response)
         return answer, errors
-
-    def _responses(self, factors: Array) -> Iterator[Array]:
-        """Response without actuator errors, x_I [m], for each factor of the frequencies."""
-        same = np.ones(factors.size)
-        recursions = Recursion.of_scaled(
-            self.structure, self.time_step, frequency=factors, damping_ratio=same, share=same
-        )
-        standing = equilibrium(self.structure, self.standing)
-        for place, factor in enumerate(factors):
-            recursion = Recursion(
-                decay=recursions.decay[place],
-                early=np.ascontiguousarray(recursions.early[place]),
-                late=recursions.late[place],
-                output=recursions.output[place][np.newaxis],
-                feed_through=recursions.feed_through[place : place + 1],
-            )
-            yield self.command - respond(recursion, self.fed_back, standing / factor**2)[0]
 
 
 def _resonance(w0: float, twice: float, frequency: Array) -> float:
