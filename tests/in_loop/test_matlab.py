@@ -14,7 +14,7 @@ from reliab.api import assess, derive_criteria, diagnose_campaign
 from reliab.shipped import shipped
 
 OCTAVE = shutil.which("octave-cli")
-pytestmark = pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed here")
+needs_octave = pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed here")
 TOOLBOX = str(files("reliab.in_loop").joinpath("matlab"))
 
 
@@ -40,12 +40,14 @@ def said(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
     return run.stdout if code == 0 else run.stderr
 
 
+@needs_octave
 def test_a_monitor_is_written_wherever_it_shall_stand(tmp_path):
     script = "m = reliab.monitor_export('c', 'it''s here', 'f', 1, 'xi', 0.02, 'rate', 256);"
     assert said(f"{script} disp(m.degrees_of_freedom)", tmp_path).strip() == "1"
     assert (tmp_path / "it's here" / "reliab_monitor.c").is_file()
 
 
+@needs_octave
 def test_names_and_values_are_options_of_the_command_line(tmp_path):
     """With a program in the place of reliab, which keeps its words and answers."""
     (tmp_path / "answers.sh").write_text(ANSWERS)
@@ -68,12 +70,14 @@ def test_names_and_values_are_options_of_the_command_line(tmp_path):
     assert " ".join("*" if word.endswith(".json") else word for word in words) == " ".join(calls)
 
 
+@needs_octave
 def test_what_the_command_line_refuses_is_an_error(tmp_path):
     (tmp_path / "refuses.sh").write_text(REFUSES)
     sentence = said("reliab.criterion('f', 1)", tmp_path, code=1, program="sh refuses.sh")
     assert sentence.splitlines()[0] == "error: The file must be there; found 2 of 3. Give it"
 
 
+@needs_octave
 @pytest.mark.slow
 def test_a_diagnosis_is_that_of_python(tmp_path):
     folder = shipped("datasets", "campaigns/rig_c")
@@ -84,6 +88,7 @@ def test_a_diagnosis_is_that_of_python(tmp_path):
     assert answer.keys() == expected.keys()
 
 
+@needs_octave
 @pytest.mark.slow
 def test_an_array_is_judged_as_its_file(tmp_path):
     path = shipped("datasets", "sample_test/test.csv")
@@ -98,12 +103,14 @@ def test_an_array_is_judged_as_its_file(tmp_path):
         assert np.isclose(answer[name], expected.to_dict()[name], rtol=1e-4)
 
 
+@needs_octave
 @pytest.mark.slow
 def test_a_refusal_is_an_error_with_the_same_sentence(tmp_path):
     sentence = said("reliab.assess('absent.csv', 'f', 1, 'xi', 0.02)", tmp_path, code=1)
     assert "error: absent.csv: A test's file must be readable" in sentence
 
 
+@needs_octave
 @pytest.mark.slow
 def test_a_criterion_is_that_of_python(tmp_path):
     path = shipped("datasets", "paper/table2.csv")
@@ -111,3 +118,14 @@ def test_a_criterion_is_that_of_python(tmp_path):
     answer = json.loads(said(script, tmp_path))
     expected = derive_criteria(ellipses=str(path), f=(1.0,), xi=(0.02,)).to_dict()
     assert [answer[name] for name in "ab"] == pytest.approx([expected[name] for name in "ab"], rel=1e-4)
+
+
+@pytest.mark.parametrize("accepted", [True, False])
+def test_the_toolbox_is_matlab_and_not_octave_alone(tmp_path, accepted):
+    """A parser of MATLAB's language takes it, and does not take what Octave alone has."""
+    pytest.importorskip("miss_hit", reason="MISS_HIT is not installed here (it comes with the extra test)")
+    (tmp_path / "octave.m").write_text("function x = octave(a)\n    x = !a;  # not a\nend\n")
+    words = [sys.executable, "-m", "miss_hit.mh_lint", TOOLBOX if accepted else str(tmp_path)]
+    run = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603 - the parser
+    assert (run.returncode == 0) is accepted, run.stdout
+    assert f"{5 if accepted else 1} file(s) analysed" in run.stdout
