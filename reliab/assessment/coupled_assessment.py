@@ -53,6 +53,8 @@ class CoupledAssessment:
         The verdict, by the error of the displacement whose error is largest.
     limit : CoupledLimit
         Where the test would become unstable.
+    limit_of_gains : bool
+        Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
     """
 
     recording: CoupledRecording
@@ -64,6 +66,7 @@ class CoupledAssessment:
     sizes: Mapping[str, Size]
     verdict: Verdict
     limit: CoupledLimit
+    limit_of_gains: bool = True
 
     @property
     def reliable(self) -> bool:
@@ -95,6 +98,11 @@ class CoupledAssessment:
         """Warnings about the recording and the displacements, in sentences."""
         sentences = [f"Actuator {number}: {fault.finding}" for number, fault in self.faults]
         sentences += [lost_in_noise(degree) for degree in self.error.degrees if not degree.judged]
+        if not self.limit_of_gains:
+            sentences.append(
+                "The actuators' gains cannot be told apart by this motion: the stability margin is that of "
+                "actuators without gain errors."
+            )
         if self.stability_margin < 0.0:
             sentences.append(
                 "The measured delay is longer than the critical delay: the structure or the channels are "

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypedDict
 
 import numpy as np
 
+from reliab.arrays import Array
 from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
 from reliab.assessment.coupled_assessment import CoupledAssessment, budget_of_several, lost_in_noise
 from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
@@ -19,7 +21,7 @@ from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent
 from reliab.simulation.frames import CoupledFrame
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure, coupled_limit
+from reliab.structures import CoupledLimit, CoupledPartition, Structure, coupled_limit
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
@@ -70,8 +72,21 @@ def assess_coupled(
         faults=faults,
         sizes=sizes,
         verdict=_verdict(error, metric, threshold, sizes, faults),
-        limit=coupled_limit(frame.partition, gains),
+        **_limit(frame.partition, gains),
     )
+
+
+class _Limit(TypedDict):
+    limit: CoupledLimit
+    limit_of_gains: bool
+
+
+def _limit(partition: CoupledPartition, gains: Array) -> _Limit:
+    """Where the test becomes unstable with the measured gains; with exact ones where it would be at once."""
+    try:
+        return {"limit": coupled_limit(partition, gains), "limit_of_gains": True}
+    except InputError:
+        return {"limit": coupled_limit(partition), "limit_of_gains": False}
 
 
 def _in_order(recording: CoupledRecording, frame: CoupledFrame) -> CoupledRecording:
@@ -107,7 +122,7 @@ def _without_faults(
     """Repair what the loop cannot have felt, and name all faults; channels that hardly move have none."""
     command, measured = recording.command.copy(), recording.measured.copy()
     largest = np.ptp(command, axis=1).max()
-    shares = np.clip(np.diag(frame.partition.static_transfer), 1e-6, 1.0)
+    shares = frame.partition.shares_at_sensors(frame.to_interface)
     faults: list[tuple[str, Fault]] = []
     for place, number in enumerate(recording.actuators):
         if not np.ptp(command[place]) > _SMALL_MOTION * largest:

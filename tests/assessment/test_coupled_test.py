@@ -5,14 +5,18 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from coupled_structures import described, node
 
 import reliab
 from reliab import cli
+from reliab.assessment.coupled_test import assess_coupled
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
-from reliab.simulation.frames import coupled_response, read_frame, read_structure
+from reliab.simulation.frames import CoupledFrame, coupled_response, read_frame, read_structure
+from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
+from reliab.structures import CoupledPartition
 
 STEP = 1.0 / 256.0
 FRAME = "frames/two_actuators.toml"
@@ -163,3 +167,49 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
         assert found.rms.value == pytest.approx(known.rms.value, rel=1e-6)
         assert found.rms.high - found.rms.low > known.rms.high - known.rms.low
     assert 0.01 <= assessed.probability <= 0.99
+
+
+def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_answers():
+    partition = CoupledPartition(
+        mass=np.eye(2),
+        damping=np.eye(2),
+        stiffness=np.diag([40.0, 60.0]),
+        interface=np.eye(2),
+        specimen_stiffness=np.diag([32.0, 6.0]),
+        influence=[1.0, 0.6],
+    )
+    kinematics, time = np.array([[1.0, 1.0], [1.0, -1.0]]) / np.sqrt(2.0), np.arange(0.0, 60.0, STEP)
+    lag = TransferFunction(numerator=(300.0,), denominator=(1.0, 300.0))
+    actuators = ActuatorMatrix(kinematics=kinematics, transfer=((lag, None), (None, lag)))
+    shaking = np.random.default_rng(2).standard_normal(time.size // 16 + 1)
+    shaking = np.interp(time, np.arange(shaking.size) * 16 * STEP, shaking)
+    run = coupled_response(partition, actuators, shaking * np.sin(np.pi * time / 60.0), STEP)
+    command, measured = kinematics @ run.command, kinematics @ run.measured
+    offset = np.array([[0.2 * np.abs(command[0]).max()], [0.0]])
+    answer = kinematics @ partition.static_transfer @ np.linalg.solve(kinematics, offset)
+    frame = CoupledFrame(name="", partition=partition, kinematics=kinematics, channels_at_interface=False)
+    for felt in (True, False):
+        recording = CoupledRecording(
+            command=command - felt * answer, measured=measured - felt * answer + offset, time_step=STEP
+        )
+        faults = [fault for number, fault in assess_coupled(recording, frame).faults if number == "1"]
+        assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt)]
+
+
+def test_actuators_that_move_alike_keep_gains_near_one():
+    partition, actuators = described(node)
+    time = np.arange(0.0, 30.0, STEP)
+    shaking = np.sin(9.0 * time) * np.sin(2.0 * time) * np.exp(-(((time - 15.0) / 6.0) ** 2))
+    run = coupled_response(partition, actuators, shaking, STEP)
+    recording = CoupledRecording(
+        command=actuators.kinematics @ run.command,
+        measured=actuators.kinematics @ run.measured,
+        time_step=STEP,
+    )
+    frame = CoupledFrame(
+        name="", partition=partition, kinematics=actuators.kinematics, channels_at_interface=False
+    )
+    found = assess_coupled(recording, frame)
+    np.testing.assert_allclose(found.error.parts.gain, np.eye(3), atol=0.2)
+    assert found.limit_of_gains
+    assert 0.0 < found.stability_margin < 1.0

@@ -1,7 +1,7 @@
 """Where the error of a test with several actuators comes from: by actuator, and by cause.
 
-Each measured displacement is written by least squares as m_i = Σ_j (k_ij c_j − τ_ij c_j') + constant + rest.
-The error is linear in c − m, so that each part is rebuilt by itself ::
+Each measured displacement is written by penalised least squares as m_i = Σ_j (k_ij c_j − τ_ij c_j') +
+constant + rest. The error is linear in c − m, so that each part is rebuilt by itself ::
 
     gain (1 − k_ii) c_i,   delay τ_ii c_i',   cross-coupling −Σ_{j≠i}(k_ij c_j − τ_ij c_j'),   the rest
 
@@ -23,7 +23,7 @@ CAUSES = ("gain", "delay", "cross_coupling", "rest")
 FED_BACK_FORCE = "fed_back_force"
 
 _ROUNDING = 1e-12
-_DEPENDENT = 1e-10
+_OWN, _OF_OTHERS = 1e-3, 3e-3  # of a command: errors that large are as dear as what they leave unexplained
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,14 +69,24 @@ def divide(histories: CoupledHistories, structure: CoupledPartition) -> CoupledP
 
 
 def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, Array]:
-    """Gains and delays of least squares, those of actuator i in row i."""
-    rows = np.vstack([command, -velocity, np.ones((1, command.shape[1]))])
-    scale = np.maximum(np.abs(rows).max(axis=1), np.finfo(float).tiny)
+    """Gains and delays of least squares, those of actuator i in row i.
+
+    Commands that move alike do not tell whose error it is: the smallest errors are taken that explain the
+    test, and an actuator's own before those that others cause.
+    """
+    rows = np.vstack([command, -velocity])
+    rows = rows - rows.mean(axis=1, keepdims=True)
+    scale = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), np.finfo(float).tiny)
     scaled = rows / scale[:, np.newaxis]
-    solved = np.linalg.lstsq(scaled @ scaled.T, scaled @ measured.T, rcond=_DEPENDENT)[0]
-    coefficients = (solved / scale[:, np.newaxis]).T
+    normal = scaled @ scaled.T / rows.shape[1]
     size = command.shape[0]
-    return coefficients[:, :size], coefficients[:, size : 2 * size]
+    followed = np.empty((size, 2 * size))
+    for place in range(size):
+        own = np.arange(2 * size) % size == place
+        penalty = np.where(own, _OWN, _OF_OTHERS) ** 2
+        missed = scaled @ (measured[place] - command[place]) / rows.shape[1]
+        followed[place] = np.linalg.solve(normal + np.diag(penalty), missed) / scale
+    return np.eye(size) + followed[:, :size], followed[:, size:]
 
 
 def _differences(
