@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from reliab.api.cases import POPULATION, Case
@@ -25,6 +26,7 @@ from reliab.api.sources import (
     require_thresholds,
     with_room,
 )
+from reliab.arrays import Array
 from reliab.criterion import (
     Criterion,
     Derivation,
@@ -38,15 +40,17 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation.frames import read_structure
+from reliab.simulation.frames import CoupledFrame, read_structure
 from reliab.sweep import (
     Names,
     Numbers,
     at_share,
     errors_of_rig,
+    limits_of_coupling,
     shares_of,
     summary_of_rig,
 )
+from reliab.vocabulary import Metric
 
 _NINETY_FIVE = 0.95
 
@@ -356,19 +360,35 @@ class _Question:
             beside["comparison"] = compare_candidates(
                 derived.ellipses, derived.structures, derived.criteria, self.show
             )
-        return replace(derived, beside={**_frame(dataset), **beside, **self._rig(), **_share_law(derived)})
+        return replace(
+            derived, beside={**_frame(dataset), **beside, **self._of_actuators(), **_share_law(derived)}
+        )
 
-    def _rig(self) -> dict[str, Any]:
-        """Compute the error of the rig that a frame's description states, under the same motions."""
+    def _of_actuators(self) -> dict[str, Any]:
+        """Compute what the motions allow and do to the actuators that a frame's description states."""
         structure = self.of_source["structure"]
-        if structure is None or (frame := read_structure(structure)).transfer_system is None:
+        if structure is None:
             return {}
-        source = self.source()
+        frame, source, found = read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
-        with self.show("Testing the rig") as progress:
-            tried = errors_of_rig(frame, suite, window=window, progress=progress)
-        return {"rig": summary_of_rig(tried, self.metric, (self.errors or [FIVE_PERCENT])[0])}
+        threshold = (self.errors or [FIVE_PERCENT])[0]
+        if isinstance(frame, CoupledFrame) and self.of_source["actuator"] is None:
+            with self.show("Coupling the actuators") as progress:
+                limits = limits_of_coupling(
+                    frame,
+                    suite,
+                    threshold=threshold,
+                    metric=Metric(self.metric),
+                    window=window,
+                    progress=progress,
+                )
+            found["cross_coupling"] = _coupling(limits, threshold, (self.confidences or [_NINETY_FIVE])[0])
+        if frame.transfer_system is not None:
+            with self.show("Testing the rig") as progress:
+                tried = errors_of_rig(frame, suite, window=window, progress=progress)
+            found["rig"] = summary_of_rig(tried, self.metric, threshold)
+        return found
 
 
 def _default_errors(dataset: xr.Dataset) -> list[float]:
@@ -392,6 +412,13 @@ def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
         return {}
     names = ("frame", "error_of", "erring_actuator")
     return {"frame": dict(zip(("name", *names[1:]), (dataset.attrs[name] for name in names), strict=True))}
+
+
+def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:
+    """Largest coupling of each actuator (rows) with the command of each other that most motions allow."""
+    least = np.quantile(limits, 1.0 - share, axis=0)
+    rows = [[None if i == j else float(value) for j, value in enumerate(row)] for i, row in enumerate(least)]
+    return {"threshold": threshold, "share_of_motions": share, "limits": rows}
 
 
 def _share_law(derived: Criteria) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from .ellipse_table import (
 from .frame_table import (
     FrameRequest as FrameRequest,
     errors_of_rig as errors_of_rig,
+    limits_of_coupling as limits_of_coupling,
     summary_of_rig as summary_of_rig,
     trace_frame_ellipses as trace_frame_ellipses,
 )

@@ -1,11 +1,13 @@
 """A structure with one actuator or several under many ground motions: its ellipses, and its rig's error."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
 from reliab.arrays import Array
@@ -39,6 +41,12 @@ if TYPE_CHECKING:
 
 
 _WORST = "the interface displacement whose error is largest"
+LARGEST_COUPLING = 0.9
+"""Share [-] of another actuator's command up to which limits are looked for."""
+
+LARGEST_ERROR = 10.0
+"""Error [-] that stands for any larger one."""
+
 _FEW_AMPLITUDES = 0.01
 """Step of the amplitude [-] with several actuators, whose cells are dearer: some eleven to thirty points."""
 
@@ -141,6 +149,45 @@ def _table(loop: FrameLoop | CoupledLoop, request: FrameRequest) -> Array:
     sizes = len(request.thresholds), len(request.sides), len(request.curves), len(COLUMNS)
     table = curve_table(contours, request.curves).reshape(len(request.metrics), *sizes)
     return table.transpose(1, 0, 3, 2, 4)
+
+
+def limits_of_coupling(
+    frame: CoupledFrame,
+    motions: Sequence[Motion],
+    *,
+    threshold: float,
+    metric: Metric,
+    window: Window,
+    progress: Progress = silent,
+) -> Array:
+    """How far each actuator may move with the command of each other one, under each motion.
+
+    `threshold`: error on the limit [-].
+    Returns shares of that command [-], the smaller of both signs, shape (motions, p, p): of the actuator by
+    rows, of the command by columns, zero on the diagonal; `LARGEST_COUPLING` where no smaller share reaches
+    the threshold.
+    """
+    size = frame.partition.degrees
+    limits = np.zeros((len(motions), size, size))
+    for place, motion in enumerate(motions):
+        excitation = excitation_of(motion, window)
+        for pair in itertools.permutations(range(size), 2):
+            loop = CoupledLoop(
+                excitation=excitation, partition=frame.partition, kinematics=frame.kinematics, actuator=pair
+            )
+            limits[place][pair] = min(_limit_of_coupling(loop, threshold, metric, side) for side in (-1, 1))
+        progress(place + 1, len(motions))
+    return limits
+
+
+def _limit_of_coupling(loop: CoupledLoop, threshold: float, metric: Metric, side: int) -> float:
+    def beyond(share: float) -> float:
+        cells = loop.cells(gain=1.0 + side * share, delay=0.0)
+        return min(float(relative_error(loop.deviation(cells), metric)[0]), LARGEST_ERROR) - threshold
+
+    if beyond(LARGEST_COUPLING) < 0.0:
+        return LARGEST_COUPLING
+    return float(scipy.optimize.brentq(beyond, 0.0, LARGEST_COUPLING, rtol=1e-3))
 
 
 def errors_of_rig(

@@ -115,6 +115,12 @@ def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_p
         "erring_actuator": "all alike",
     }
     assert first["frame"]["erring_actuator"] == 1
+    assert "cross_coupling" not in first
+    # a motion by the other one's command, which is the same here, is a gain error
+    (none, limit), (other, _) = alike["cross_coupling"]["limits"]
+    assert none is None
+    assert limit == pytest.approx(other)
+    assert limit == pytest.approx(one["criteria"][0]["amplitude_limit"], rel=0.1)
     given = ("--motions", records, "--structure", tmp_path / "two.toml", "--actuator", "1")
     shown = run(*given, "--method", "quantile", "--confidence", "0.5").stdout
     assert "A and d of actuator 1; others are perfect." in " ".join(shown.split())

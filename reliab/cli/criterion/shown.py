@@ -126,6 +126,20 @@ def _show_frame(frame: Mapping[str, Any]) -> None:
     )
 
 
+def _show_coupling(coupling: Mapping[str, Any]) -> None:
+    """Print how far actuators may move with each other's commands."""
+    rows, share = coupling["limits"], percent(coupling["share_of_motions"], decimals=0)
+    shown = table(
+        f"Motion by another actuator's command alone that keeps {percent(coupling['threshold'])} under "
+        f"{share} of these motions",
+        {"": "left", **{f"command {number + 1}": "right" for number in range(len(rows))}},
+    )
+    for number, row in enumerate(rows):
+        cells = ("-" if value is None else percent(value, decimals=2) for value in row)
+        shown.add_row(f"actuator {number + 1}", *cells)
+    console().print(shown)
+
+
 def _show_rig(rig: Mapping[str, Any]) -> None:
     """Print the error of a rig."""
     terminal = console()
@@ -256,6 +270,7 @@ def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
     "frame": _show_frame,
     "own_boundary": _show_own_boundary,
+    "cross_coupling": _show_coupling,
     "rig": _show_rig,
     "share_law": _show_shares,
     "comparison": _show_comparison,

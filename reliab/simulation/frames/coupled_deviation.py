@@ -69,7 +69,9 @@ class CoupledLoop:
     excitation: Excitation  # Record and window
     partition: CoupledPartition
     kinematics: Array  # T, displacements of the actuators per interface displacement, shape (p, p)
-    actuator: int | None = None  # Place of the one that errs; None where all err alike
+    # Place of the one that errs; None where all err alike; of two places the first moves with the command of
+    # the second as well, by the gain less one
+    actuator: int | tuple[int, int] | None = None
 
     @cached_property
     def governing_mode(self) -> Structure:
@@ -150,10 +152,12 @@ class CoupledLoop:
     @cached_property
     def _erring(self) -> Array:
         """B: what the actuators that err add to the interface per command, shape (p, p)."""
-        errs = np.ones(len(self.kinematics))
+        size = len(self.kinematics)
+        errs = np.eye(size) if self.actuator is None else np.zeros((size, size))
         if self.actuator is not None:
-            errs = np.eye(len(self.kinematics))[self.actuator]
-        return np.asarray(np.linalg.solve(self.kinematics, errs[:, np.newaxis] * self.kinematics))
+            moves, told = self.actuator if isinstance(self.actuator, tuple) else (self.actuator,) * 2
+            errs[moves, told] = 1.0
+        return np.asarray(np.linalg.solve(self.kinematics, errs @ self.kinematics))
 
     @cached_property
     def _line(self) -> TransformLine:
