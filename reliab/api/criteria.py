@@ -360,9 +360,8 @@ class _Question:
             beside["comparison"] = compare_candidates(
                 derived.ellipses, derived.structures, derived.criteria, self.show
             )
-        return replace(
-            derived, beside={**_frame(dataset), **beside, **self._of_actuators(), **_share_law(derived)}
-        )
+        beside |= {**_frame(dataset), **self._of_actuators(), **_share_law(derived)}
+        return replace(derived, beside=beside)
 
     def _of_actuators(self) -> dict[str, Any]:
         """Compute what the motions allow and do to the actuators that a frame's description states."""

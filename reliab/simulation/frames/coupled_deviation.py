@@ -61,8 +61,8 @@ class CoupledLoop:
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> loop = CoupledLoop(excitation=Excitation(acceleration=record, time_step=0.01), partition=partition,
     ...                    kinematics=np.eye(2))
-    >>> found = loop.deviation(loop.cells(gain=1.0, delay=[0.001, 0.1]))
-    >>> found.peak.round(2)
+    >>> strayed = loop.deviation(loop.cells(gain=1.0, delay=[0.001, 0.1]))
+    >>> strayed.peak.round(2)
     array([0.14,  inf])
     """
 
@@ -131,7 +131,7 @@ class CoupledLoop:
         loop = np.eye(self.partition.degrees) + self._receptance @ force
         command = np.linalg.solve(loop, self._exact[..., np.newaxis])
         measured = command + error @ command
-        histories = [self._line.response(np.asarray(one[..., 0].T)) for one in (command, measured)]
+        histories = [self._line.response(np.asarray(history[..., 0].T)) for history in (command, measured)]
         return histories[0], histories[1], self._line.step
 
     @cached_property
@@ -155,8 +155,8 @@ class CoupledLoop:
         size = len(self.kinematics)
         errs = np.eye(size) if self.actuator is None else np.zeros((size, size))
         if self.actuator is not None:
-            moves, told = self.actuator if isinstance(self.actuator, tuple) else (self.actuator,) * 2
-            errs[moves, told] = 1.0
+            moves, follows = self.actuator if isinstance(self.actuator, tuple) else (self.actuator,) * 2
+            errs[moves, follows] = 1.0
         return np.asarray(np.linalg.solve(self.kinematics, errs @ self.kinematics))
 
     @cached_property
