@@ -52,7 +52,7 @@ def _sentences(content: dict[str, Any]) -> Iterator[str]:
     yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
     yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])
     yield _improve(content["error"])
-    yield from _widest(content)
+    yield from widest(content)
     yield _tracking(content)
 
 
@@ -71,7 +71,7 @@ def _improve(error: dict[str, Any]) -> str:
     return f"Improve first: {PART_NAMES[first]}; without it RMS^R would be {remaining}."
 
 
-def _widest(content: dict[str, Any]) -> Iterator[str]:
+def widest(content: dict[str, Any]) -> Iterator[str]:
     """Largest contributions to the uncertainty of the error, and what would make the largest one smaller."""
     budget = content.get("budget", [])
     if budget:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.assess.shown_briefly import widest
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import percent, percent_with_interval, significant
@@ -64,6 +65,7 @@ def _sentences(content: dict[str, Any]) -> Iterator[str]:
             f"Improve first: {cause_in_words(error['improve_first'])}; without it RMS^R of "
             f"{error['governing']} would be {remaining}."
         )
+    yield from widest(content)
     tracked = (
         f"actuator {actuator['name']} A = {actuator['A']:.4f}, d = {significant(actuator['d_ms'])} ms"
         for actuator in content["actuators"]
