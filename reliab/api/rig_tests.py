@@ -11,7 +11,7 @@ from typing import Any, cast
 from reliab.api.arguments import Quantity
 from reliab.api.assessment import assess
 from reliab.api.channels import Channels
-from reliab.assessment import Equipment
+from reliab.assessment import CoupledAssessment, Equipment
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.files import ordinary
@@ -222,6 +222,13 @@ class _Keeper:
             self._require_same(checksum, path)
             return None
         assessment = assess(path, **{**vars(reading), **self.terms})
+        if isinstance(assessment, CoupledAssessment):
+            raise InputError(
+                "A rig keeps tests of one actuator",
+                value=f"{len(assessment.error.degrees)}",
+                remedy="Judge this one with `reliab assess`",
+                where=str(path),
+            )
         now = datetime.now(tz=UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
         texts = {
             "sha256": checksum,
