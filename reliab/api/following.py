@@ -10,6 +10,7 @@ import numpy as np
 
 from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values, unused
 from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
+from reliab.assessment.frame_test import require_linear_interface, sizes_of_structure
 from reliab.assessment.rebuilt_error import (
     DRAWS,
     FALSE_ALARMS,
@@ -29,6 +30,7 @@ from reliab.recordings import (
 )
 from reliab.shipped import or_shipped
 from reliab.significant import percent
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
@@ -75,6 +77,7 @@ def follow_test(
     xi: Quantity | None = None,
     alpha: Quantity = 1.0,
     model: str | Path | UpdatedModel | None = None,
+    structure: str | Path | FrameUnderTest | None = None,
     scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     equipment: str | Path | Equipment | None = None,
@@ -103,6 +106,10 @@ def follow_test(
         [-], each with a standard deviation where it is not certain: "1±0.01".
     model : str, pathlib.Path or UpdatedModel, optional
         Model of the test, in place of `f`, `xi` and `alpha`, which says what a nonlinear specimen does.
+    structure : str, pathlib.Path or FrameUnderTest, optional
+        Frame with a linear specimen that one actuator drives, in place of `f`, `xi` and `alpha`; with the
+        tolerances that its file states. Several actuators are followed by what `reliab.export_monitor`
+        writes.
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
         fed back late [ms].
@@ -155,9 +162,13 @@ def follow_test(
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
     updated = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
-    structure = None if updated is None else updated.test.structure
+    frame = None
     if structure is not None:
-        f, xi, alpha = structure.frequency, structure.damping_ratio, structure.experimental_fraction
+        _refuse_beside("structure", f=f, xi=xi, alpha=alpha, model=model)
+        frame = frame_of(structure)
+    mode = _mode(updated, frame)
+    if mode is not None:
+        f, xi, alpha = mode.frequency, mode.damping_ratio, mode.experimental_fraction
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
     stated = {"scale": StatedValue(1.0), **laboratory.calibration, **of_test}
     rows = rows_as_written(
@@ -168,6 +179,7 @@ def follow_test(
     watch = _Watch(
         stated=stated,
         model=updated,
+        frame=frame,
         equipment=known_equipment(equipment, exact=exact),
         threshold=threshold,
         metric=Metric.parse(metric),
@@ -197,6 +209,33 @@ def model_of(
     return read_model(model) if isinstance(model, str | Path) else model
 
 
+def frame_of(structure: str | Path | FrameUnderTest) -> FrameUnderTest:
+    """Read the frame of a test that is followed, which one actuator must drive."""
+    frame = read_structure(structure) if isinstance(structure, str | Path) else structure
+    if isinstance(frame, CoupledFrame):
+        raise InputError(
+            "A test with several actuators is followed inside the loop, not beside it",
+            value=f"{frame.partition.degrees} actuators",
+            remedy="Write the monitor for the loop, `export`, or assess the test afterwards",
+        )
+    require_linear_interface(frame)
+    return frame
+
+
+def _refuse_beside(name: str, **others: object) -> None:
+    """Refuse what a frame or a model states itself."""
+    for other, value in others.items():
+        if value is not None and not (other == "alpha" and value in (1.0, "1")):
+            raise unused(other, f"beside `{name}`, which says what the test is of")
+
+
+def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
+    """Structure whose frequency, damping and share stand for those of a model or a frame."""
+    if frame is not None:
+        return governing_mode(frame.partition)
+    return None if model is None else model.test.structure
+
+
 def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
     """Read what is stated of structure, sensor and feedback, which must be complete."""
     for name, what, remedy in (
@@ -216,6 +255,7 @@ class _Watch:
 
     stated: Mapping[str, StatedValue]
     model: UpdatedModel | None
+    frame: FrameUnderTest | None
     equipment: Equipment | None
     threshold: float  # [-]
     metric: Metric
@@ -258,10 +298,12 @@ class _Watch:
         self.sizes.update(
             sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
         )
+        if self.frame is not None:
+            self.sizes.update(sizes_of_structure(self.frame))
         tolerances = tolerances_of(self.sizes)
         if "hysteresis" in self.stated:  # which is not taken off here
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        followed = structure if self.model is None else self.model
+        followed = self.model or (structure if self.frame is None else self.frame.partition)
         return Monitor(followed, step, feedback_lag=lag * _MILLISECONDS, tolerances=tolerances)
 
     def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:

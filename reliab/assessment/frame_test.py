@@ -90,7 +90,7 @@ def assess_frame(
         If the specimen is nonlinear, the error asked for is not that of the interface, the criterion is for
         another structure, or the recording cannot be judged.
     """
-    _check_frame(frame)
+    require_linear_interface(frame)
     stated = stated or {}
     mode = governing_mode(frame.partition, frame.output)
     if criterion is not None:
@@ -206,7 +206,8 @@ def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
     }
 
 
-def _check_frame(frame: FrameUnderTest) -> None:
+def require_linear_interface(frame: FrameUnderTest) -> None:
+    """Refuse frames whose error cannot be rebuilt: of a nonlinear specimen, or of another response."""
     if frame.partition.effects:
         raise InputError(
             "The error of a frame is rebuilt for a linear specimen",

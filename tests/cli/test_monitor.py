@@ -364,3 +364,43 @@ def test_updates_come_at_equal_times_however_often_alarms_are_looked_for(good):
     for every, samples in ((0.25, [64, 128, 192, 256]), (100 / 256, [100, 200, 300, 400])):
         told = [m for m in islice(follow_test(good, f=1, xi=0.02, every=every), 6) if m.kind == "update"]
         assert [m.to_dict()["samples"] for m in told][:4] == samples
+
+
+FRAME = """
+[frame]
+names = ["1", "2"]
+mass_matrix_kg = [[1000.0, 0.0], [0.0, 800.0]]
+stiffness_matrix_n_per_m = [[1.1e5, -5e4], [-5e4, 5e4]]
+[damping]
+ratio = 0.05
+[specimen]
+{driven}
+[tolerances]
+stiffness = 0.03
+"""
+ONE = 'degree_of_freedom = "1"\nstiffness_n_per_m = 4e4'
+TWO = 'degrees_of_freedom = ["1", "2"]\nstiffness_matrix_n_per_m = [[2e4, 0.0], [0.0, 2e4]]'
+
+
+def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
+    path = tmp_path / "frame.toml"
+    path.write_text(FRAME.format(driven=ONE), encoding="utf-8")
+    asked = ["--structure", str(path), "--json", "-"]
+    assert run(["monitor", str(good), "--wait", "0.1", "--threshold", "2", *asked]) == 0
+    end = messages(capsys.readouterr().out)[-1]
+    rebuilt = reliab.assess(good, path, threshold=2.0).error.rebuilt
+    assert end["error_m"] == pytest.approx(rebuilt.error[-1], rel=1e-6)
+    assert end["error"]["rms"]["value"] == pytest.approx(rebuilt.rms.value, rel=1e-6)
+    assert end["error"]["rms"]["high"] == pytest.approx(rebuilt.rms.high, rel=0.2)
+    assert end["error"]["probability"] <= 0.99
+
+
+@pytest.mark.parametrize(
+    ("driven", "more", "sentence"),
+    [(ONE, ["--f", "1"], "--f has no meaning beside"), (TWO, [], "followed inside the loop")],
+)
+def test_a_frame_that_cannot_be_followed_is_refused(good, tmp_path, capsys, driven, more, sentence):
+    path = tmp_path / "frame.toml"
+    path.write_text(FRAME.format(driven=driven), encoding="utf-8")
+    assert run(["monitor", str(good), "--wait", "0.1", "--structure", str(path), *more]) == 2
+    assert sentence in " ".join(capsys.readouterr().err.split())

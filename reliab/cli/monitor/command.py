@@ -5,7 +5,7 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar, TextIO
+from typing import Annotated, TextIO
 
 import typer
 
@@ -23,8 +23,6 @@ _ABOVE_THRESHOLD = 1
 @dataclass(frozen=True, kw_only=True)
 class MonitorDemand(Demand):
     """Options of `reliab monitor`, arguments of `reliab.follow_test` and `reliab.export_monitor`."""
-
-    belongs_to: ClassVar = {"structure": "export"}
 
     source: Annotated[
         str | None,
@@ -72,7 +70,8 @@ class MonitorDemand(Demand):
         typer.Option(
             "--structure",
             metavar="FRAME.toml",
-            help="With --export: frame with one specimen, in place of --f, --xi and --alpha.",
+            help="Frame with a linear specimen in the laboratory, in place of --f, --xi and --alpha; with "
+            "--export also one that several actuators drive.",
         ),
     ] = None
     model: Annotated[
