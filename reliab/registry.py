@@ -1,13 +1,19 @@
 """What the package and others that are installed beside it offer of one kind, by name."""
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
-from importlib.metadata import entry_points
+from functools import cache, cached_property
+from importlib.metadata import EntryPoints, entry_points
 from typing import TypeVar
 
 from reliab.errors import InputError
 
 Item = TypeVar("Item")
+
+
+@cache
+def read_entry_points() -> EntryPoints:
+    """Read what installed packages register, of every kind, by one look into the folders of all of them."""
+    return entry_points()
 
 
 class Registry(Mapping[str, Item]):
@@ -46,7 +52,7 @@ class Registry(Mapping[str, Item]):
     @cached_property
     def _items(self) -> dict[str, Item]:
         items = {self._name_of(item): item for item in self._shipped}
-        for entry in entry_points(group=self._group):
+        for entry in read_entry_points().select(group=self._group):
             item = entry.load()
             if not issubclass(item if isinstance(item, type) else type(item), self._base):
                 raise InputError(

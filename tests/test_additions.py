@@ -11,6 +11,7 @@ from reliab.effects import find_effect, library
 from reliab.errors import InputError
 from reliab.motions import load_motions
 from reliab.motions.readers.registry import FORMATS
+from reliab.registry import read_entry_points
 from reliab.report.wording import meaning_of_confidence
 from reliab.simulation.compensators import compensators
 from reliab.study.kinds import KINDS
@@ -116,6 +117,7 @@ REGISTRIES = {
 
 
 def forget() -> None:
+    read_entry_points.cache_clear()
     for registry in REGISTRIES.values():
         vars(registry).pop("_items", None)
 

@@ -66,6 +66,19 @@ def default_criterion(
     InputError
         If the threshold lies outside of the shipped ones, or the metric is unknown.
     """
+    return _derived(frequency, damping_ratio, threshold, confidence, metric, without, duration)
+
+
+@lru_cache(maxsize=64)  # tests of one structure are judged one after the other
+def _derived(
+    frequency: float,
+    damping_ratio: float,
+    threshold: float,
+    confidence: float,
+    metric: str,
+    without: str | None,
+    duration: float | None,
+) -> Criterion:
     window = window_for(duration, shipped_windows())
     if metric not in _shipped_ellipses().at["metric"]:
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")

@@ -27,7 +27,7 @@ _NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class ChannelTable(_Table):

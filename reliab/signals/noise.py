@@ -91,7 +91,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     shapes = noise_shapes(centre, rate)
     floor = 1e-12 * float(mean.max()) + 1e-300 + least
     start = max(float(np.average(mean, weights=count)), floor) / shapes.shape[0]
-    weights = fit_levels(shapes, mean, count, start=start, floor=floor, updates=_UPDATES)
+    (weights,) = fit_levels(shapes[np.newaxis], mean, count, start=start, floor=floor, updates=_UPDATES)
     weights[0] += floor
     return NoiseModel(rate=rate, weights=weights)
 
@@ -99,12 +99,12 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
 def fit_levels(
     shapes: Array, mean: Array, count: Array, *, start: float, floor: float, updates: int
 ) -> Array:
-    """Fit a sum of spectra, with coefficients that are not negative, to mean powers of bins.
+    """Fit sums of spectra, with coefficients that are not negative, to mean powers of bins.
 
     Parameters
     ----------
     shapes : numpy.ndarray
-        The spectra at the bins, shape (parts, bins).
+        The spectra of each sum at the bins, shape (sums, parts, bins).
     mean, count : numpy.ndarray
         Mean power of a bin and the number of frequencies in it, shape (bins,).
     start : float
@@ -117,10 +117,11 @@ def fit_levels(
     Returns
     -------
     numpy.ndarray
-        Coefficients of the highest Whittle likelihood, shape (parts,).
+        Coefficients of the highest Whittle likelihood, shape (sums, parts).
     """
-    weights = np.full(shapes.shape[0], start)
-    _improve(np.ascontiguousarray(shapes.T), mean, count, floor, weights, updates)
+    weights = np.full(shapes.shape[:2], start)
+    for levels, each in zip(weights, np.ascontiguousarray(shapes.swapaxes(1, 2)), strict=True):
+        _improve(each, mean, count, floor, levels, updates)
     return weights
 
 

@@ -1,14 +1,11 @@
 """Every option of `reliab assess` changes the answer, or is refused."""
 
 import json
-import sys
-from functools import cache
 
 import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.assessment import assess as assess_recording
 from reliab.cli.assess import assess
 
 app = typer.Typer()
@@ -76,15 +73,6 @@ SEEN_ELSEWHERE = {
 def folder(folder_of_a_test):
     (folder_of_a_test / "equipment.toml").write_text("xi = 0.05\n", encoding="utf-8")
     return folder_of_a_test
-
-
-@pytest.fixture(scope="module", autouse=True)
-def criteria_derived_once():
-    """Every call asks for one of few criteria, which is derived from the shipped ellipses once."""
-    module = sys.modules[assess_recording.__module__]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "default_criterion", cache(module.default_criterion))
-        yield
 
 
 @pytest.fixture(scope="module")

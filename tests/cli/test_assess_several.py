@@ -13,6 +13,8 @@ from reliab.shipped import shipped
 PLAIN = ("--f", "1", "--xi", "0.02")
 LINES = 3000  # of the shipped test, enough for a verdict
 
+pytestmark = pytest.mark.usefixtures("judged_once")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

@@ -38,3 +38,7 @@ class Kernel:
     def seen(self, history: Array, order: int) -> Array:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
         return convolved(history, self.values[order])[:: self.every]
+
+    def sum_seen(self, history: Array, weights: tuple[float, float, float]) -> Array:
+        """Weighted sum of a history's smoothed derivatives, from none to the second, by one convolution."""
+        return convolved(history, np.tensordot(weights, np.array(self.values), 1))[:: self.every]

@@ -6,7 +6,6 @@ filter's delay, and where the command did not pass the same filter, that delay l
 Whether it did, two displacements do not show. Noise of the converter, which comes after the filter, hides it.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,24 +74,23 @@ def filter_of_noise(command: Array, measured: Array, time_step: float) -> NoiseF
         return None
     shapes = noise_shapes(frequency, 1.0 / time_step, CORNERS)
 
-    def likelihood(parts: Array) -> float:
-        start = float(np.average(level, weights=count)) / len(parts)
+    def likelihood(parts: Array) -> Array:
+        start = float(np.average(level, weights=count)) / parts.shape[1]
         floor = 1e-9 * float(level.min()) + np.finfo(float).tiny
         weights = fit_levels(parts, level, count, start=start, floor=floor, updates=_UPDATES)
-        expected = weights @ parts + floor
-        return -0.5 * float(np.sum(count * (np.log(expected) + level / expected)))
+        expected = (weights[:, np.newaxis] @ parts)[:, 0] + floor
+        return np.asarray(-0.5 * np.sum(count * (np.log(expected) + level / expected), axis=1))
 
     def warped(f: Array) -> Array:  # by the bilinear transform, as a digital filter is
         return np.asarray(np.tan(np.pi * f * time_step) / (np.pi * time_step))
 
-    def candidates() -> Iterator[tuple[float, NoiseFilter]]:
-        for order in _ORDERS:
-            for corner in np.geomspace(_PLATEAU * frequency[0], highest, _TRIED).tolist():
-                tried = NoiseFilter(corner=corner, order=order)
-                digital = NoiseFilter(corner=float(warped(np.asarray(corner))), order=order)
-                yield likelihood(shapes * tried.passed(frequency)), tried
-                yield likelihood(shapes * digital.passed(warped(frequency))), tried
-
-    best, filtering = max(candidates(), key=lambda pair: pair[0])
-    inner = filtering.corner < _INNER * highest  # noise that falls at its highest frequencies only shows none
-    return filtering if inner and best - likelihood(shapes) > _CLEAR else None
+    tried, passed = [], []
+    for order in _ORDERS:
+        for corner in np.geomspace(_PLATEAU * frequency[0], highest, _TRIED).tolist():
+            digital = NoiseFilter(corner=float(warped(np.asarray(corner))), order=order)
+            tried.append(NoiseFilter(corner=corner, order=order))
+            passed += [tried[-1].passed(frequency), digital.passed(warped(frequency))]
+    *filtered, plain = likelihood(shapes * np.array([*passed, np.ones_like(frequency)])[:, np.newaxis])
+    best = int(np.argmax(filtered))
+    inner = tried[best // 2].corner < _INNER * highest  # noise that falls at the highest only: none
+    return tried[best // 2] if inner and filtered[best] - plain > _CLEAR else None

@@ -205,8 +205,7 @@ class Felt:
         answer, errors, fit = np.empty(factors.size), np.empty(factors.size), None
         for place, (response, strayed) in enumerate(self.responses(factors)):
             w0, twice = (factors[place] * value for value in self.first_mode)
-            moved = [kernel.seen(response, order) for order in range(3)]
-            ground = analyse(moved[2] + twice * moved[1] + w0**2 * moved[0], hop)[:, band]
+            ground = analyse(kernel.sum_seen(response, (w0**2, twice, 1.0)), hop)[:, band]
             squares = (ground / gain) ** 2
             fit = fit or _VariancesFit(squares, places[band] / lowest)
             answer[place] = fit.likelihood(squares) + 0.5 * len(ground) * _resonance(w0, twice, parts)

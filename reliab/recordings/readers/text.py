@@ -324,9 +324,6 @@ def _quick_rows(
     body = lines[place:]
     while body and not body[-1].strip():
         body = body[:-1]
-    gaps = len(cells) - 1
-    if any((line.count(delimiter) if delimiter else len(line.split()) - 1) != gaps for line in body):
-        return None
     if any(_DECIMAL_COMMA.match(cell) for cell in cells):
         body = [line.replace(",", ".") for line in body]
     try:

@@ -21,7 +21,7 @@ from reliab.vocabulary import MILLI
 class DescribedTable(BaseModel):
     """A table that holds its own keys and no others."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -260,7 +260,7 @@ class DampingTable(DescribedTable):
 class EffectTable(BaseModel):
     """What the specimen does beyond its linear part: an effect of the library with its parameters."""
 
-    model_config = ConfigDict(extra="allow", frozen=True)
+    model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
 
     name: str = Field(description="Name of the effect; its parameters stand beside it")
 

@@ -76,7 +76,7 @@ def read_model(path: Path | str) -> UpdatedModel:
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class _Structure(_Table):
