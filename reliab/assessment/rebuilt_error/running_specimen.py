@@ -102,9 +102,10 @@ class RunningSpecimen:
 @compiled
 def _motion_of(now: float, past: Array, step: float, motion: Array) -> None:
     """Displacement, velocity and acceleration through the latest samples, the newest of `past` first."""
+    last, before, first = now - past[0], past[0] - past[1], past[1] - past[2]
     motion[0] = now
-    motion[1] = (3.0 * now - 4.0 * past[0] + past[1]) / (2.0 * step)
-    motion[2] = (2.0 * now - 5.0 * past[0] + 4.0 * past[1] - past[2]) / (step * step)
+    motion[1] = (3.0 * last - before) / (2.0 * step)
+    motion[2] = (2.0 * last - 3.0 * before + first) / (step * step)
 
 
 @compiled

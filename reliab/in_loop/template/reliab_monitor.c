@@ -415,9 +415,10 @@ static void learn(reliab_monitor *monitor, const double command[ACTUATORS], cons
 /* Displacement, velocity and acceleration through the latest samples, the newest of the past first. */
 static void motion_of(double now, const double past[3], double motion[3])
 {
+    const double last = now - past[0], before = past[0] - past[1], first = past[1] - past[2];
     motion[0] = now;
-    motion[1] = (3.0 * now - 4.0 * past[0] + past[1]) / (2.0 * RELIAB_STEP);
-    motion[2] = (2.0 * now - 5.0 * past[0] + 4.0 * past[1] - past[2]) / (RELIAB_STEP * RELIAB_STEP);
+    motion[1] = (3.0 * last - before) / (2.0 * RELIAB_STEP);
+    motion[2] = (2.0 * last - 3.0 * before + first) / (RELIAB_STEP * RELIAB_STEP);
 }
 
 static void push(double now, double past[3])
