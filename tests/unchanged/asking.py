@@ -45,9 +45,10 @@ def answers(question: str, folder: Path) -> list[Any]:
     """Answer commands one after the other; what they write goes when all have been asked."""
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
     found = [_answer(command.split(), folder) for command in question.split(";")]
-    for path in folder.rglob("*"):
-        if path.is_file() and _changed(path, before):
-            path.unlink()
+    written = [path for path in folder.rglob("*") if path.is_file() and _changed(path, before)]
+    assert before.keys().isdisjoint(written), "an answer is written over a file that other questions name"
+    for path in written:
+        path.unlink()
     return found
 
 
