@@ -19,6 +19,8 @@ from reliab.discrepancy.adding import adding
 from reliab.indices.window import Window
 from reliab.motions import load_motions
 from reliab.sampling import Ensembles, NormalValues, sample
+from reliab.shipped import shipped
+from reliab.simulation.frames import read_structure
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.structures import Structure
 from reliab.sweep import (
@@ -31,12 +33,13 @@ from reliab.sweep import (
     trace_ellipses,
 )
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.sweep.rig_table import errors_of_rig
+from reliab.sweep.rig_table import errors_of_rig, limits_of_coupling
 from reliab.validation.beyond_the_model import try_rigs
 from reliab.validation.cross_validation import cross_validate, k_fold
 from reliab.validation.cross_validation.candidates import Derived
 from reliab.validation.probability_calibration import probability_calibration
 from reliab.validation.rebuilt_error_study import study
+from reliab.vocabulary import Metric
 
 PACKAGE = Path(reliab.__file__).parent
 MOTIONS = load_motions("synthetic")[:2]
@@ -146,6 +149,14 @@ CASES = {
         MOTIONS, FrameRequest(frame=FRAME_UNDER_TEST), progress=progress
     ),
     "measure_responses": lambda progress: measure_responses(MOTIONS, [1.0], [0.02], progress=progress),
+    "limits_of_coupling": lambda progress: limits_of_coupling(
+        read_structure(shipped("datasets", "frames/two_actuators.toml")),
+        MOTIONS,
+        threshold=0.05,
+        metric=Metric.RMS,
+        window=Window(),
+        progress=progress,
+    ),
     "errors_of_rig": lambda progress: errors_of_rig(
         FRAME_UNDER_TEST, MOTIONS, window=Window(), progress=progress
     ),

@@ -9,8 +9,15 @@ from typing import Any
 import numpy as np
 
 from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values, unused
-from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
-from reliab.assessment.frame_test import require_linear_interface, sizes_of_structure
+from reliab.assessment import require_linear_interface
+from reliab.assessment.budget import (
+    Equipment,
+    Size,
+    as_certain_as,
+    sizes_of_structure,
+    sizes_of_unknown,
+    tolerances_of,
+)
 from reliab.assessment.rebuilt_error import (
     DRAWS,
     FALSE_ALARMS,

@@ -7,12 +7,18 @@ from typing import TypedDict
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.budget import Equipment, Size, as_certain_as, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget import (
+    Equipment,
+    Size,
+    as_certain_as,
+    sizes_of_structure,
+    sizes_of_unknown,
+    tolerances_of,
+)
 from reliab.assessment.coupled_assessment import CoupledAssessment, budget_of_several, lost_in_noise
 from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
 from reliab.assessment.doubts import ERROR_NAMES, probability_text
 from reliab.assessment.faults import Fault, find_faults, repaired
-from reliab.assessment.frame_test import sizes_of_structure
 from reliab.assessment.plausibility import require_length, require_plausible
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word, word_of_probability

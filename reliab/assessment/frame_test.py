@@ -6,7 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.budget import Equipment, Size, Source, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget import (
+    Equipment,
+    Size,
+    sizes_of_structure,
+    sizes_of_unknown,
+    tolerances_of,
+)
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, with_learned
@@ -23,7 +29,7 @@ from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.recordings import Recording, without_spikes
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode
+from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
@@ -189,21 +195,6 @@ def _rebuilding(
         )
 
     return rebuilt
-
-
-def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
-    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e."""
-    tolerances = frame.tolerances
-    deviations = {
-        "frequency": tolerances.of_frequency,
-        "damping_ratio": tolerances.damping_ratio,
-        "experimental_fraction": tolerances.specimen_stiffness,
-    }
-    return {
-        name: Size(deviation=deviation, source=Source.STATED)
-        for name, deviation in deviations.items()
-        if deviation
-    }
 
 
 def require_linear_interface(frame: FrameUnderTest) -> None:

@@ -19,6 +19,7 @@ from .sizes import (
     Size as Size,
     Source as Source,
     as_certain_as as as_certain_as,
+    sizes_of_structure as sizes_of_structure,
     sizes_of_unknown as sizes_of_unknown,
     tolerances_of as tolerances_of,
 )

@@ -8,6 +8,7 @@ import numpy as np
 
 from reliab.assessment.budget.equipment import Equipment
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI
@@ -76,6 +77,21 @@ def sizes_of_unknown(
         together = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
         sizes["sensor_scale"] = Size(deviation=together, source=Source.STATED)
     return sizes
+
+
+def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
+    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e."""
+    tolerances = frame.tolerances
+    deviations = {
+        "frequency": tolerances.of_frequency,
+        "damping_ratio": tolerances.damping_ratio,
+        "experimental_fraction": tolerances.specimen_stiffness,
+    }
+    return {
+        name: Size(deviation=deviation, source=Source.STATED)
+        for name, deviation in deviations.items()
+        if deviation
+    }
 
 
 def _deviation_stated(sizes: Mapping[str, Size]) -> float:
