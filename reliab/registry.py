@@ -1,17 +1,24 @@
 """What the package and others that are installed beside it offer of one kind, by name."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
-from importlib.metadata import EntryPoints, entry_points
-from typing import TypeVar
+from importlib.metadata import EntryPoint, entry_points
+from typing import Protocol, TypeVar
 
 from reliab.errors import InputError
 
 Item = TypeVar("Item")
 
 
+class Selectable(Protocol):
+    """What Python's versions have in common of what packages register."""
+
+    def select(self, *, group: str) -> Iterable[EntryPoint]:
+        """Entries of a group."""
+
+
 @cache
-def read_entry_points() -> EntryPoints:
+def read_entry_points() -> Selectable:
     """Read what installed packages register, of every kind, by one look into the folders of all of them."""
     return entry_points()
 
