@@ -198,7 +198,7 @@ def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
     tiny = 1e-12 * float(mean.max()) + np.finfo(float).tiny
     start = float(np.average(mean, weights=count)) / shapes.shape[0] + tiny
     (levels,) = fit_levels(shapes[np.newaxis], mean, count, start=start, floor=tiny, updates=_UPDATES)
-    return levels
+    return np.asarray(levels)
 
 
 def _band(values: Array, white: float, step: float) -> float:

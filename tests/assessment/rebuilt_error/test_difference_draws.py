@@ -193,7 +193,7 @@ def test_a_draw_without_chance_is_the_mean_given_the_median_level():
 def test_a_place_is_drawn_by_its_weight():
     weights = np.array([[[0.1, 0.0], [2.0, 0.9]]])
     uniform = np.random.default_rng(6).uniform(size=(1, 30_000))
-    chosen = sample_backwards(weights, *(np.ones((2, 2)) for _ in range(2)), uniform)
+    chosen = sample_backwards(weights, np.ones((2, 2)), np.ones((2, 2)), uniform)
     shares = np.bincount(chosen[:, 0], minlength=4) / 30_000
     assert shares == pytest.approx(np.array([0.1, 0.0, 2.0, 0.9]) / 3.0, abs=0.01)
     assert shares[1] == 0.0
