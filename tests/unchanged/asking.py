@@ -9,6 +9,7 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -26,6 +27,7 @@ from reliab.version import __version__
 
 QUESTIONS = tomllib.loads(Path(__file__).with_name("questions.toml").read_text(encoding="utf-8"))
 DIGITS = 9
+_OF_OTHERS = ("emcee", "matplotlib", "numba", "numpy", "pandas", "rich", "scipy", "seaborn", "typer")
 _LONGEST = 24  # numbers of a list that are kept one by one
 _MOVING = (  # what differs from run to run, or from release to release
     (re.compile(r"\d{4}-\d\d-\d\d(?:T[\d:.]+(?:\+00:00|Z)?)?"), "DATE"),
@@ -39,6 +41,11 @@ _PROPERTIES = (
     *("xdata", "ydata", "offsets", "array", "xy", "width", "height", "text", "position", "linestyle"),
     *("linewidth", "marker", "markersize", "rotation", "ha", "va"),
 )
+
+
+def versions() -> dict[str, str]:
+    """Versions, without their last number, of what draws, optimises and sets tables."""
+    return {name: ".".join(version(name).split(".")[:2]) for name in _OF_OTHERS}
 
 
 def answers(question: str, folder: Path) -> list[Any]:

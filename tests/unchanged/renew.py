@@ -10,11 +10,14 @@ from tempfile import TemporaryDirectory
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
-from unchanged.asking import QUESTIONS, answers  # noqa: E402
+from unchanged.asking import QUESTIONS, answers, versions  # noqa: E402
 from unchanged.laboratory import write_laboratory  # noqa: E402
 
 
 def main() -> None:
+    if len(sys.argv) == 1:
+        kept = json.dumps(versions(), indent=0)
+        Path(__file__).with_name("versions.json").write_text(kept + "\n", encoding="utf-8")
     with TemporaryDirectory() as name:
         folder = Path(name).resolve()
         write_laboratory(folder)
