@@ -160,14 +160,23 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
         searched = _refined(finally_judged)
     advance()
     searched.sharpen()
+    searched.beside_clocks()
     diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
     advance()
     return diagnosed
 
 
 def _judged(search: Search) -> Search:
-    """Judge models by their errors where the best one leaves an error, else by noise as before."""
-    if search.problem.flat or not is_model_error(search.problem, search.best):
+    """Judge models by their errors where the best one leaves an error, else by noise as before.
+
+    What an offset of the clocks beside the model would explain is no error of it.
+    """
+    if search.problem.flat:
+        return search
+    search.beside_clocks()
+    late = search.late(search.best)
+    likely = [search.best] if late is None else [search.best, late]
+    if not all(is_model_error(search.problem, fitted) for fitted in likely):
         return search
     return search.tempered()
 

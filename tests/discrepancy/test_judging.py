@@ -73,6 +73,7 @@ class Judged(Search):
         self.problem = SimpleNamespace(
             flat=False,
             whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
+            block=SimpleNamespace(twins={}),
         )
 
     @staticmethod
@@ -249,6 +250,16 @@ def test_where_errors_judge_the_first_order_need_not_promise_what_an_effect_cost
     models.extend = lambda _parent, promising: asked.extend(effect.gain for effect in promising) or []
     models.forward(models.null, ())
     assert asked == [10.0, 0.3]
+
+
+@pytest.mark.parametrize(("twins", "fitted"), [({}, [10.0]), ({VISCOUS: (CUBIC,)}, [10.0, 0.1])])
+def test_an_effect_that_calibration_hides_is_fitted_whatever_it_promises(twins, fitted):
+    models, asked = Searched({(): 100.0}, {}), []
+    models.promising = [SimpleNamespace(gain=10.0, kind=CUBIC), SimpleNamespace(gain=0.1, kind=VISCOUS)]
+    models.problem.block = SimpleNamespace(twins=twins)
+    models.extend = lambda _parent, promising: asked.extend(effect.gain for effect in promising) or []
+    models.forward(models.null, ())
+    assert asked == fitted
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.fitting.search import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.naming.ranking import ranking
+from reliab.discrepancy.naming.ranking import believed, ranking
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")
@@ -32,6 +34,7 @@ def first_of(*models, flat=True):
     left = {id(fit): errors(energies) for fit, energies in models}
     search = SimpleNamespace(
         fitted=fits,
+        with_clocks={},
         problem=SimpleNamespace(flat=flat, block=SimpleNamespace(twins={})),
         observations=20.0,
         error=lambda fit: left[id(fit)],
@@ -66,6 +69,7 @@ def test_a_model_that_wins_by_a_single_test_is_less_probable_than_one_that_wins_
         left = {id(fits["rival"]): errors(np.ones(4)), id(fits["first"]): errors(energies)}
         search = SimpleNamespace(
             fitted=fits,
+            with_clocks={},
             problem=SimpleNamespace(flat=True),
             observations=72.0,
             error=lambda fit: left[id(fit)],
@@ -94,8 +98,49 @@ def test_between_twins_the_data_alone_decide(twins, lost, expected):
     block = SimpleNamespace(twins=twins)
     problem = SimpleNamespace(flat=False, block=block, loudness=lambda _noise: 1.0 / MODEL_ERROR**2)
     search = SimpleNamespace(
-        fitted={"first": first, "twin": twin}, problem=problem, score=lambda fit: fit.score
+        fitted={"first": first, "twin": twin},
+        with_clocks={},
+        problem=problem,
+        score=lambda fit: fit.score,
     )
     ranked = ranking(search)
     assert ranked[0].fit is first
     assert ranked[0].probability == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("beside", "expected"), [(58.0, 0.5), (49.0, 1.0 / (1.0 + np.exp(-1.0)))])
+def test_a_model_is_as_credible_as_with_an_offset_of_the_clocks_that_is_not_named(beside, expected):
+    def fitted(score, *effects):
+        space = SimpleNamespace(effects=effects, names=tuple(sorted(str(one.name) for one in effects)))
+        return SimpleNamespace(space=space, score=score, log_likelihood=0.0, noise=None)
+
+    alone, other = fitted(50.0, AFTER), fitted(30.0, BACKLASH)
+    late = fitted(beside, AFTER, ClockOffset)
+    search = SimpleNamespace(
+        fitted={frozenset(fit.space.names): fit for fit in (alone, other)},
+        with_clocks={frozenset(late.space.names): late},
+        problem=SimpleNamespace(flat=False, block=SimpleNamespace(twins={})),
+        score=lambda fit: fit.score,
+    )
+    shares = {id(ranked.fit): ranked.probability for ranked in ranking(search)}
+    assert shares[id(alone)] == pytest.approx(expected, abs=1e-6)
+    assert shares[id(alone)] + shares[id(late)] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_an_offset_of_the_clocks_costs_nothing_beside_an_effect():
+    assert cost([AFTER, ClockOffset]) == cost([AFTER]) == cost([ClockOffset]) > 0.0
+
+
+def ranked_as(probability, *effects):
+    return SimpleNamespace(
+        fit=SimpleNamespace(space=SimpleNamespace(effects=effects)), probability=probability
+    )
+
+
+@pytest.mark.parametrize(("alone", "doubted"), [(0.6, False), (0.4, True)])
+def test_an_offset_of_the_clocks_is_doubtful_where_it_is_more_probable_than_none(alone, doubted):
+    ranked = [ranked_as(1.0 - alone, AFTER, ClockOffset), ranked_as(alone, AFTER)]
+    best, sure, doubtful = believed(ranked, None)
+    assert sure == {AFTER}
+    assert doubtful == ({ClockOffset} if doubted else set())
+    assert set(best.space.effects) == sure | doubtful

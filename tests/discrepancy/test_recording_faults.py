@@ -100,6 +100,15 @@ def test_a_damper_without_an_offset_is_a_damper():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("lag", [-0.002, -0.001, 0.001, 0.002, 0.004])
+def test_a_damper_is_stated_as_far_as_an_offset_of_the_clocks_leaves_it_open(lag):
+    found = diagnose(campaign_of(lag=lag, damping=0.012 * STIFFNESS))
+    damper = next(one for one in (*found.effects, *found.doubtful) if one.name == "viscous_damping")
+    (damping,) = damper.estimates
+    assert abs(damping.value - 0.012 * STIFFNESS) < 2.5 * damping.sd
+
+
+@pytest.mark.slow
 def test_a_displacement_that_leads_its_command_is_a_clock_offset():
     def led(channels):
         return {Channel.COMMAND: channels[Channel.MEASURED], Channel.MEASURED: channels[Channel.FORCE]}
@@ -125,16 +134,19 @@ def test_a_reading_that_leads_is_that_of_later():
     model = HybridTest(effects=(LeadingReading(lead_s=0.003),))
     early = with_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
     assert early[10:-10] == pytest.approx(np.sin(3.0 * (TIME + 0.003))[10:-10], abs=1e-7)
-    assert early[-1] == np.sin(3.0 * TIME[-1])
+    step, slope = 1.0 / RATE, 3.0 * np.cos(3.0 * TIME[-1])
+    assert early[-1] == pytest.approx(np.sin(3.0 * TIME[-1]) + 0.003 * slope, abs=1e-5)
+    far = with_clock(HybridTest(effects=(LeadingReading(lead_s=0.2),)), np.sin(3.0 * TIME), step)
+    assert far[-30:] == pytest.approx(np.sin(3.0 * TIME[-1]) + 2.0 * step * slope, abs=1e-5)
 
 
-def answers_of(*, damping_ratio=0.05, mass=0.0, gain=1.0):
+def answers_of(*, damping_ratio=0.05, mass=0.0, gain=1.0, delay=0.004):
     """Displacement alone of a rig whose structure is stated with 5 % and without another mass."""
     tests, step = [], 0.002
     effects = (AddedMass(mass_kg=mass),) if mass else ()
     structure = Structure(frequency=1.0, damping_ratio=damping_ratio)
     rig = HybridTest(
-        structure=structure, mass=1e3, actuator=Actuator(gain=gain, delay=0.004), effects=effects
+        structure=structure, mass=1e3, actuator=Actuator(gain=gain, delay=delay), effects=effects
     )
     for k in range(3):
         rng = np.random.default_rng(k)
@@ -162,6 +174,14 @@ def test_one_channel_does_not_tell_an_added_mass_with_a_gain_from_a_damping_that
 @pytest.mark.slow
 def test_one_channel_does_not_tell_a_damper_from_a_damping_that_is_stated_too_low():
     found = diagnose(answers_of(damping_ratio=0.06))
+    assert found.verdict == "not_identifiable"
+    assert names_of(found) | rivals_of(found) >= {"viscous_damping", "structure_damping"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("true", [0.04, 0.06])
+def test_a_damper_of_an_oscillator_is_not_told_from_a_damping_ratio_that_is_stated_wrongly(true):
+    found = diagnose(replace(answers_of(damping_ratio=true, delay=0.0), actuator=None))
     assert found.verdict == "not_identifiable"
     assert names_of(found) | rivals_of(found) >= {"viscous_damping", "structure_damping"}
 

@@ -1,15 +1,16 @@
 """What a diagnosis says and draws of itself is what it holds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from reliab.discrepancy.adding.adding import _sampled
+from reliab.discrepancy.naming.naming import or_stated_damping
 from reliab.discrepancy.result.diagnosis import Diagnosis, draw_gap, table_of_diagnosis
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, remark
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, remark, widened
 from reliab.effects import find_effect
 from reliab.recordings import behaviour
 
@@ -86,6 +87,43 @@ def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
         "error on held-out tests, force_n", "0.31 before, 0.12 after",
     ):  # fmt: skip
         assert words in text
+
+
+def test_a_parameter_strays_as_far_as_the_models_that_hold_it_differ():
+    def stated(value, sd):
+        return (Estimate(name="force_n", value=value, sd=sd, units="N"),)
+
+    (alone,) = widened(stated(5.0, 0.3), [(0.9, stated(5.0, 0.3))])
+    assert (alone.sd, alone.between) == (pytest.approx(0.3), 0.0)
+    (wide,) = widened(stated(5.0, 0.3), [(0.4, stated(5.0, 0.3)), (0.2, stated(7.0, 0.6))])
+    square = (0.4 * 0.3**2 + 0.2 * (2.0**2 + 0.6**2)) / 0.6
+    assert wide.value == 5.0
+    assert wide.sd == pytest.approx(np.sqrt(square))
+    assert wide.between == pytest.approx(np.sqrt(square - 0.3**2))
+
+
+@pytest.mark.parametrize(("value", "told"), [(-40.0, True), (40.0, True), (60.0, False)])
+def test_a_damper_may_be_a_damping_that_is_stated_wrongly_by_less_than_half(value, told):
+    estimate = Estimate(name="damping_n_s_per_m", value=value, sd=1.0, units="N·s/m", signed=True)
+    damper = replace(missing(0.98), effect=find_effect("viscous_damping"), estimates=(estimate,))
+    found = or_stated_damping(damper, 100.0)
+    assert found.probability == pytest.approx(0.49 if told else 0.98)
+    assert [rival.name for rival in found.rivals] == ["structure_damping"] * told
+    assert or_stated_damping(damper, 0.0) is damper  # where a rig tells them apart
+    assert or_stated_damping(missing(), 100.0).rivals == ()  # no damper
+
+
+def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
+    posterior = SimpleNamespace(
+        converged=True, parameters_of=lambda _name: {"force_n": {"sd": 0.6, "interval_90": (4.0, 6.0)}}
+    )
+    effect = missing(value=5.0)
+    apart = replace(effect, estimates=(replace(effect.estimates[0], between=0.8),))
+    found = _sampled(Block(effects=(apart,), doubtful=(), converged=None), posterior)
+    (estimate,) = found.effects[0].estimates
+    reach = np.hypot(1.0, 1.645 * 0.8)
+    assert estimate.sd == pytest.approx(1.0)
+    assert estimate.interval == pytest.approx((5.0 - reach, 5.0 + reach))
 
 
 @pytest.mark.parametrize("rivals", [(), (Rival(name="hysteresis", probability=0.4, held_out_nrmse=0.2),)])

@@ -36,6 +36,7 @@ class Known(Search):
             tempering=(1.0,),
             segments=(SimpleNamespace(bins=30),),
             whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
+            block=SimpleNamespace(twins={}),
         )
 
     @staticmethod

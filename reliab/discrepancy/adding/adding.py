@@ -1,5 +1,6 @@
 """What a diagnosis adds to the model: posteriors, the updated model, and what that does to the criterion."""
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from reliab.renamed import renamed_method
 from reliab.simulation.hybrid_test import MODEL_FILE, HybridTest, UpdatedModel, write_model
 from reliab.threads import one_thread
 
+_REACH = 1.645  # standard deviations to either end of a central 90 % interval
 _WITHOUT_FRAME = (
     "This file holds the actuator, the specimen and the effects; the frame of these tests stands in their"
     " campaign.toml, and without it no closed loop can be computed."
@@ -99,12 +101,17 @@ def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnos
 
 
 def _with_spread(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
+    """Take spreads from a posterior of one model, and how far models differ from the diagnosis."""
     parameters = posterior.parameters_of(str(effect.effect.name))
     estimates = []
     for estimate in effect.estimates:
         low, high = parameters[estimate.name]["interval_90"]
-        interval = (min(low, estimate.value), max(high, estimate.value))
-        estimates.append(replace(estimate, sd=parameters[estimate.name]["sd"], interval=interval))
+        value, between = estimate.value, _REACH * estimate.between
+        low = value - math.hypot(value - min(low, value), between)
+        high = value + math.hypot(max(high, value) - value, between)
+        sd = math.hypot(parameters[estimate.name]["sd"], estimate.between)
+        interval = (low if estimate.signed else max(low, 0.0), high)
+        estimates.append(replace(estimate, sd=sd, interval=interval))
     return replace(effect, estimates=tuple(estimates))
 
 

@@ -114,6 +114,11 @@ class LoopBlock(ObservedBlock):
         return effects
 
     @property
+    def structure_damping(self) -> float:
+        """That of the whole oscillator where no rig stands between structure and specimen [N·s/m]."""
+        return 0.0 if self._rig else self._damping
+
+    @property
     def _damping(self) -> float:
         """Damping of the controller's structure as stated [N·s/m]."""
         return self.nominal.mass * self.nominal.substructure.damping

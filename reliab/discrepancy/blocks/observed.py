@@ -82,6 +82,11 @@ class ObservedBlock(ABC):
             AddedMass: specimen.mass if specimen else 0.0,
         }
 
+    @property
+    def structure_damping(self) -> float:
+        """Stated damping from which a damper of the specimen cannot be told [N·s/m], zero where it can."""
+        return 0.0
+
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
         """Predict the channel in a test, shape (⌈n / every⌉,)."""

@@ -69,8 +69,13 @@ _POSSIBLE = 7.0  # nats
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
-    """Prior odds against a set of effects, as a logarithm; a special form of an effect counts twice."""
-    return sum(OUTSIDE_COST if is_outside(kind) else COST * (1 + bool(kind.refines)) for kind in kinds)
+    """Prior odds against a set of effects, as a logarithm; a special form of an effect counts twice.
+
+    Clocks that differ are no rarer than clocks that do not: beside an effect they cost nothing.
+    """
+    effects = set(kinds)
+    dear = effects - {ClockOffset} or effects
+    return sum(OUTSIDE_COST if is_outside(kind) else COST * (1 + bool(kind.refines)) for kind in dear)
 
 
 class Search:
@@ -79,6 +84,7 @@ class Search:
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
         self.rejected: set[frozenset[str]] = set()
+        self.with_clocks: dict[frozenset[str], Fit] = {}
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         block = problem.block
         space = ModelSpace(block, ())
@@ -171,11 +177,25 @@ class Search:
             return large and self._predicts(candidate, smaller, 1.0 - share)
         if smaller is self.null:
             return True
+        if self._is_shift(candidate, added):
+            return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         closed = self._energy(self.null, candidate.noise) - remaining
         if gained > LEAST_SHARE * closed:
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         audible = gained > MATERIAL * (remaining + gained)
         return audible and self.error(candidate).energy <= (1.0 - MATERIAL) * self.error(smaller).energy
+
+    def _is_shift(self, candidate: Fit, added: set[type[Effect]]) -> bool:
+        """Whether an offset of the clocks is added to a model with effects, or what looks like one there.
+
+        It explains little beside them and still moves their parameters by far more than their deviations.
+        """
+        twins = self.problem.block.twins
+        if ClockOffset not in twins or len(added) != 1:
+            return False
+        rivals = {*candidate.space.effects} - added | {ClockOffset}
+        rival = self.fitted.get(frozenset(str(kind.name) for kind in rivals))
+        return added == {ClockOffset} or (added <= set(twins[ClockOffset]) and rival is not None)
 
     def _predicts(self, candidate: Fit, smaller: Fit, most: float) -> bool:
         """Whether a model's error on left-out tests is at most a multiple of that of a smaller model."""
@@ -302,15 +322,26 @@ class Search:
             for parent in beam:
                 promising = self._screened(parent, kinds)
                 floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
-                children += self.extend(
-                    parent, [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
-                )
+                likely = [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
+                children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
             children.sort(key=self.score, reverse=True)
             beam = [candidate for candidate in children[:_BEAM] if self._within_reach(candidate, children[0])]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
             best = beam[0]
         return self.backward(best)
+
+    def _hidden(
+        self, parent: Fit, screened: Sequence[Screened], likely: Sequence[Screened]
+    ) -> list[Screened]:
+        """Return effects with twins, which a calibration that made up for them hides to first order.
+
+        A noise that is fitted to what the calibrated model leaves hides them, too.
+        """
+        twins = self.problem.block.twins
+        if parent is not self.null or not twins:
+            return []
+        return [one for one in screened if one.kind in twins and one not in likely]
 
     def _within_reach(self, candidate: Fit, first: Fit) -> bool:
         """Whether a model is so close to the best one that a further effect might change the order."""
@@ -442,6 +473,37 @@ class Search:
                 candidate = self.fitted[key]
                 if not self.supported(candidate):
                     self._reject(candidate)
+
+    def beside_clocks(self) -> None:
+        """Add an offset of the clocks to the models that may be named, where it was rejected, too.
+
+        It is not named then, but nobody knows that there is none, and parameters of the others depend on it.
+        """
+        if ClockOffset not in self.candidates or ClockOffset not in self.problem.block.twins:
+            return
+        best = self.score(self.best)
+        for near in [one for one in self.fitted.values() if self.score(one) > best - _POSSIBLE]:
+            late = ClockOffset in near.space.effects
+            alone = self.without(near, ClockOffset) if late else near
+            if alone.space.effects:
+                self.with_clock(alone)
+
+    def late(self, fitted: Fit) -> Fit | None:
+        """Return a model with an offset of the clocks beside its effects, None where none was tried."""
+        return self.with_clocks.get(frozenset({*fitted.space.names, str(ClockOffset.name)}))
+
+    def with_clock(self, fitted: Fit) -> Fit:
+        """Return a model with an offset of the clocks beside its effects."""
+        space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
+        key = frozenset(space.names)
+        if key not in self.with_clocks:
+            (promise,) = self._screened(fitted, [ClockOffset])
+            beside = refined(self.problem, fit(self.problem, space, [promise.start], fitted.noise))
+            tried = self.fitted.get(key)
+            if tried is not None:
+                beside = self._keep(beside)
+            self.with_clocks[key] = beside
+        return self.with_clocks[key]
 
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""

@@ -26,14 +26,16 @@ from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.gap import FurtherError
-from reliab.discrepancy.result.missing_effect import MissingEffect, Rival, calibration, estimates
-from reliab.discrepancy.terms import is_outside
-from reliab.effects import Effect
+from reliab.discrepancy.result.missing_effect import MissingEffect, Rival, calibration, estimates, widened
+from reliab.discrepancy.terms import StatedDamping, is_outside
+from reliab.effects import Effect, ViscousDamping
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
 
 _RIVALS = 4
+_MISSTATED = 0.5  # of a stated damping, by which it may be off
+_LEAST_PROBABLE = 1e-3  # model that counts where parameters differ between models
 _FEWEST = 3  # left-out tests from which the error on a further one is foretold
 _TAILS = 0.05
 _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
@@ -56,6 +58,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     after = residuals(proof, best)
     proved = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
+    sure = [naming.missing(kind) for kind in inside if kind in sure_effects]
+    doubted = [naming.missing(kind) for kind in inside if kind in doubtful]
     unknown = unexplained(judged, best, proved, None if noise else _located(problem, best, judged))
     return BlockDiagnosis(
         block=problem.block,
@@ -64,11 +68,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibrated=calibrated,
         best=best,
         ranked=ranked,
-        effects=(
-            *(naming.missing(kind) for kind in inside if kind in sure_effects),
-            *biases,
-        ),
-        doubtful=tuple(naming.missing(kind) for kind in inside if kind in doubtful),
+        effects=(*(found for found in sure if found.probability >= SURE), *biases),
+        doubtful=(*(found for found in sure if found.probability < SURE), *doubted),
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unknown,
         findings=_located(problem, calibrated, judged),
@@ -126,7 +127,15 @@ class _Naming:
     def missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
         smaller = self.search.without(self.best, effect)
-        return self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+        stated = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+        others = [
+            (ranked.probability, estimates(effect, ranked.fit))
+            for ranked in self.ranked
+            if effect in ranked.fit.space.effects and ranked.probability > _LEAST_PROBABLE
+        ]
+        if others:
+            stated = replace(stated, estimates=widened(stated.estimates, others))
+        return or_stated_damping(stated, self.search.problem.block.structure_damping)
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""
@@ -179,6 +188,18 @@ class _Naming:
             if len(rivals) == _RIVALS:
                 break
         return tuple(rivals)
+
+
+def or_stated_damping(found: MissingEffect, damping: float) -> MissingEffect:
+    """State a damper with its twin where it would be a misstated damping of the structure, to within half.
+
+    `damping` [N·s/m] is that from which it cannot be told: both predict the same, and no test prefers one.
+    """
+    if found.effect is not ViscousDamping or not abs(found.estimates[0].value) < _MISSTATED * damping:
+        return found
+    half = 0.5 * found.probability
+    twin = Rival(name=StatedDamping.label(), probability=half, held_out_nrmse=found.error_with)
+    return replace(found, probability=half, rivals=(twin, *found.rivals)[:_RIVALS])
 
 
 def _by_file(proof: Problem, residuals: dict[int, Array]) -> dict[str, Array]:

@@ -9,6 +9,7 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.search import Search, cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.result.block_diagnosis import Ranked
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects import Effect
 
 SURE = 0.9
@@ -16,11 +17,12 @@ SURE = 0.9
 
 _DRAWS, _SEED = 1000, 20
 _NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
+_LIKELY = 0.5  # the same where clocks may differ, which changes the parameters of the other effects
 
 
 def ranking(search: Search) -> tuple[Ranked, ...]:
     """Fitted models with their probabilities, the most probable first."""
-    models = list(search.fitted.values())
+    models = [*search.fitted.values(), *_with_clocks(search)]
     shares = _shares_of_tests(search, models) if search.problem.flat else _shares_of_scores(search, models)
     order = np.argsort(-shares, kind="stable")
     ordered = [models[k] for k in order]
@@ -31,6 +33,19 @@ def ranking(search: Search) -> tuple[Ranked, ...]:
     )
 
 
+def _with_clocks(search: Search) -> list[Fit]:
+    """Models with an offset of the clocks that is too small to be named, beside effects that are needed."""
+    return [
+        fit
+        for key, fit in search.with_clocks.items()
+        if key not in search.fitted
+        and not any(
+            ClockOffset in fewer.space.effects and names < key and search.score(fewer) >= search.score(fit)
+            for names, fewer in search.fitted.items()
+        )
+    ]
+
+
 def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
     """Probability of each model by its score, shape (models,).
 
@@ -39,6 +54,9 @@ def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
     what that may change in the likelihood none is preferred.
     """
     scores = np.array([search.score(fit) for fit in models])
+    for place, fit in enumerate(models[len(search.fitted) :], start=len(search.fitted)):
+        alone = models.index(search.fitted[frozenset(fit.space.names) - {str(ClockOffset.name)}])
+        scores[alone] = max(scores[alone], scores[place])
     first = models[int(np.argmax(scores))]
     for place, fit in enumerate(models):
         if _is_twin(search, first, fit):
@@ -107,7 +125,8 @@ def believed(ranked: Sequence[Ranked], null: Fit) -> tuple[Fit, set[type[Effect]
     sure_effects = {effect for effect in effects if probability(ranked, effect) >= SURE}
     less_sure = set(effects) - sure_effects
     fewer = sum(r.probability for r in ranked if len(r.fit.space.effects) < len(effects))
-    doubtful = less_sure if fewer < _NEGLIGIBLE else set()
+    most = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
+    doubtful = less_sure if fewer < most else set()
     return _fit_with(ranked, sure_effects | doubtful) or null, sure_effects, doubtful
 
 

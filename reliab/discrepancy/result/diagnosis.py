@@ -24,6 +24,7 @@ SHORT_RECORD = 256
 """Samples of a test below which a remark says that it is short."""
 
 _UNIT_TOLERANCE = 0.03  # of a calibrated stiffness
+_OTHER_MODELS = 0.8  # of a standard deviation, from which other models make up most of it
 _CLOCK = "clock_offset"
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping", "structure_damping"}
 _VERDICTS = {
@@ -148,6 +149,14 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         " mean little."
         for effect in (*block.effects, *block.doubtful)
         for parameter in effect.on_bounds
+    ]
+    remarks += [
+        f"{estimate.name} of {effect.name} is known to ± {significant(estimate.sd, 2)} {estimate.units} only:"
+        " models that explain the tests as well, with clocks that differ or with a further effect, give other"
+        " values."
+        for effect in (*block.effects, *block.doubtful)
+        for estimate in effect.estimates
+        if estimate.between > _OTHER_MODELS * estimate.sd
     ]
     if block.not_fed_back is not None:
         remarks.append(

@@ -1,7 +1,10 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.effects import Effect
@@ -35,7 +38,10 @@ _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below
 @renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled."""
+    """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled.
+
+    `between` is the part of the standard deviation that comes from other models that hold the effect.
+    """
 
     name: str
     value: float
@@ -43,6 +49,7 @@ class Estimate:
     units: str
     interval: tuple[float, float] | None = None
     signed: bool = False  # Whether it may be negative, so that zero is a value like any other
+    between: float = 0.0
 
     @property
     def determined(self) -> bool:
@@ -197,6 +204,22 @@ def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
         )
         for parameter, value, sd in zip(effect.parameters, values.tolist(), spread.tolist(), strict=True)
     )
+
+
+def widened(
+    stated: tuple[Estimate, ...], others: Sequence[tuple[float, tuple[Estimate, ...]]]
+) -> tuple[Estimate, ...]:
+    """Add to standard deviations how far parameters differ between the models that hold the effect.
+
+    `others` holds the probability and the estimates of each such model, the stated one included.
+    """
+    total = sum(share for share, _ in others)
+    wide = []
+    for k, one in enumerate(stated):
+        square = sum(share * ((e[k].value - one.value) ** 2 + e[k].sd ** 2) for share, e in others) / total
+        between = max(square - one.sd**2, 0.0) ** 0.5
+        wide.append(replace(one, sd=float(np.hypot(one.sd, between)), between=between))
+    return tuple(wide)
 
 
 def calibration(fitted: Fit) -> tuple[Estimate, ...]:

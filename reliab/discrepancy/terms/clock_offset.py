@@ -16,6 +16,7 @@ def _nothing(_motion: Numbers, _time: float, _step: float, _coefficients: Number
     return 0.0
 
 
+_STRAIGHT: Final = 2.0  # steps
 _TIME: Final = (("displacement", 1.0), ("velocity", -1.0))
 
 
@@ -35,7 +36,7 @@ class ClockOffset(SteppedEffect):
     parameters = (
         Parameter(
             name="lag_s", units="s", meaning="time by which the force is recorded later",
-            signed=True, typical=0.01, lower=-0.5, upper=0.5, starts=(0.002,),
+            signed=True, typical=0.005, lower=-0.5, upper=0.5, starts=(0.002,),
         ),
     )  # fmt: skip
     kernel = Kernel(function=_nothing)
@@ -70,11 +71,14 @@ class LeadingReading(SteppedEffect):
 def with_clock(model: HybridTest, values: Array, step: float) -> Array:
     """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s].
 
-    Beyond its ends it has its last value.
+    Beyond its ends it goes on straight for two steps, and keeps that value.
     """
     lag = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
     lag -= sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
     if not lag:
         return values
     time = np.arange(values.size) * step
-    return np.asarray(CubicSpline(time, values)(np.clip(time - lag, 0.0, time[-1])))
+    wanted, spline = time - lag, CubicSpline(time, values)
+    inside = np.clip(wanted, 0.0, time[-1])
+    beyond = np.clip(wanted - inside, -_STRAIGHT * step, _STRAIGHT * step)
+    return np.asarray(spline(inside) + beyond * np.where(beyond != 0.0, spline(inside, 1), 0.0))
