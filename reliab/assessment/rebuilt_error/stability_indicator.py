@@ -50,7 +50,9 @@ LARGE_MOTION = 0.5  # of the largest power of the motion so far
 LARGEST_PLAY = 2.2  # times the smallest error that half the width of the play may be
 STRAYS = 1.1  # times the largest exact displacement so far that a command may reach of its own
 PLAY_OF_STRAYING = 1.0  # times the smallest error that half the width of the play may be beyond that
-FOLLOWS = -0.5  # gain of the error above which the piston follows its command
+FOLLOWS = (
+    0.5  # of the command: amplitude of the measured motion, in phase or late, with which a piston follows
+)
 _SINGULAR = 1e-12
 _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
 
@@ -161,7 +163,14 @@ class Damping:
             deviation=deviation,
             high=ratio + needed * deviation,
             large=power > LARGE_MOTION * float(motion[1]),
-            follows=bool(-(residual[0] + needed * errors[0]) * scale[3] > FOLLOWS * scale[0]),
+            follows=_follows(scale, residual, needed * errors),
             error=float(np.sqrt(max(error, 0.0))),
             by_play=4.0 / np.pi * self.factor / (self.circular_frequency * amplitude),
         )
+
+
+def _follows(scale: Array, residual: Array, chance: Array) -> bool:
+    """Whether the measured motion, as far as it is no chance, is half of the command or more at any phase."""
+    in_phase = max(abs(scale[0] - residual[0] * scale[3]) - chance[0] * scale[3], 0.0)
+    across = max((abs(residual[1]) - chance[1]) * scale[3], 0.0)
+    return bool(np.hypot(in_phase, across) > FOLLOWS * scale[0])

@@ -305,7 +305,7 @@ static int gains_energy(reliab_energy *energy, const mode *of)
 {
     double scale[4], joint[4][4], steps[4][4], copy[3][3] = {{0.0}}, inverse[3][3] = {{0.0}};
     double residual[4], rough, independent, units, deviation, needed, window, error, amplitude, by_play;
-    double left, first_deviation, play;
+    double left, deviations[2], in_phase, across, play;
     const int strays = larger(energy->largest[0], energy->largest[1]) > RELIAB_STRAYS * energy->ideal;
     const double power = energy->moments[0][1][1];
     const double count = energy->moments[0][2][2];
@@ -342,8 +342,10 @@ static int gains_energy(reliab_energy *energy, const mode *of)
     independent = larger(count * larger(rough / (4.0 - rough), RELIAB_INDEPENDENT / of->samples), 1.0);
     units = of->factor * scale[3] / scale[1];
     energy->net_damping = of->ratio - units * residual[1];
-    deviation = units * sqrt(larger(inverse[1][1], 0.0) * left / independent);
-    first_deviation = sqrt(larger(inverse[0][0], 0.0) * left / independent);
+    for (row = 0u; row < 2u; row++) {
+        deviations[row] = sqrt(larger(inverse[row][row], 0.0) * left / independent);
+    }
+    deviation = units * deviations[1];
     window = window_of(energy, of);
     needed = needed_in(energy, window);
     copy[0][0] = copy[1][1] = copy[2][2] = 1.0;
@@ -361,7 +363,9 @@ static int gains_energy(reliab_energy *energy, const mode *of)
     error = sqrt(larger((1.0 - error) * energy->moments[0][3][3] / count, 0.0));
     amplitude = sqrt(2.0 / count) * scale[0];
     by_play = 4.0 / PI * of->factor / (of->circular_frequency * amplitude);
-    if (-(residual[0] + needed * first_deviation) * scale[3] > RELIAB_FOLLOWS * scale[0]) {
+    in_phase = larger(fabs(scale[0] - residual[0] * scale[3]) - needed * deviations[0] * scale[3], 0.0);
+    across = larger((fabs(residual[1]) - needed * deviations[1]) * scale[3], 0.0);
+    if (sqrt(in_phase * in_phase + across * across) > RELIAB_FOLLOWS * scale[0]) {
         energy->following = energy->following < 2u ? energy->following + 1u : 2u;
     } else {
         energy->following = 0u;
