@@ -59,7 +59,7 @@ def list_variables(actuators: int) -> list[Variable]:
 def _parameters(place: dict[int, str]) -> list[Variable]:
     """List what may be stated of the sensors before a test."""
     actuators = len(place)
-    stated = (
+    quantities = (
         ("sensor_offset", "Offset of the displacement sensor"),
         ("standing", "Command minus measured displacement under which the test begins in equilibrium"),
     )
@@ -71,7 +71,7 @@ def _parameters(place: dict[int, str]) -> list[Variable]:
             unit="m",
             causality="parameter",
         )
-        for block, (name, what) in enumerate(stated)
+        for block, (name, what) in enumerate(quantities)
         for k in place
     ]
     whether = Variable(

@@ -126,7 +126,7 @@ def monitor_sources(monitor: LoopMonitor) -> dict[str, str]:
 def _configuration(monitor: LoopMonitor) -> str:
     return "\n".join(
         [
-            f"/* {_told(monitor)} Written, not edited. */",
+            f"/* {_description(monitor)} Written, not edited. */",
             "#ifndef RELIAB_MONITOR_CONFIG_H",
             "#define RELIAB_MONITOR_CONFIG_H",
             *(f"#define RELIAB_{name} {value}" for name, value in _numbers(monitor).items()),
@@ -140,7 +140,7 @@ def _configuration(monitor: LoopMonitor) -> str:
     )
 
 
-def _told(monitor: LoopMonitor) -> str:
+def _description(monitor: LoopMonitor) -> str:
     """Say what a monitor is of."""
     lowest = significant(float(monitor.linear.natural_frequencies[0]))
     effects = ", ".join(effect.name for effect in monitor.effects)

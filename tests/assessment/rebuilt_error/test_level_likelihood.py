@@ -13,10 +13,12 @@ LEVELS = np.array([1e-8, 1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("coefficients", [1, 7, 19])
 def test_likelihood_is_that_of_normal_coefficients(frames_of_noise, coefficients):
     rng = np.random.default_rng(coefficients)
-    rest = rng.normal(size=(5, coefficients))
-    power = rng.exponential(size=(5, coefficients)) * 10.0 ** rng.uniform(-6, 6, (5, coefficients))
-    noise = rng.exponential(size=(3, frames_of_noise, coefficients)) + 1e-3
-    found = level_likelihood(rest, power, noise, LEVELS, 0.01)
+    size, band = coefficients + 5, slice(2, 2 + coefficients)
+    rest = rng.normal(size=(5, size))
+    power = rng.exponential(size=(5, size)) * 10.0 ** rng.uniform(-6, 6, (5, size))
+    noise = rng.exponential(size=(3, frames_of_noise, size)) + 1e-3
+    found = level_likelihood(rest, power, noise, (band.start, band.stop), LEVELS, 0.01)
+    rest, power, noise = rest[:, band], power[:, band], noise[:, :, band]
     for place, level in enumerate(LEVELS):
         variance = level * np.maximum(power, 0.01 * noise) + noise
         expected = norm.logpdf(rest, scale=np.sqrt(variance)).sum(axis=(1, 2))
@@ -26,5 +28,6 @@ def test_likelihood_is_that_of_normal_coefficients(frames_of_noise, coefficients
 
 def test_a_motion_far_above_the_noise_stays_finite():
     shape = (4, 50)
-    found = level_likelihood(np.ones(shape), np.full(shape, 1.0), np.full((1, 1, 50), 1e-20), LEVELS, 0.01)
+    noise = np.full((1, 1, 50), 1e-20)
+    found = level_likelihood(np.ones(shape), np.full(shape, 1.0), noise, (0, 50), LEVELS, 0.01)
     assert np.isfinite(found).all()
