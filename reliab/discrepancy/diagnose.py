@@ -18,6 +18,7 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.fitting.clocks import fit_beside_clocks, fitted_with_clock
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import BESIDE, Search
@@ -160,7 +161,7 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
         searched = _refined(finally_judged)
     advance()
     searched.sharpen()
-    searched.beside_clocks()
+    fit_beside_clocks(searched)
     diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
     advance()
     return diagnosed
@@ -173,8 +174,8 @@ def _judged(search: Search) -> Search:
     """
     if search.problem.flat:
         return search
-    search.beside_clocks()
-    late = search.late(search.best)
+    fit_beside_clocks(search)
+    late = fitted_with_clock(search, search.best)
     likely = [search.best] if late is None else [search.best, late]
     if not all(is_model_error(search.problem, fitted) for fitted in likely):
         return search

@@ -173,7 +173,7 @@ class Searched(Judged, Search):
 
     promising = ()
 
-    def _screened(self, *_):
+    def screened(self, *_):
         return list(self.promising)
 
     def reaches(self, candidate, first):
@@ -189,7 +189,7 @@ class Extended(Searched):
     def _matters(self, larger, smaller):
         return larger.space.energy < smaller.space.energy - 10.0
 
-    def _keep(self, candidate):
+    def keep(self, candidate):
         return candidate
 
 

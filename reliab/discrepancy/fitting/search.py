@@ -65,7 +65,7 @@ _TRIED = 8
 _MOST_EXCHANGES = 2
 _SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
 _CLOSE = 100.0  # nats
-_POSSIBLE = 7.0  # nats
+POSSIBLE = 7.0  # nats
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
@@ -84,7 +84,7 @@ class Search:
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
         self.rejected: set[frozenset[str]] = set()
-        self.with_clocks: dict[frozenset[str], Fit] = {}
+        self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `fitting/clocks.py`
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         block = problem.block
         space = ModelSpace(block, ())
@@ -92,9 +92,10 @@ class Search:
         start = NoiseModel.white(block.rate, 1e-3 * float(spread))
         null = refined(problem, fit(problem, space, [np.zeros(space.size)], start))
         self.problem = problem if problem.conversion else problem.corrected(space, null.coordinates)
-        self.null = self._keep(null if self.problem is problem else refined(self.problem, null))
+        self.null = self.keep(null if self.problem is problem else refined(self.problem, null))
 
-    def _keep(self, candidate: Fit) -> Fit:
+    def keep(self, candidate: Fit) -> Fit:
+        """Keep a fitted model, unless one of the same effects is better or was rejected."""
         key = frozenset(candidate.space.names)
         if key in self.rejected:
             return candidate
@@ -209,7 +210,7 @@ class Search:
         one for a limiting case must predict left-out tests better than that one.
         """
         effects = candidate.space.effects
-        if not all(self._acts(candidate, kind) for kind in effects):
+        if not all(acts(candidate, kind, _AWAY) for kind in effects):
             return False
         for smaller in [self.without(candidate, kind) for kind in effects]:
             if not self._matters(candidate, smaller, beside=BESIDE):
@@ -223,11 +224,6 @@ class Search:
         limits = [(known, BESIDE)] if outside else []
         limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
-
-    @staticmethod
-    def _acts(candidate: Fit, kind: type[Effect]) -> bool:
-        """Whether an effect's parameters are beyond their own uncertainty of no effect."""
-        return acts(candidate, kind, _AWAY)
 
     def _best_known(self) -> Fit:
         """Return the most credible model of members of the library alone."""
@@ -258,9 +254,10 @@ class Search:
         if key in self.fitted:
             return self.fitted[key]
         start = space.inherited(candidate.space, candidate.coordinates)
-        return self._keep(refined(self.problem, fit(self.problem, space, [start], candidate.noise)))
+        return self.keep(refined(self.problem, fit(self.problem, space, [start], candidate.noise)))
 
-    def _screened(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
+    def screened(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Screened]:
+        """Give effects that may be added to a model, those of the largest promise first."""
         return screened(self.problem, parent, kinds, self.null)
 
     def _untried(self, names: set[str]) -> bool:
@@ -294,7 +291,7 @@ class Search:
         kept = []
         for candidate in fits:
             if self._matters(candidate, parent):
-                kept.append(self._keep(candidate))
+                kept.append(self.keep(candidate))
             else:
                 self._reject(candidate)
         return kept
@@ -320,7 +317,7 @@ class Search:
         for _ in range(deepest):
             children: list[Fit] = []
             for parent in beam:
-                promising = self._screened(parent, kinds)
+                promising = self.screened(parent, kinds)
                 floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
                 likely = [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
                 children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
@@ -352,7 +349,7 @@ class Search:
         block = self.problem.block
         inside = self.forward(begin or self.null, self.candidates)
         outside = (*block.outside, *line_terms(self.problem, inside)) if block.outside else ()
-        remaining = self._screened(inside, outside)
+        remaining = self.screened(inside, outside)
         if not remaining or remaining[0].gain < self.noticeable(inside):
             return inside
         every = (*self.candidates, *outside)
@@ -384,7 +381,7 @@ class Search:
                 ),
                 near,
             ):
-                search._keep(candidate)
+                search.keep(candidate)
         search.whole(search.best)
         return search
 
@@ -409,7 +406,7 @@ class Search:
                     parent,
                     [
                         candidate
-                        for candidate in self._screened(parent, candidates)[:_TRIED]
+                        for candidate in self.screened(parent, candidates)[:_TRIED]
                         if candidate.gain > self._least_promise
                     ],
                 )
@@ -432,12 +429,12 @@ class Search:
         parent = self.without(best, kind)
         space = ModelSpace(best.space.block, (*parent.space.effects, twin))
         tried = self.fitted.get(frozenset(space.names))
-        start = self._screened(parent, [twin])[0].start if tried is None else tried.coordinates
+        start = self.screened(parent, [twin])[0].start if tried is None else tried.coordinates
         if start.size:
             fitted = tried.space if tried is not None else space
             candidate = refined(self.problem, fit(self.problem, fitted, [start], best.noise))
             if self._matters(candidate, parent):
-                self._keep(candidate)
+                self.keep(candidate)
 
     def refine(self) -> None:
         """Try, in the place of every effect of the best model, its special forms."""
@@ -454,7 +451,7 @@ class Search:
         start = space.in_place_of(best.space, best.coordinates, kind, special)
         refined_fit = refined(self.problem, fit(self.problem, space, [start], best.noise))
         if self._matters(refined_fit, best):
-            self._keep(refined_fit)
+            self.keep(refined_fit)
 
     def settle(self) -> None:
         """Reject every model that may be named and contains an effect that does not matter."""
@@ -464,7 +461,7 @@ class Search:
             near = [
                 key
                 for key, candidate in self.fitted.items()
-                if key not in checked and self.score(candidate) > best - _POSSIBLE
+                if key not in checked and self.score(candidate) > best - POSSIBLE
             ]
             if not near:
                 return
@@ -474,43 +471,12 @@ class Search:
                 if not self.supported(candidate):
                     self._reject(candidate)
 
-    def beside_clocks(self) -> None:
-        """Add an offset of the clocks to the models that may be named, where it was rejected, too.
-
-        It is not named then, but nobody knows that there is none, and parameters of the others depend on it.
-        """
-        if ClockOffset not in self.candidates or ClockOffset not in self.problem.block.twins:
-            return
-        best = self.score(self.best)
-        for near in [one for one in self.fitted.values() if self.score(one) > best - _POSSIBLE]:
-            late = ClockOffset in near.space.effects
-            alone = self.without(near, ClockOffset) if late else near
-            if alone.space.effects:
-                self.with_clock(alone)
-
-    def late(self, fitted: Fit) -> Fit | None:
-        """Return a model with an offset of the clocks beside its effects, None where none was tried."""
-        return self.with_clocks.get(frozenset({*fitted.space.names, str(ClockOffset.name)}))
-
-    def with_clock(self, fitted: Fit) -> Fit:
-        """Return a model with an offset of the clocks beside its effects."""
-        space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
-        key = frozenset(space.names)
-        if key not in self.with_clocks:
-            (promise,) = self._screened(fitted, [ClockOffset])
-            beside = refined(self.problem, fit(self.problem, space, [promise.start], fitted.noise))
-            tried = self.fitted.get(key)
-            if tried is not None:
-                beside = self._keep(beside)
-            self.with_clocks[key] = beside
-        return self.with_clocks[key]
-
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""
         close = [
             key
             for key, candidate in self.fitted.items()
-            if self.score(candidate) > self.score(self.best) - _POSSIBLE
+            if self.score(candidate) > self.score(self.best) - POSSIBLE
         ]
         with ThreadPoolExecutor(_WORKERS) as pool:
             sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)

@@ -68,8 +68,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibrated=calibrated,
         best=best,
         ranked=ranked,
-        effects=(*(found for found in sure if found.probability >= SURE), *biases),
-        doubtful=(*(found for found in sure if found.probability < SURE), *doubted),
+        effects=(*(effect for effect in sure if effect.probability >= SURE), *biases),
+        doubtful=(*(effect for effect in sure if effect.probability < SURE), *doubted),
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unknown,
         findings=_located(problem, calibrated, judged),
@@ -127,15 +127,15 @@ class _Naming:
     def missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
         smaller = self.search.without(self.best, effect)
-        stated = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+        missing = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
         others = [
             (ranked.probability, estimates(effect, ranked.fit))
             for ranked in self.ranked
             if effect in ranked.fit.space.effects and ranked.probability > _LEAST_PROBABLE
         ]
         if others:
-            stated = replace(stated, estimates=widened(stated.estimates, others))
-        return or_stated_damping(stated, self.search.problem.block.structure_damping)
+            missing = replace(missing, estimates=widened(missing.estimates, others))
+        return or_stated_damping(missing, self.search.problem.block.structure_damping)
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""
@@ -190,16 +190,16 @@ class _Naming:
         return tuple(rivals)
 
 
-def or_stated_damping(found: MissingEffect, damping: float) -> MissingEffect:
+def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:
     """State a damper with its twin where it would be a misstated damping of the structure, to within half.
 
     `damping` [N·s/m] is that from which it cannot be told: both predict the same, and no test prefers one.
     """
-    if found.effect is not ViscousDamping or not abs(found.estimates[0].value) < _MISSTATED * damping:
-        return found
-    half = 0.5 * found.probability
-    twin = Rival(name=StatedDamping.label(), probability=half, held_out_nrmse=found.error_with)
-    return replace(found, probability=half, rivals=(twin, *found.rivals)[:_RIVALS])
+    if damper.effect is not ViscousDamping or not abs(damper.estimates[0].value) < _MISSTATED * damping:
+        return damper
+    half = 0.5 * damper.probability
+    twin = Rival(name=StatedDamping.label(), probability=half, held_out_nrmse=damper.error_with)
+    return replace(damper, probability=half, rivals=(twin, *damper.rivals)[:_RIVALS])
 
 
 def _by_file(proof: Problem, residuals: dict[int, Array]) -> dict[str, Array]:

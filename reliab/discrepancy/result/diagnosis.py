@@ -141,23 +141,29 @@ class Diagnosis:
         }
 
 
-def _limits_of(block: BlockDiagnosis) -> list[str]:
-    """Sentences on what limits the answer for a block."""
-    name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
+def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
+    """Sentences on parameters that the tests hardly determine."""
     remarks = [
         f"{parameter} of {effect.name} lies on a bound of its range: its value and its standard deviation"
         " mean little."
-        for effect in (*block.effects, *block.doubtful)
+        for effect in effects
         for parameter in effect.on_bounds
     ]
     remarks += [
         f"{estimate.name} of {effect.name} is known to ± {significant(estimate.sd, 2)} {estimate.units} only:"
         " models that explain the tests as well, with clocks that differ or with a further effect, give other"
         " values."
-        for effect in (*block.effects, *block.doubtful)
+        for effect in effects
         for estimate in effect.estimates
         if estimate.between > _OTHER_MODELS * estimate.sd
     ]
+    return remarks
+
+
+def _limits_of(block: BlockDiagnosis) -> list[str]:
+    """Sentences on what limits the answer for a block."""
+    name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
+    remarks = _limits_of_parameters((*block.effects, *block.doubtful))
     if block.not_fed_back is not None:
         remarks.append(
             f"The recorded force holds an offset of {significant(block.not_fed_back.value)} ± "

@@ -78,7 +78,7 @@ def with_clock(model: HybridTest, values: Array, step: float) -> Array:
     if not lag:
         return values
     time = np.arange(values.size) * step
-    wanted, spline = time - lag, CubicSpline(time, values)
-    inside = np.clip(wanted, 0.0, time[-1])
-    beyond = np.clip(wanted - inside, -_STRAIGHT * step, _STRAIGHT * step)
+    shifted, spline = time - lag, CubicSpline(time, values)
+    inside = np.clip(shifted, 0.0, time[-1])
+    beyond = np.clip(shifted - inside, -_STRAIGHT * step, _STRAIGHT * step)
     return np.asarray(spline(inside) + beyond * np.where(beyond != 0.0, spline(inside, 1), 0.0))
