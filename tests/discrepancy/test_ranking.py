@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
-from reliab.discrepancy.fitting.search import cost
+from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.naming.ranking import believed, ranking
 from reliab.discrepancy.terms import ClockOffset

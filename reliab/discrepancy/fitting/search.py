@@ -1,6 +1,6 @@
 """Search for missing effects of a block: forward by screening, backward by removal, judged by evidence."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from weakref import WeakKeyDictionary
 
@@ -8,18 +8,13 @@ import numpy as np
 
 from reliab.discrepancy.fitting.fit import Fit, acts, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
+from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms import ClockOffset, is_outside
 from reliab.effects import Effect, library
 from reliab.signals import NoiseModel
-
-COST = 4.0
-"""Logarithm of the prior odds against one more effect."""
-
-OUTSIDE_COST = 7.0
-"""The same for an effect outside the library."""
 
 LEAST_SHARE = 0.01
 """Share of the gap's energy that an effect must close to be named beside others.
@@ -56,7 +51,6 @@ effect must remove: evidence alone may praise one that changes no prediction."""
 
 _AWAY = 2.0  # standard deviations between a parameter and its value without effect
 
-
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM = 2
@@ -66,16 +60,6 @@ _MOST_EXCHANGES = 2
 _SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
 _CLOSE = 100.0  # nats
 POSSIBLE = 7.0  # nats
-
-
-def cost(kinds: Iterable[type[Effect]]) -> float:
-    """Prior odds against a set of effects, as a logarithm; a special form of an effect counts twice.
-
-    Clocks that differ are no rarer than clocks that do not: beside an effect they cost nothing.
-    """
-    effects = set(kinds)
-    dear = effects - {ClockOffset} or effects
-    return sum(OUTSIDE_COST if is_outside(kind) else COST * (1 + bool(kind.refines)) for kind in dear)
 
 
 class Search:
@@ -210,7 +194,7 @@ class Search:
         one for a limiting case must predict left-out tests better than that one.
         """
         effects = candidate.space.effects
-        if not all(acts(candidate, kind, _AWAY) for kind in effects):
+        if not all(self._acts(candidate, kind) for kind in effects):
             return False
         for smaller in [self.without(candidate, kind) for kind in effects]:
             if not self._matters(candidate, smaller, beside=BESIDE):
@@ -224,6 +208,11 @@ class Search:
         limits = [(known, BESIDE)] if outside else []
         limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
+
+    @staticmethod
+    def _acts(candidate: Fit, kind: type[Effect]) -> bool:
+        """Whether an effect's parameters are beyond their own uncertainty of no effect."""
+        return acts(candidate, kind, _AWAY)
 
     def _best_known(self) -> Fit:
         """Return the most credible model of members of the library alone."""

@@ -10,9 +10,10 @@ from scipy import stats
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
+from reliab.discrepancy.fitting.prior import COST
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screened
-from reliab.discrepancy.fitting.search import COST, MATERIAL, Search
+from reliab.discrepancy.fitting.search import MATERIAL, Search
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
 from reliab.discrepancy.locating.noise_test import (

@@ -6,7 +6,8 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.fitting.search import Search, cost
+from reliab.discrepancy.fitting.prior import cost
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.result.block_diagnosis import Ranked
 from reliab.discrepancy.terms import ClockOffset
