@@ -127,6 +127,21 @@ def test_a_model_is_as_credible_as_with_an_offset_of_the_clocks_that_is_not_name
     assert shares[id(alone)] + shares[id(late)] == pytest.approx(1.0, abs=1e-6)
 
 
+def test_an_offset_of_the_clocks_beside_rejected_effects_takes_no_part():
+    def fitted(score, *effects):
+        space = SimpleNamespace(effects=effects, names=tuple(sorted(str(one.name) for one in effects)))
+        return SimpleNamespace(space=space, score=score, log_likelihood=0.0, noise=None)
+
+    alone, late = fitted(50.0, AFTER), fitted(60.0, BEFORE, ClockOffset)
+    search = SimpleNamespace(
+        fitted={frozenset(alone.space.names): alone},
+        with_clocks={frozenset(late.space.names): late},
+        problem=SimpleNamespace(flat=False, block=SimpleNamespace(twins={})),
+        score=lambda fit: fit.score,
+    )
+    assert [ranked.fit for ranked in ranking(search)] == [alone]
+
+
 def test_an_offset_of_the_clocks_costs_nothing_beside_an_effect():
     assert cost([AFTER, ClockOffset]) == cost([AFTER]) == cost([ClockOffset]) > 0.0
 

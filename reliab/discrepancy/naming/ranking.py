@@ -40,6 +40,7 @@ def _with_clocks(search: Search) -> list[Fit]:
         fit
         for key, fit in search.with_clocks.items()
         if key not in search.fitted
+        and key - {str(ClockOffset.name)} in search.fitted  # effects that were rejected are not needed
         and not any(
             ClockOffset in fewer.space.effects and names < key and search.score(fewer) >= search.score(fit)
             for names, fewer in search.fitted.items()
