@@ -24,6 +24,7 @@ app = typer.Typer()
 app.command()(criterion)
 TABLE2 = shipped("datasets", "paper/table2.csv")
 FRAME = shipped("datasets", "frames/three_storeys.toml")
+TWO = ("--structure", shipped("datasets", "frames/two_actuators.toml"))
 
 
 def answer(*arguments):
@@ -122,6 +123,7 @@ CHANGES = {
     "weights": [(SHIPPED, ("--weights", "{folder}/target.csv"))],
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
+    "actuator": [((*HALF, *TWO), ("--actuator", "1"))],
     "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
@@ -188,6 +190,7 @@ REFUSED = {
         *((RECORDS, ("--structure", FRAME, *extra)) for extra in (("--f", "1"), ("--alpha", "0.5"))),
         (RECORDS, ("--structure", "{folder}/none.toml")),
     ],
+    "actuator": [(RECORDS, ("--actuator", "1")), ((*RECORDS, *TWO), ("--actuator", "3"))],
     "method": [(FILE, ("--method", "magic")), (PRINTED, ("--method", "dirichlet"))],
     "assurance": [(FILE, ("--assurance", "0.9")), (PRINTED, ("--assurance", "0.9"))],
     "distribution": [(FILE, ("--distribution", "weibull")), (PRINTED, ("--distribution", "weibull"))],

@@ -121,7 +121,11 @@ def _described_pictures() -> Iterator[None]:
         pages = {name: json.loads(data) for name, data in content.items()}
         return json.dumps({**pages, "inputs": setting.inputs(), "date": str(date)}).encode()
 
-    with patch("reliab.report.style.picture", picture), patch("reliab.report.pdf._set", set_):
+    with (
+        patch("reliab.report.style.picture", picture),
+        patch("reliab.report.picture", picture),  # the face keeps the name that it was asked for once
+        patch("reliab.report.pdf._set", set_),
+    ):
         yield
 
 
