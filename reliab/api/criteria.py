@@ -409,8 +409,8 @@ def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
     """Say which frame the ellipses are of, whose error counts, and which of its actuators err."""
     if dataset is None or "frame" not in dataset.attrs:
         return {}
-    names = ("frame", "error_of", "erring_actuator")
-    return {"frame": dict(zip(("name", *names[1:]), (dataset.attrs[name] for name in names), strict=True))}
+    beside = {name: dataset.attrs[name] for name in ("error_of", "erring_actuator")}
+    return {"frame": {"name": dataset.attrs["frame"], **beside}}
 
 
 def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:

@@ -207,12 +207,12 @@ def _stability(assessment: CoupledAssessment) -> dict[str, Any]:
 
 def _modes(assessment: CoupledAssessment) -> list[dict[str, Any]]:
     partition = assessment.frame.partition
-    frequency, ratio, moved = partition.modes
-    stiffness = np.einsum("pm,pq,qm->m", moved, partition.specimen_stiffness, moved)
-    share = stiffness / (2.0 * np.pi * frequency) ** 2
+    frequency, ratio, _ = partition.modes
     return [
         {"f_hz": f, "xi": xi, "alpha": alpha}
-        for f, xi, alpha in zip(frequency.tolist(), ratio.tolist(), share.tolist(), strict=True)
+        for f, xi, alpha in zip(
+            frequency.tolist(), ratio.tolist(), partition.mode_shares.tolist(), strict=True
+        )
     ]
 
 

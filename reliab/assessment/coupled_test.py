@@ -150,12 +150,11 @@ def _without_faults(
 
 def _lowest_mode(frame: CoupledFrame) -> Structure:
     """Lowest mode, whose share of the specimen stands for that of the structure."""
-    frequency, ratio, moved = frame.partition.modes
-    share = moved[:, 0] @ frame.partition.specimen_stiffness @ moved[:, 0] / (2.0 * np.pi * frequency[0]) ** 2
+    frequency, ratio, _ = frame.partition.modes
     return Structure(
         frequency=float(frequency[0]),
         damping_ratio=float(ratio[0]),
-        experimental_fraction=float(np.clip(share, _LEAST_SHARE, 1.0)),
+        experimental_fraction=float(np.clip(frame.partition.mode_shares[0], _LEAST_SHARE, 1.0)),
     )
 
 

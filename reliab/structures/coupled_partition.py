@@ -245,6 +245,13 @@ class CoupledPartition:
         return omega / (2.0 * math.pi), damping / (2.0 * omega), whole.interface.T @ shapes
 
     @property
+    def mode_shares(self) -> Array:
+        """Specimen's share of the stiffness of each mode [-], shape (modes,)."""
+        frequency, _, moved = self.modes
+        stiffness = np.einsum("pm,pq,qm->m", moved, self.specimen_stiffness, moved)
+        return np.asarray(stiffness / (2.0 * np.pi * frequency) ** 2)
+
+    @property
     def static_transfer(self) -> Array:
         """Interface displacements by which a constant x_c − x_m moves the structure, ΓᵀK⁻¹ΓK_e [-]."""
         moved = np.linalg.solve(self.stiffness, self.interface @ self.specimen_stiffness)

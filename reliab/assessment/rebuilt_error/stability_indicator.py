@@ -50,9 +50,7 @@ LARGE_MOTION = 0.5  # of the largest power of the motion so far
 LARGEST_PLAY = 2.2  # times the smallest error that half the width of the play may be
 STRAYS = 1.1  # times the largest exact displacement so far that a command may reach of its own
 PLAY_OF_STRAYING = 1.0  # times the smallest error that half the width of the play may be beyond that
-FOLLOWS = (
-    0.5  # of the command: amplitude of the measured motion, in phase or late, with which a piston follows
-)
+FOLLOWS = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
 _SINGULAR = 1e-12
 _GAIN_AND_OFFSET = [0, 2]  # rows of the moments
 

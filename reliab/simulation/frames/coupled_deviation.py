@@ -22,13 +22,11 @@ from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.frame_loop import longest_step
 from reliab.simulation.linear_loop import TransformLine
 from reliab.simulation.transfer_systems import ActuatorMatrix
 from reliab.structures import CoupledPartition, Structure, frequencies_of_loop, longest_lead
 
-_PHASE_STEP = 0.09  # rad of the governing mode in a step: its sampled peak is then within 1e-3
-_FASTEST_PHASE_STEP = 0.6  # rad of the highest mode, which contributes little to the response
-_SHORTEST_STEP, _LONGEST_STEP = 0.002, 0.01  # s
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged
 _LEAST_SHARE, _LEAST_RATIO, _LARGEST_RATIO = 1e-3, 1e-4, 0.5
 
@@ -162,12 +160,8 @@ class CoupledLoop:
     @cached_property
     def _line(self) -> TransformLine:
         mode = self.governing_mode
-        fastest = 2.0 * np.pi * self.partition.natural_frequencies[-1]
-        longest = min(
-            _LONGEST_STEP,
-            _PHASE_STEP / mode.circular_frequency,
-            max(_SHORTEST_STEP, _FASTEST_PHASE_STEP / fastest),
-        )
+        fastest = 2.0 * np.pi * float(self.partition.natural_frequencies[-1])
+        longest = longest_step(mode.circular_frequency, fastest)
         return TransformLine.for_excitation(self.excitation, longest, float(longest_lead(mode)))
 
     @cached_property

@@ -170,12 +170,8 @@ class FrameLoop:
     @cached_property
     def step(self) -> float:
         """Step [s]: the record's step divided so that the modes are resolved."""
-        fastest = self.partition.frame.modes.circular_frequency[-1]
-        longest = min(
-            _LONGEST_STEP,
-            _PHASE_STEP / self.structure.circular_frequency,
-            max(_SHORTEST_STEP, _FASTEST_PHASE_STEP / fastest),
-        )
+        fastest = float(self.partition.frame.modes.circular_frequency[-1])
+        longest = longest_step(self.structure.circular_frequency, fastest)
         return self.excitation.time_step / int(np.ceil(self.excitation.time_step / longest - 1e-9))
 
     @cached_property
@@ -287,6 +283,11 @@ class FrameLoop:
             peak=peaks,
             ideal_peak=peak_of_history(ideal),
         )
+
+
+def longest_step(governing: float, fastest: float) -> float:
+    """Longest step [s] that resolves the governing mode and the fastest one, both [rad/s]."""
+    return min(_LONGEST_STEP, _PHASE_STEP / governing, max(_SHORTEST_STEP, _FASTEST_PHASE_STEP / fastest))
 
 
 def governing_mode(partition: Partition, output: Array | None = None) -> Structure:
