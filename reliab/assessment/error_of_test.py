@@ -32,7 +32,7 @@ from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_spe
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.verdict import word_of_probability
-from reliab.assessment.yielding import errors_if_yielded, widened, widening_of_yielding
+from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
@@ -287,7 +287,7 @@ def _that_may_have_yielded(error: ErrorOfTest, question: Question, recording: Re
     rebuilt = error.rebuilt
     return replace(
         error,
-        rebuilt=widened(rebuilt, errors_if_yielded(rebuilt, question.structure), share),
+        rebuilt=widened(rebuilt, draw_yielding(rebuilt), share),
         if_linear=rebuilt.draws,
         sizes={**error.sizes, "yielding": Size(deviation=share, source=Source.DEFAULT)},
     )

@@ -10,15 +10,11 @@ from reliab.arrays import Array
 from reliab.assessment.budget import LowPass
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.nonlinear_reference import reference_of_model
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.verdict import Word, word_of_probability
-from reliab.assessment.yielding import DUCTILITIES, yielding_model
+from reliab.assessment.yielding import DUCTILITIES, errors_of_ductilities
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
-from reliab.simulation.hybrid_test import Motion3
 from reliab.vocabulary import Metric
 
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
@@ -76,7 +72,7 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
     if question.equipment is None or question.model is not None:
         return Turning()
     settled = recording.force is not None or question.linear_specimen
-    yielding = None if settled else _errors_if_yielding(error.rebuilt, question)
+    yielding = None if settled else errors_of_ductilities(error.rebuilt, question.metric)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
         smallest_ductility=None if yielding is None else _first(yielding, error),
@@ -97,22 +93,6 @@ def _size(strayed: Array, reference: Array, metric: Metric) -> float:
     """RMS^R or MTE^R of x_m − x_I [-]."""
     rms, mte = relative_errors(strayed, reference)
     return rms if metric is Metric.RMS else mte
-
-
-def _errors_if_yielding(
-    rebuilt: RebuiltError, question: Question, ductilities: tuple[float, ...] = DUCTILITIES
-) -> dict[float, float]:
-    """Errors if the specimen yielded to each ductility, as `rebuild_with_specimen` has them."""
-    structure = question.structure
-    every = samples_in_step_of_simulation(structure.frequency, rebuilt.time_step)
-    thin = rebuilt.histories.thinned(every)
-    command = Motion3.through(thin.command, thin.time_step)
-    peak = float(np.abs(thin.measured).max())
-    errors = {}
-    for ductility in ductilities:
-        reference = reference_of_model(yielding_model(structure, peak / ductility), thin, command=command)
-        errors[ductility] = _size(thin.measured - reference, reference, question.metric)
-    return errors
 
 
 def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:

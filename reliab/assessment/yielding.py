@@ -2,22 +2,25 @@
 
 Command and measured displacement do not show whether a specimen yielded. A share of the draws of the error
 therefore has specimens that yield: stiff as stated up to the largest displacement over a ductility, softer by
-any share beyond, with a sharp or a round corner. The test of each is simulated with a perfect actuator under
-the demand that it implies, and all that is not known of channels and structure is drawn as well.
+any share beyond, with a sharp or a round corner. The error of each follows from the test's own displacements,
+and all that is not known of channels and structure is drawn as well.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.nonlinear_reference import sweep_models
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
-from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Spread
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.effects import Hysteresis
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Specimen, Structure
+from reliab.assessment.rebuilt_error.yielding_sweep import (
+    errors_if_yielding,
+    sweep_yielding,
+    yielding_specimen,
+)
 from reliab.vocabulary import Metric
 
 DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
@@ -29,29 +32,28 @@ _DRAWS = 64
 _MOST_HARDENING, _ROUNDEST, _SHARPEST = 0.1, 1.0, 16.0
 
 
-def yielding_model(
-    structure: Structure, displacement: float, hardening: float = _HARDENING, sharpness: float = _SHARPNESS
-) -> HybridTest:
-    """Test with a perfect actuator of a specimen that yields at a displacement [m], per unit mass."""
-    stiffness = structure.experimental_fraction * structure.circular_frequency**2
-    bilinear = Hysteresis(
-        force_n=(1.0 - hardening) * stiffness * displacement,
-        displacement_m=displacement,
-        exponent=sharpness,
-        lost_share=1.0,
-    )
-    return HybridTest(structure=structure, specimen=Specimen(stiffness=stiffness), effects=(bilinear,))
+def errors_of_ductilities(
+    rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
+) -> dict[float, float]:
+    """Errors if the specimen yielded to each ductility, with all else as stated."""
+    every = samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step)
+    thin = rebuilt.histories.thinned(every)
+    peak = float(np.abs(thin.measured).max())
+    specimens = [yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS) for ductility in ductilities]
+    square, largest, ideal = errors_if_yielding(specimens, thin, rebuilt.structure).T
+    errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
+    return dict(zip(ductilities, errors.tolist(), strict=True))
 
 
-def errors_if_yielded(rebuilt: RebuiltError, structure: Structure) -> Spread:
+def draw_yielding(rebuilt: RebuiltError) -> Spread:
     """Draw the error with specimens that yield to ductilities of one to six, each as likely as another.
 
     >>> from reliab.assessment.rebuilt_error import rebuild
+    >>> from reliab.structures import Structure
     >>> time = np.arange(0.0, 30.0, 1.0 / 128.0)
     >>> command = 0.01 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
-    >>> error = rebuild(command, 0.98 * command, 1.0 / 128.0, structure)
-    >>> errors_if_yielded(error, structure).rms.size
+    >>> draw_yielding(rebuild(command, 0.98 * command, 1.0 / 128.0, structure)).rms.size
     64
     """
     differences = rebuilt.differences[-_DRAWS:]
@@ -61,23 +63,39 @@ def errors_if_yielded(rebuilt: RebuiltError, structure: Structure) -> Spread:
     ductility = DUCTILITIES[-1] ** generator.permutation((np.arange(size) + 0.5) / size)
     hardening = _MOST_HARDENING * generator.uniform(size=size)
     sharpness = _ROUNDEST * (_SHARPEST / _ROUNDEST) ** generator.uniform(size=size)
-    models = [
-        yielding_model(structure, peak / largest, harder, sharp)
+    specimens = [
+        yielding_specimen(peak / largest, harder, sharp)
         for largest, harder, sharp in zip(ductility, hardening, sharpness, strict=True)
     ]
-    unknown = replace(rebuilt.unknown, own_frequency=None)  # which was learned of a linear specimen
-    return sweep_models(models, rebuilt.histories, {}, unknown, differences, rebuilt.every, seed=rebuilt.seed)
+    return sweep_yielding(
+        specimens,
+        rebuilt.histories,
+        rebuilt.structure,
+        replace(rebuilt.unknown, own_frequency=None),  # which was learned of a linear specimen
+        differences,
+        rebuilt.every,
+        seed=rebuilt.seed,
+    )
 
 
 def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltError:
-    """Give specimens that yield a share of the probability; the value stays that of a linear specimen."""
+    """Give specimens that yield a share of the probability; the value stays that of a linear specimen.
+
+    The interval holds that of a linear specimen as well: of a specimen that yields or not, as of one that
+    stayed linear, nine of ten errors lie in it.
+    """
     both = rebuilt.draws.together(if_yielded, share)
     half = HALF_WIDTH * both.deviation
+
+    def estimate(metric: Metric) -> Estimate:
+        of_both, linear = both.estimate(metric, rebuilt.estimate(metric).value), rebuilt.estimate(metric)
+        return replace(linear, low=min(of_both.low, linear.low), high=max(of_both.high, linear.high))
+
     return replace(
         rebuilt,
         draws=both,
-        rms=both.estimate(Metric.RMS, rebuilt.rms.value),
-        mte=both.estimate(Metric.MTE, rebuilt.mte.value),
+        rms=estimate(Metric.RMS),
+        mte=estimate(Metric.MTE),
         low=both.mean - half,
         high=both.mean + half,
     )

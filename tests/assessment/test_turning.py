@@ -11,8 +11,8 @@ from reliab.assessment import assess
 from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.turning import Turning, _errors_if_filtered, _errors_if_yielding, examine_turning
-from reliab.assessment.yielding import DUCTILITIES
+from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
+from reliab.assessment.yielding import DUCTILITIES, errors_of_ductilities
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
@@ -49,15 +49,14 @@ def test_the_error_of_a_specimen_that_yields_is_that_of_its_simulation(linear, r
     outcome = run(yielding, synthetic_ground(2, 15.0))
     found = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     ductility = float(np.abs(outcome.measured).max()) / displacement
-    assert _errors_if_yielding(found, asked(0.05), (ductility,))[ductility] == pytest.approx(
-        outcome.rms, rel=0.01
-    )
+    error = errors_of_ductilities(found, Metric.RMS, (ductility,))[ductility]
+    assert error == pytest.approx(outcome.rms, rel=0.01)
     assert found.rms.value != pytest.approx(outcome.rms, rel=0.2)
 
 
 def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
-    sizes = _errors_if_yielding(rebuilt, asked(0.0))
+    sizes = errors_of_ductilities(rebuilt, Metric.RMS)
     assert sizes[6.0] < sizes[2.0] < 0.9 * rebuilt.rms.value
     threshold = 0.5 * (sizes[2.0] + sizes[2.5])
     question = asked(threshold)

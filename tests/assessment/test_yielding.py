@@ -50,6 +50,14 @@ def test_the_interval_holds_the_error_of_a_specimen_that_yielded(yielded, record
     assert error.rebuilt.rms.low < linear.rebuilt.rms.value
 
 
+def test_the_interval_holds_that_of_a_linear_specimen(error):
+    """Of errors of specimens that stayed linear nine of ten lie in it as well."""
+    for metric in Metric:
+        low, high = error.if_linear.interval(metric)
+        assert error.estimate(metric).low <= low
+        assert error.estimate(metric).high >= high
+
+
 def test_the_budget_names_it_with_what_would_show_it(error):
     item = next(item for item in error.budget if item.name == "yielding")
     assert item.source is Source.DEFAULT

@@ -24,6 +24,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, firs
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
 LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
+_FREEDOM = 4.0  # degrees of freedom of the deviation of a damping ratio
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
@@ -98,7 +99,7 @@ def sweep(
     drawn, phase = draw_unknown(unknown, draws, seed)
     band = np.zeros((2, thin.command.size))
     if before is None:
-        states = _at_first_sample(structure, drawn, phase * unknown.error_at_start, thin.standing)
+        states = states_at_first_sample(structure, drawn, phase * unknown.error_at_start, thin.standing)
     else:
         states = before.first(draws).states
     swept = _swept(thin, structure, drawn, states[:-2], differences, band)
@@ -141,12 +142,25 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
     if unknown.own_frequency is not None:
         drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
+    drawn["damping_ratio"] = _relative_ratios(drawn["damping_ratio"], deviations["damping_ratio"])
     if "lagging_hysteresis" in drawn:
         drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
     for name in _OPEN:
         if name in drawn:
             drawn[name] = np.where(drawn[name] > 0.0, deviations[name], 0.0)
     return drawn, points[-1]
+
+
+def _relative_ratios(drawn: Array, deviation: float) -> Array:
+    """Damping ratios over the stated one, less one: the normal draws as logarithms of larger tails.
+
+    A damping ratio is known by a factor, and its deviation to a third of itself: Student's t with four
+    degrees of freedom (JCGM 100:2008, G.4.2).
+    """
+    if not deviation:
+        return drawn
+    shares = scipy.special.ndtr(drawn / deviation)
+    return np.asarray(np.expm1(deviation * scipy.special.stdtrit(_FREEDOM, shares)))
 
 
 def normal_points(dimensions: int, draws: int, seed: int) -> Array:
@@ -163,7 +177,7 @@ def _fine_statistics(histories: Histories, structure: WholeStructure, state: Arr
     return np.array([mean_square(error), np.abs(error).max(), np.abs(histories.command - response).max()])
 
 
-def _at_first_sample(
+def states_at_first_sample(
     structure: WholeStructure, drawn: dict[str, Array], velocity: Array, standing: float
 ) -> Array:
     """States of the draws, and twice the one as stated."""
@@ -198,6 +212,14 @@ def columns_of_reading(thin: Histories, drawn: dict[str, Array]) -> dict[str, Ar
     return columns
 
 
+def inputs_of_reading(thin: Histories, drawn: dict[str, Array]) -> tuple[Array, Array]:
+    """Columns of what is drawn of the sensor, shape (columns, n), and how much each draw has of them."""
+    columns = columns_of_reading(thin, drawn)
+    names = [name for name in columns if name in drawn and drawn[name].any()]
+    inputs = np.array([columns[name] for name in names]).reshape(-1, thin.command.size)
+    return inputs, np.array([drawn[name] for name in names]).reshape(-1, drawn["frequency"].size).T.copy()
+
+
 def _swept(
     thin: Histories,
     structure: WholeStructure,
@@ -206,10 +228,8 @@ def _swept(
     differences: Array,
     band: Array,
 ) -> Array:
-    recursion = _recursion(structure, drawn, thin.time_step)
-    rate = np.gradient(thin.measured, thin.time_step)
-    columns = columns_of_reading(thin, drawn)
-    names = [name for name in columns if name in drawn and drawn[name].any()]
+    recursion = recursion_of_draws(structure, drawn, thin.time_step)
+    inputs, shifts = inputs_of_reading(thin, drawn)
     return np.asarray(
         sweep_draws(
             recursion.decay,
@@ -220,17 +240,17 @@ def _swept(
             state,
             thin.command,
             np.ascontiguousarray(differences),
-            np.array([columns[name] for name in names]).reshape(-1, rate.size),
-            np.array([drawn[name] for name in names]).reshape(-1, state.shape[0]).T.copy(),
+            inputs,
+            shifts,
             thin.fed_back - thin.difference,
-            rate,
+            np.gradient(thin.measured, thin.time_step),
             np.ascontiguousarray(drawn["feedback_lag"]),
             band,
         )
     )
 
 
-def _recursion(structure: WholeStructure, drawn: dict[str, Array], step: float) -> Recursion:
+def recursion_of_draws(structure: WholeStructure, drawn: dict[str, Array], step: float) -> Recursion:
     """Recursions of the draws; where none of the structure's parameters is drawn all are the same."""
     factors = [
         np.maximum(1.0 + drawn[name], _LEAST)

@@ -187,7 +187,9 @@ def sweep_models(
     columns = columns_of_reading(thin, drawn)
     added = [drawn[name][:, np.newaxis] * columns[name] for name in LAST if name in drawn]
     for row, (model, difference) in enumerate(zip(models, differences, strict=True)):
-        changed = _drawn(model, deviations, stated, generator)
+        changed = _drawn(
+            model, deviations, stated["frequency"], float(drawn["damping_ratio"][row]), generator
+        )
         shift = (
             generator.standard_normal() * stated["sensor_scale"] * thin.measured
             + generator.standard_normal() * stated["time_shift"] * velocity
@@ -222,20 +224,22 @@ def _statistics(measured: Array, reference: Array) -> Array:
 def _drawn(
     perfect: HybridTest,
     deviations: Mapping[str, float],
-    stated: Mapping[str, float],
+    of_frequency: float,
+    damping_ratio: float,
     generator: np.random.Generator,
 ) -> HybridTest:
+    """Draw a model; relative deviation of the frequency, and change of the damping ratio as drawn [-]."""
     structure, specimen = perfect.structure, perfect.specimen
     if structure is None or specimen is None:
         raise AssertionError  # tangent_structure has looked
-    factor = 1.0 + generator.standard_normal(2) * [stated["frequency"], stated["damping_ratio"]]
+    factor = 1.0 + generator.standard_normal() * of_frequency
     stiffness = specimen.stiffness + generator.standard_normal() * deviations.get("stiffness_n_per_m", 0.0)
     return replace(
         perfect,
         structure=replace(
             structure,
-            frequency=structure.frequency * max(float(factor[0]), _LEAST),
-            damping_ratio=min(structure.damping_ratio * max(float(factor[1]), _LEAST), 0.99),
+            frequency=structure.frequency * max(factor, _LEAST),
+            damping_ratio=min(structure.damping_ratio * max(1.0 + damping_ratio, _LEAST), 0.99),
         ),
         specimen=replace(specimen, stiffness=max(stiffness, 0.0)),
         effects=tuple(_drawn_effect(effect, deviations, generator) for effect in perfect.effects),

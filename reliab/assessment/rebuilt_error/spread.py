@@ -1,11 +1,12 @@
 """Errors of many draws, their intervals and their probabilities.
 
-What is uncertain has a normal distribution each. An error that two small numbers make together (amplitude and
-delay, or their unknown parts) is larger than the error of their means in most of such draws, by as much as
-its size is uncertain: a flat distribution of the two holds more large errors than small ones, in proportion
-to their size (Stein 1959, Annals of Mathematical Statistics 30, 877). Each draw therefore has a weight
-inverse to its RMS^R, the reference distribution of a vector's length for two components (Berger, Philippe and
-Robert 1998, Statistica Sinica 8, 359): before a test no size of its error is likelier than another.
+What is uncertain has a normal distribution each, frequencies and damping ratios one with larger tails. An
+error that two small numbers make together (amplitude and delay, or their unknown parts) is larger than the
+error of their means in most of such draws, by as much as its size is uncertain: a flat distribution of the
+two holds more large errors than small ones, in proportion to their size (Stein 1959, Annals of Mathematical
+Statistics 30, 877). Each draw therefore has a weight inverse to its RMS^R, the reference distribution of a
+vector's length for two components (Berger, Philippe and Robert 1998, Statistica Sinica 8, 359): before a test
+no size of its error is likelier than another.
 `datasets/rebuilt_error/README.md` states the coverage with it, on tests that had no part in the choice.
 """
 

@@ -9,7 +9,7 @@ import scipy
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step, sweep
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.spectral import respond_spectrally
@@ -113,14 +113,22 @@ def test_what_is_not_known_is_independent(histories):
     """Variances of all unknowns together are the sum of those of each alone."""
     deviations = {"sensor_scale": 0.004, "time_shift": 4e-4, "frequency": 0.002, "damping_ratio": 0.05}
     deviations |= {"experimental_fraction": 0.005, "sensor_offset": 1e-4, "feedback_lag": 3e-4}
-    alone = [swept(histories, **{name: value}).deviation for name, value in deviations.items()]
+    alone = [swept(histories, draws=1024, **{name: value}).deviation for name, value in deviations.items()]
     alone.append(swept(histories, at_start=2e-4).deviation)
     together = swept(histories, at_start=2e-4, draws=1024, **deviations).deviation
     assert together == pytest.approx(np.linalg.norm(alone, axis=0), rel=0.15)
     two = swept(histories, at_start=1e-4, draws=1024, damping_ratio=0.1).deviation
-    parts = [swept(histories, at_start=1e-4).deviation, swept(histories, damping_ratio=0.1).deviation]
+    at_start = swept(histories, at_start=1e-4).deviation
+    parts = [at_start, swept(histories, draws=1024, damping_ratio=0.1).deviation]
     expected = np.linalg.norm(parts, axis=0)
     assert two == pytest.approx(expected, rel=0.2, abs=0.02 * expected.max())
+
+
+def test_damping_ratios_are_drawn_by_factors_with_the_tails_of_student():
+    unknown = Unknown(tolerances=Tolerances(damping_ratio=0.15), offset=0.0, error_at_start=0.0)
+    factors = 1.0 + draw_unknown(unknown, 4096, 0)[0]["damping_ratio"]
+    expected = np.exp(0.15 * scipy.stats.t.ppf([0.05, 0.5, 0.95], 4))
+    assert np.quantile(factors, [0.05, 0.5, 0.95]) == pytest.approx(expected, rel=0.01)
 
 
 def test_parts_of_no_error_have_no_share(histories):

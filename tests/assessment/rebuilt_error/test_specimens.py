@@ -61,10 +61,9 @@ def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outc
 
 def test_draws_of_a_model_have_the_stated_deviations():
     perfect = model(effects=(FRICTION,))
-    stated = {"frequency": 0.02, "damping_ratio": 0.1}
     deviations = {"stiffness_n_per_m": 1.5, "coulomb_friction.force_n": 0.01}
     rng = np.random.default_rng(1)
-    drawn = [_drawn(perfect, deviations, stated, rng) for _ in range(400)]
+    drawn = [_drawn(perfect, deviations, 0.02, ratio, rng) for ratio in 0.1 * rng.standard_normal(400)]
     spread = {
         "frequency": ([one.structure.frequency for one in drawn], 1.0, 0.02),
         "damping": ([one.structure.damping_ratio for one in drawn], 0.04, 0.004),
@@ -81,8 +80,7 @@ def test_draws_stay_positive():
     rng = np.random.default_rng(2)
     wild = {"stiffness_n_per_m": 1e3, "coulomb_friction.regularisation_velocity_m_per_s": 10.0}
     drawn = [
-        _drawn(model(effects=(FRICTION,)), wild, {"frequency": 30.0, "damping_ratio": 90.0}, rng)
-        for _ in range(50)
+        _drawn(model(effects=(FRICTION,)), wild, 30.0, ratio, rng) for ratio in 90.0 * rng.standard_normal(50)
     ]
     assert min(one.structure.frequency for one in drawn) == pytest.approx(0.05)
     assert min(one.structure.damping_ratio for one in drawn) == pytest.approx(0.05 * 0.04)

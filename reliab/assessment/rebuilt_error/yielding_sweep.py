@@ -1,0 +1,236 @@
+"""Errors of draws with a specimen that yields, on any linear structure beside it.
+
+A specimen that yields has the force Z x − k_e s[x], with s the displacement that its stiffness has lost by
+yielding. Subtracting the equations of motion as `rebuild` does leaves ::
+
+    M e'' + C e' + K e = γ (Z (x_c − x_m) + k_e (s[x_m] − s[x_c − e]))
+
+the same recursion with a second input, and no ground motion is needed. The response x_c − e at a sample
+depends on the input there by (ω₀h)²/6 only, which two corrections take away.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.interval import (
+    Histories,
+    Unknown,
+    draw_unknown,
+    inputs_of_reading,
+    recursion_of_draws,
+    states_at_first_sample,
+)
+from reliab.assessment.rebuilt_error.recursion import advance
+from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.compiled import compiled
+from reliab.effects import Hysteresis
+from reliab.effects.effect import Setting
+from reliab.effects.kernel import call_kernel, pointer_to
+
+_CORRECTIONS = 2
+_EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+
+
+def yielding_specimen(displacement: float, hardening: float, sharpness: float) -> Hysteresis:
+    """Give −s [m] of a specimen that yields at a displacement [m], as a force per unit of its stiffness.
+
+    `hardening`: stiffness after yielding over that before; `sharpness`: exponent of the hysteresis.
+    """
+    return Hysteresis(
+        force_n=(1.0 - hardening) * displacement,
+        displacement_m=displacement,
+        exponent=sharpness,
+        lost_share=1.0,
+    )
+
+
+def sweep_yielding(
+    specimens: Sequence[Hysteresis],
+    histories: Histories,
+    structure: WholeStructure,
+    unknown: Unknown,
+    differences: Array,
+    every: int,
+    *,
+    seed: int,
+) -> Spread:
+    """Draw the error with one specimen of `yielding_specimen` for each draw.
+
+    `differences` [m]: draws of x_c − x_m at each `every`-th sample.
+    """
+    thin = histories.thinned(every)
+    coarse = errors_if_yielding(specimens[:1], thin, structure)
+    fine = errors_if_yielding(specimens[:1], histories, structure)
+    scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
+    drawn, phase = draw_unknown(unknown, len(specimens), seed)
+    band = np.zeros((2, thin.command.size))
+    rows = _swept(specimens, thin, structure, drawn, phase * unknown.error_at_start, differences, band)
+    square, peak, ideal = (rows * scale).T
+    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
+    mean = band[0] / len(specimens)
+    deviation = np.sqrt(np.maximum(band[1] / len(specimens) - mean**2, 0.0))
+    return Spread(
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=np.interp(places, known, mean),
+        deviation=np.interp(places, known, deviation),
+    )
+
+
+def errors_if_yielding(
+    specimens: Sequence[Hysteresis], histories: Histories, structure: WholeStructure
+) -> Array:
+    """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated."""
+    draws = len(specimens)
+    band = np.zeros((2, histories.command.size))
+    exact = {name: np.zeros(draws) for name in _EXACT.deviations()}
+    difference = histories.difference[np.newaxis]
+    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, band)
+
+
+def _swept(
+    specimens: Sequence[Hysteresis],
+    thin: Histories,
+    structure: WholeStructure,
+    drawn: dict[str, Array],
+    velocity: Array,
+    differences: Array,
+    band: Array,
+) -> Array:
+    recursion = recursion_of_draws(structure, drawn, thin.time_step)
+    size = structure.interface.size
+    stiffness = structure.specimen_stiffness * np.ones(len(specimens))
+    for name, power in (("frequency", 2), ("experimental_fraction", 1)):
+        stiffness *= np.maximum(1.0 + drawn[name], 0.0) ** power
+    columns, shifts = inputs_of_reading(thin, drawn)
+    setting = Setting(step=thin.time_step)
+    return np.asarray(
+        _sweep(
+            recursion.decay,
+            recursion.early,
+            recursion.late,
+            recursion.output,
+            recursion.feed_through,
+            stiffness[:, np.newaxis] * (structure.interface @ np.eye(size, 2 * size)),
+            Hysteresis.kernel.address,
+            np.stack([specimen.coefficients(setting) for specimen in specimens]),
+            states_at_first_sample(structure, drawn, velocity, thin.standing)[:-2].copy(),
+            thin.command,
+            np.ascontiguousarray(differences),
+            columns,
+            shifts,
+            thin.fed_back - thin.difference,
+            np.gradient(thin.measured, thin.time_step),
+            np.ascontiguousarray(drawn["feedback_lag"]),
+            band,
+        )
+    )
+
+
+@compiled
+def _sweep(
+    decay: Array,
+    early: Array,
+    late: Array,
+    output: Array,
+    feed_through: Array,
+    of_slip: Array,
+    address: int,
+    coefficients: Array,
+    state: Array,
+    command: Array,
+    differences: Array,
+    inputs: Array,
+    shifts: Array,
+    fed_back_late: Array,
+    velocity: Array,
+    feedback_lag: Array,
+    band: Array,
+) -> Array:
+    """Statistics as of `sweep_draws`; `of_slip` is the output of the part that slip drives."""
+    draws, size = state.shape[0], command.size
+    answer = np.empty((draws, 3))
+    scratch, motion = np.empty(state.shape[1]), np.zeros(3)
+    for draw in range(draws):
+        row = draw % differences.shape[0]
+        total, peak, ideal = 0.0, 0.0, 0.0
+        before, slip_before, slip = 0.0, 0.0, 0.0
+        held, slipped = state[draw], np.zeros(state.shape[1])
+        of_test, of_response, tried = np.zeros(4), np.zeros(4), np.zeros(4)
+        gain, at = 0.0, draw * coefficients.shape[1]
+        for i in range(size):
+            difference = differences[row, i]
+            for k in range(inputs.shape[0]):
+                difference += shifts[draw, k] * inputs[k, i]
+            now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
+            motion[0] = command[i] - now
+            felt = call_kernel(
+                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, at), pointer_to(of_test, 0)
+            )
+            if i > 0:
+                advance(decay[draw], early[draw], late[draw], before, now, held, scratch)
+                advance(decay[draw], early[draw], late[draw], slip_before, 0.0, slipped, scratch)
+                gain = _gain(of_slip[draw], late[draw])
+            error = feed_through[draw] * now
+            for column in range(held.size):
+                error += output[draw, column] * held[column] + of_slip[draw, column] * slipped[column]
+            slip = _slip(
+                address, coefficients, at, motion, command[i] - error, gain, slip, felt, of_response, tried
+            )
+            error += gain * slip
+            for column in range(held.size):
+                slipped[column] += late[draw, column] * slip * min(i, 1)  # the first sample begins the test
+            before, slip_before = now, slip
+            strayed = error - difference
+            weight = 0.5 if i in (0, size - 1) else 1.0
+            total += weight * strayed * strayed
+            peak = max(peak, abs(strayed))
+            ideal = max(ideal, abs(command[i] - error))
+            band[0, i] += strayed
+            band[1, i] += strayed * strayed
+        answer[draw, 0] = total / (size - 1)
+        answer[draw, 1] = peak
+        answer[draw, 2] = ideal
+    return answer
+
+
+@compiled
+def _gain(of_slip: Array, late: Array) -> float:
+    """Error at a sample by one unit of slip there [-]."""
+    total = 0.0
+    for column in range(late.size):
+        total += of_slip[column] * late[column]
+    return total
+
+
+@compiled
+def _slip(
+    address: int,
+    coefficients: Array,
+    at: int,
+    motion: Array,
+    without: float,
+    gain: float,
+    slip: float,
+    felt: float,
+    state: Array,
+    tried: Array,
+) -> float:
+    """s[x_m] − s[x_c − e] at a sample [m], from that before it; moves the state of the response."""
+    for _ in range(_CORRECTIONS):
+        for place in range(state.size):
+            tried[place] = state[place]
+        motion[0] = without - gain * slip
+        slip = (
+            call_kernel(
+                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, at), pointer_to(tried, 0)
+            )
+            - felt
+        )
+    for place in range(state.size):
+        state[place] = tried[place]
+    return slip
