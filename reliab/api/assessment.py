@@ -55,7 +55,6 @@ _SAME = 0.01
 
 _NOT_FOR_FRAMES = {
     "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
-    "specimen": "The error of a frame's test is rebuilt for a linear specimen",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
     "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
 }
@@ -405,6 +404,10 @@ class _Terms:
                     f"`{name}` has no meaning beside the `structure` of a frame. {reason}",
                     remedy="Leave it out",
                 )
+        if self._specimen_is_measured():
+            raise unused(
+                "specimen", "as measured beside the `structure` of a frame, whose specimen is linear"
+            )
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)
@@ -423,6 +426,7 @@ class _Terms:
                 metric=Metric.parse(self.metric or Metric.RMS),
                 stated={**stated, **of_filters},
                 equipment=equipment,
+                linear_specimen=self.specimen == _LINEAR,
             )
 
         return judge
@@ -433,8 +437,9 @@ class _Terms:
                 raise unused(name, _BESIDE_SEVERAL)
         if self.filters:
             raise unused("filter", _BESIDE_SEVERAL)
-        if self.criterion is not None:
-            raise unused("criterion", _BESIDE_SEVERAL)
+        for name in ("criterion", "specimen"):
+            if getattr(self, name) is not None:
+                raise unused(name, _BESIDE_SEVERAL)
         require_positive(self.numbers)
         equipment = known_equipment(self.equipment, exact=self.exact)
 

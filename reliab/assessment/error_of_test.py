@@ -276,12 +276,11 @@ def error_of_test(
         specimen=specimen,
         modelled=question.model is not None,
     )
-    return _that_may_have_yielded(error, question, recording)
+    return that_may_have_yielded(error, question.yielding(recording))
 
 
-def _that_may_have_yielded(error: ErrorOfTest, question: Question, recording: Recording) -> ErrorOfTest:
-    """Widen the error by specimens that yield, where neither a force nor a statement excludes them."""
-    share = question.yielding(recording)
+def that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
+    """Widen the error by specimens that yield, which have a share of the probability [-]."""
     if not share:
         return error
     rebuilt = error.rebuilt

@@ -15,6 +15,7 @@ from reliab.assessment.rebuilt_error import Part
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.scope_of_test import compared
 from reliab.assessment.tracking_index import TrackingIndex
+from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
 from reliab.indices import TrackingOverFrequency
@@ -68,6 +69,8 @@ class FrameAssessment:
         Faults of the recording and what they do to the error.
     verdict : Verdict
         The verdict, by the test's own error.
+    turning : Turning
+        What was not stated and would turn it.
     critical_delay : float
         Exact critical delay at the measured amplitude [s]; infinite where no delay is critical.
     contradictions : tuple of Contradiction
@@ -87,6 +90,7 @@ class FrameAssessment:
     resolved: Part | None
     faults: tuple[FaultEffect, ...]
     verdict: Verdict
+    turning: Turning
     critical_delay: float
     contradictions: tuple[Contradiction, ...] = ()
     criterion: Criterion | None = None
@@ -132,6 +136,7 @@ class FrameAssessment:
         sentences += self.error.frequency_shown
         contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
         sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
+        sentences += self.turning.sentences
         if self.over_frequency is None:
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
         return tuple(sentences)
@@ -157,6 +162,7 @@ class FrameAssessment:
             "over_frequency": _over_frequency(self),
             "error": _error(error),
             "budget": [item.to_dict() for item in error.budget],
+            "would_turn": self.turning.to_dict(),
             "metric": str(error.metric),
             "threshold": error.threshold,
             "probability": error.probability,

@@ -10,12 +10,11 @@ from reliab.assessment.budget import (
     Equipment,
     Size,
     sizes_of_structure,
-    sizes_of_unknown,
     tolerances_of,
 )
 from reliab.assessment.contradictions import limited, of_frequency, of_stability
 from reliab.assessment.doubts import verdict_of_error
-from reliab.assessment.error_of_test import ErrorOfTest, with_learned
+from reliab.assessment.error_of_test import ErrorOfTest, Question, that_may_have_yielded, with_learned
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
 from reliab.assessment.frame_assessment import FrameAssessment
@@ -24,6 +23,7 @@ from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error import Part, WholeStructure, rebuild
 from reliab.assessment.tracking_index import track
+from reliab.assessment.turning import examine_turning
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
@@ -33,7 +33,7 @@ from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.structures.critical_delay import critical_delay
-from reliab.vocabulary import MILLI, Metric
+from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
@@ -62,6 +62,7 @@ def assess_frame(
     metric: Metric = Metric.RMS,
     stated: Mapping[str, StatedValue] | None = None,
     equipment: Equipment | None = None,
+    linear_specimen: bool = False,
 ) -> FrameAssessment:
     """Judge a test of a partitioned frame by the error computed from its displacements.
 
@@ -84,6 +85,9 @@ def assess_frame(
     equipment : Equipment, optional
         What is not known where neither the frame's tolerances nor `stated` have it; by default all that is
         exact.
+    linear_specimen : bool, optional
+        Whether somebody stated that the specimen stayed linear. Where nobody did and no force was recorded,
+        it may have yielded, with the probability that `equipment` states.
 
     Returns
     -------
@@ -114,7 +118,17 @@ def assess_frame(
         threshold=threshold,
         experimental_fraction=_share_at_rest(frame.partition),
     )
-    rebuilt = _rebuilding(frame, stated, equipment, metric, threshold)
+    question = Question(
+        structure=mode,
+        stated=stated,
+        equipment=equipment,
+        metric=metric,
+        threshold=threshold,
+        model=None,
+        seed=0,
+        linear_specimen=linear_specimen,
+    )
+    rebuilt = _rebuilding(frame, question)
     error, effects = error_with_faults(recording, faults, rebuilt)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
@@ -128,6 +142,7 @@ def assess_frame(
         resolved=_resolved(sound, over_frequency, error),
         faults=effects,
         verdict=verdict_of_error(error, effects, OwnEquation(), ()),
+        turning=examine_turning(error, recording, question),
         critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
         criterion=criterion,
         population=None
@@ -164,35 +179,30 @@ def _resolved(
 
 
 def _rebuilding(
-    frame: FrameUnderTest,
-    stated: Mapping[str, StatedValue],
-    equipment: Equipment | None,
-    metric: Metric,
-    threshold: float,
+    frame: FrameUnderTest, question: Question
 ) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
-    structure, mode = whole_structure(frame.partition), governing_mode(frame.partition, frame.output)
-    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
-    of_structure = sizes_of_structure(frame)
+    structure, of_structure = whole_structure(frame.partition), sizes_of_structure(frame)
 
     def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
-        sizes = {**sizes_of_unknown(stated, mode, equipment, test.time_step), **of_structure, **left}
+        sizes = {**question.sizes(test.time_step), **of_structure, **left}
         error = rebuild(
             test.command,
             test.measured,
             test.time_step,
             structure,
-            feedback_lag=lag,
+            feedback_lag=question.feedback_lag,
             sensor_offset=offset,
             tolerances=tolerances_of(sizes),
         )
-        return ErrorOfTest(
+        linear = ErrorOfTest(
             rebuilt=error,
-            metric=metric,
-            threshold=threshold,
-            damping_ratio=mode.damping_ratio,
+            metric=question.metric,
+            threshold=question.threshold,
+            damping_ratio=question.structure.damping_ratio,
             sizes=with_learned(sizes, error),
         )
+        return that_may_have_yielded(linear, question.yielding(test))
 
     return rebuilt
 

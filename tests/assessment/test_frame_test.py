@@ -245,3 +245,10 @@ def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(fr
     )
     (skew,) = [item for item in stated.error.budget if item.name == "time_shift"]
     assert (skew.source, skew.size) == (Source.STATED, pytest.approx(0.01))
+    linear = assess_frame(recording, frame, equipment=ordinary_equipment(), linear_specimen=True)
+    assert linear.turning.error_if_yielding is None
+    assert sources["yielding"] is Source.DEFAULT
+    assert "yielding" not in {item.name for item in linear.error.budget}
+    assert assumed.error.estimate(Metric.RMS).low < linear.error.estimate(Metric.RMS).low
+    assert any("No force was recorded" in warning for warning in assumed.warnings)
+    assert assumed.to_dict()["would_turn"] == assumed.turning.to_dict()

@@ -121,7 +121,7 @@ class JudgesTests(Demand):
 
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
         "criterion": ("threshold", "confidence", "metric"),
-        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "specimen", "confidence"),
+        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "confidence"),
     }
 
 
