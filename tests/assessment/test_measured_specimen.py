@@ -2,20 +2,23 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from nonlinear_specimens import FAMILIES, SimulatedTest, simulate
 
 from reliab import assess
 from reliab.assessment.measured_specimen import MeasuredSpecimen, rebuild_with_force
-from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family
+from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
+from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, SMOOTH_TRAITS
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.errors import InputError
 from reliab.structures import Structure
+
+simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 
 _STEP = 1.0 / 256.0
 _TIMES = np.arange(0.0, 30.0, _STEP)
@@ -77,6 +80,81 @@ def test_maxwells_element_shows_storage_and_loss_of_its_transfer_function() -> N
     assert found == pytest.approx([transfer.real, transfer.imag], abs=0.01)
 
 
+def test_smooth_hysteresis_is_solved_exactly() -> None:
+    """A hyperbolic tangent from rest where the power is two, an exponential where it is one."""
+    path = np.interp(_TIMES, [0, 10, 30], [0.0, 3.0, 2.0])
+    for shape, expected in ((2.0, np.tanh(path / 1.5)), (1.0, -np.expm1(-path / 1.5))):
+        found = _along(_one(Kind.SMOOTH, 1.5, shape), path)
+        rising = _TIMES < 10.0
+        assert found[rising] == pytest.approx(1.5 * expected[rising], rel=1e-9)
+        assert found[-1] == pytest.approx(found[~rising][0] + path[-1] - 3.0)  # elastic
+
+
+def test_a_spring_of_mullins_is_virgin_at_its_largest_excursion() -> None:
+    path = np.interp(_TIMES, [0, 10, 20, 30], [0.0, 4.0, 0.0, 5.0])
+    found = _along(_one(Kind.MULLINS, 1.0, 2.0), path)
+    assert found[_TIMES <= 10.0] == pytest.approx(path[_TIMES <= 10.0])
+    assert found[round(15.0 / _STEP)] == pytest.approx(2.0 * (2.0 / 4.0) ** 2)
+    assert found[-1] == pytest.approx(5.0, rel=1e-3)
+
+
+def _law(kind: Kind, traits: tuple, **changed: float) -> Elements:
+    """A law of hysteresis that neither weakens nor slips, with some traits changed."""
+    none = {name: least for name, least, *_ in traits if name.startswith(("strength_lost", "stiffness_lost"))}
+    none |= {"slip": 0.0, "unloading": 0.0, "hardening": 1.0, "hardening_negative": 1.0, "softest": 0.0}
+    chosen = {name: start for name, _, _, start in traits} | none | changed
+    return with_traits(kind, 1.5, np.array([chosen[name] for name, *_ in traits]), 1.0)
+
+
+def test_smooth_hysteresis_without_slip_is_bouc_and_wens() -> None:
+    """A hyperbolic tangent for the exponent two, twice as strong where the weak side is twice as strong."""
+    path = np.interp(_TIMES, [0, 10, 30], [0.0, 3.0, -6.0])
+    lasting = {"strength_lost": 0.0, "stiffness_lost": 0.0, "exponent": 2.0}
+    found = _along(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS, weak_side=2.0, **lasting), path)
+    rising = _TIMES < 10.0
+    assert found[rising] == pytest.approx(1.5 * np.tanh(path[rising] / 1.5), rel=5e-3, abs=1e-9)
+    assert found[-1] == pytest.approx(-2.0 * 1.5 * np.tanh(6.0 / 3.0), rel=0.1)
+
+
+def test_smooth_hysteresis_slips_and_weakens_with_energy() -> None:
+    """Cycle after cycle less is dissipated, and less resisted at a small force than at a large one."""
+    plain = _along(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS), _SINE)
+    pinched = _along(
+        _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS, slip=0.9, slip_grows=1.0, strength_lost=0.02), _SINE
+    )
+    areas = [
+        np.trapezoid(force[cycle], _SINE[cycle])
+        for force in (plain, pinched)
+        for cycle in (slice(0, 512), slice(5632, 6144))
+    ]
+    assert areas[1] == pytest.approx(areas[0], rel=0.3)
+    assert areas[3] < 0.6 * areas[2]
+    assert np.abs(pinched[-512:]).max() < 0.9 * np.abs(pinched[:512]).max()
+
+
+def test_hysteresis_towards_peaks_lies_between_an_elastic_plastic_spring_and_clough_and_johnstons() -> None:
+    path = np.interp(_TIMES, [0, 5, 10, 15, 20, 30], [0.0, 4.0, 0.0, 2.0, 4.0, 4.0])
+    lasting = {"strength_lost": 0.0, "strength_lost_negative": 0.0, "break_force": 0.98}
+    elastic = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=1.0, elastic_negative=1.0, **lasting)
+    towards = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=0.0, elastic_negative=0.0, **lasting)
+    plastic = _along(_one(Kind.ELASTIC_PLASTIC, 1.5), path)
+    assert _along(elastic, path) == pytest.approx(plastic, abs=1e-2)
+    straight = {"break_force": 0.5, "break_displacement": 0.5}
+    found = _along(_law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=0.0, elastic_negative=0.0, **straight), path)
+    assert found[round(5 / _STEP)] == pytest.approx(1.5, rel=1e-2)
+    assert _along(towards, path)[-1] == pytest.approx(1.5, rel=1e-2)
+    assert found[-1] == pytest.approx(1.5, rel=1e-2)
+    assert plastic[round(10 / _STEP)] == pytest.approx(-1.5, rel=1e-2)
+    assert -0.8 < found[round(10 / _STEP)] < 0.0
+
+
+def test_a_weaker_side_yields_earlier() -> None:
+    law = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, weak_side=0.4, strength_lost_negative=0.0, strength_lost=0.0)
+    force = _along(law, _SINE)
+    assert force.max() == pytest.approx(1.5, rel=1e-6)
+    assert force.min() == pytest.approx(-0.4 * 1.5, rel=1e-6)
+
+
 def test_elements_with_memory_lead_back_to_the_largest_excursion() -> None:
     path = np.interp(_TIMES, [0, 5, 10, 15, 20, 30], [0.0, 4.0, 0.0, 2.0, 4.0, 4.0])
     softening = _along(_one(Kind.SOFTENING, 1.0), path)
@@ -93,9 +171,10 @@ def test_elements_with_memory_lead_back_to_the_largest_excursion() -> None:
 def test_without_an_actuators_error_the_response_is_the_command() -> None:
     elements = elements_of_family("memory", 3.0, 10.0)
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
-    felt = coefficients @ elements.along(_SINE, _STEP, _STILL)
-    response = elements.respond(coefficients, _SINE, felt, _STEP, _STILL, (1.0, 0.2, 5.0))
-    assert response == pytest.approx(_SINE, abs=1e-9)
+    growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
+    felt = coefficients @ elements.along(growing, _STEP, _STILL)
+    response = elements.respond(coefficients, growing, felt, _STEP, _STILL, (1.0, 0.2, 5.0))
+    assert response == pytest.approx(growing, abs=1e-9)
 
 
 def _load() -> np.ndarray:
@@ -105,14 +184,14 @@ def _load() -> np.ndarray:
     return smooth * (_TIMES / 4.0) * np.exp(1.0 - _TIMES / 4.0)
 
 
-def _simulated(family: str, seed: int) -> SimulatedTest:
+def _simulated(family: str, seed: int) -> Any:
     draw = np.random.default_rng(seed)
-    while not 0.005 < (test := simulate(family, _load(), _STEP, draw)).error < 0.3:
+    while not 0.005 < (test := simulated_tests.simulate(family, _load(), _STEP, draw)).error < 0.3:
         pass
     return test
 
 
-def _structure(test: SimulatedTest) -> Structure:
+def _structure(test: Any) -> Structure:
     return Structure(
         frequency=test.loop.frequency,
         damping_ratio=test.loop.damping_ratio,
@@ -120,12 +199,12 @@ def _structure(test: SimulatedTest) -> Structure:
     )
 
 
-def _judged(test: SimulatedTest, **stated: float) -> MeasuredSpecimen:
+def _judged(test: Any, **stated: float) -> MeasuredSpecimen:
     return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), 1.0, **stated)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", simulated_tests.FAMILIES)
 def test_errors_of_families_of_specimens_are_found(family: str) -> None:
     """No element is built like these; where the force is predicted well the error is within a tenth."""
     test = _simulated(family, 3)
@@ -145,7 +224,7 @@ def test_a_linear_specimen_loses_nothing() -> None:
     assert learned.high - learned.low < 1.3 * (stated.high - stated.low) + 0.02 * stated.value
 
 
-def _file(test: SimulatedTest, folder: Path, mass: float) -> Path:
+def _file(test: Any, folder: Path, mass: float) -> Path:
     path = folder / "test.csv"
     columns = {
         "time_s": _TIMES,

@@ -9,12 +9,14 @@ coefficients [N/m] that are not negative. The elements are
 - dashpots of several powers of the velocity, and springs in series with a dashpot (Maxwell),
 - smooth hysteresis with elastic unloading (Bouc and Wen),
 - springs that soften with the largest excursion so far, gaps that open with it, and reloading towards the
-  largest excursion (Clough and Johnston 1966), and
-- elastic-plastic springs that weaken with the energy of the test so far.
+  largest excursion (Clough and Johnston 1966),
+- elastic-plastic springs that weaken with the energy of the test so far,
+- springs that are softer the farther they are below the largest excursion (the effect of Mullins), and
+- two laws of hysteresis with traits that are searched for (`hysteresis`).
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Final
 
@@ -22,11 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.assessment.measured_specimen.hysteresis import TRAITS, smooth_pinched, towards_peaks
 from reliab.compiled import compiled
 
+_FAR = 10.0  # times the largest displacement, beyond which nothing yields
 _LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields
-_STATES = 4
-_LARGEST_PART = 0.3  # of its yield displacement, by which smooth hysteresis goes on at once
+_STATES = 6
 _SLOW = 1e-3  # of the largest speed, below which a dashpot is linear
 _FINER = 1.012  # ratio of sizes below which two elements are one
 
@@ -48,25 +51,35 @@ class Kind(IntEnum):
     OPENING_GAP = 11
     PEAK_ORIENTED = 12
     WEAKENING = 13
+    MULLINS = 14
+    SMOOTH_PINCHED = 15
+    TOWARDS_PEAKS = 16
 
 
-_SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT}
+_SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
 """Kinds whose size is refined."""
 
 
 @compiled
 def _smooth(size: float, shape: float, moved: float, state: Array) -> float:
-    """Yield more with a power of the force, and unload elastically."""
-    parts = int(abs(moved) / (_LARGEST_PART * size)) + 1
-    part = moved / size / parts
-    for _ in range(parts):
-        left = 1.0 - abs(state[0]) ** shape if part * state[0] > 0.0 else 1.0
-        state[0] = min(max(state[0] + part * left, -1.0), 1.0)
+    """Unload elastically, and yield by dz/dx = 1 − z (shape 1) or 1 − z² (shape 2), solved exactly."""
+    sign = 1.0 if moved > 0.0 else -1.0
+    force, left = sign * state[0], abs(moved) / size
+    if force < 0.0:
+        unloaded = min(left, -force)
+        force, left = force + unloaded, left - unloaded
+    if left > 0.0:
+        if shape == 1.0:
+            force = 1.0 - (1.0 - force) * np.exp(-left)
+        else:
+            way = np.tanh(left)
+            force = (force + way) / (1.0 + force * way)
+    state[0] = sign * force
     return float(state[0] * size)
 
 
 @compiled
-def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
+def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of element
     kind: int,
     size: float,
     shape: float,
@@ -75,12 +88,14 @@ def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
     velocity: float,
     step: float,
     weakness: float,
+    traits: Array,
+    speed: float,
     state: Array,
 ) -> float:
     """Displacement of one element [m] at the end of a step; its state is changed in place.
 
-    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent. The last place of the
-    state holds the velocity at which a dashpot gives its size [m/s].
+    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent; `speed` at which a
+    dashpot gives its size [m/s].
     """
     if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
         state[0] = min(max(state[0] + moved, -size), size)
@@ -90,8 +105,8 @@ def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
     if kind == Kind.QUINTIC:
         return position**5 / size**4
     if kind == Kind.DASHPOT:
-        speed = velocity / state[3]
-        return float(size * speed * max(abs(speed), _SLOW) ** (shape - 1.0))
+        relative = velocity / speed
+        return float(size * relative * max(abs(relative), _SLOW) ** (shape - 1.0))
     if kind == Kind.MAXWELL:
         state[0] = state[0] * np.exp(-step / size) + moved
         return float(state[0])
@@ -112,6 +127,13 @@ def _advance(  # noqa: C901, PLR0911 - one branch for each kind of element
         return float(position - min(max(position, -gap), gap))
     if kind == Kind.PEAK_ORIENTED:
         return _peak_oriented(size, position, moved, state)
+    if kind == Kind.MULLINS:
+        state[1] = max(state[1], abs(position))
+        return float(position * (abs(position) / state[1]) ** shape) if state[1] > 0.0 else 0.0
+    if kind == Kind.SMOOTH_PINCHED:
+        return smooth_pinched(size, traits, moved, state)
+    if kind == Kind.TOWARDS_PEAKS:
+        return towards_peaks(size, traits, position, moved, state)
     return size
 
 
@@ -153,13 +175,19 @@ def _weakness(kind: int, shape: float, weakness: float) -> float:
 
 @compiled
 def _along(
-    kinds: NDArray[np.int64], sizes: Array, shapes: Array, speed: float, path: Array, step: float, used: Array
+    kinds: NDArray[np.int64],
+    sizes: Array,
+    shapes: Array,
+    traits: Array,
+    speed: float,
+    path: Array,
+    step: float,
+    used: Array,
 ) -> Array:
     """Displacements of elements along a path [m], shape (elements, n)."""
     answer = np.empty((kinds.size, path.size))
     for element in range(kinds.size):
         state = np.zeros(_STATES)
-        state[3] = speed
         kind, shape = kinds[element], shapes[element]
         for i in range(path.size):
             before = path[i - 1] if i > 0 else 0.0
@@ -174,6 +202,8 @@ def _along(
                 velocity,
                 step,
                 _weakness(kind, shape, used[i]),
+                traits[element],
+                speed,
                 state,
             )
     return answer
@@ -184,6 +214,7 @@ def _respond(
     kinds: NDArray[np.int64],
     sizes: Array,
     shapes: Array,
+    traits: Array,
     coefficients: Array,
     speed: float,
     command: Array,
@@ -195,7 +226,6 @@ def _respond(
     """Exact response [m]; see `Elements.respond`."""
     mass, damping, stiffness = numerical[0], numerical[1], numerical[2]
     states = np.zeros((kinds.size, _STATES))
-    states[:, 3] = speed
     answer = np.empty(command.size)
     strayed, strayed_before, before, earlier = 0.0, 0.0, 0.0, 0.0
     ahead = mass / step**2 + damping / (2.0 * step)
@@ -214,6 +244,8 @@ def _respond(
                 velocity,
                 step,
                 _weakness(kind, shape, used[i]),
+                traits[element],
+                speed,
                 states[element],
             )
         answer[i] = now
@@ -232,10 +264,18 @@ class Elements:
     sizes: Array  # Yield displacement, gap or unit [m], of Maxwell's element a time [s], shape (elements,)
     shapes: Array  # Exponent of a dashpot or of smooth hysteresis, share of one that weakens, (elements,)
     speed: float  # Velocity at which a dashpot gives its size [m/s]
+    # Of laws of hysteresis, zero for all others, shape (elements, TRAITS)
+    traits: Array = field(default_factory=lambda: np.zeros((0, TRAITS)))
+
+    def __post_init__(self) -> None:
+        if not self.traits.size:
+            object.__setattr__(self, "traits", np.zeros((self.kinds.size, TRAITS)))
 
     def along(self, path: Array, step: float, used: Array) -> Array:
         """Displacements of the elements along a path [m], shape (elements, n); `used`: energy so far [-]."""
-        return np.asarray(_along(self.kinds, self.sizes, self.shapes, self.speed, path, step, used))
+        return np.asarray(
+            _along(self.kinds, self.sizes, self.shapes, self.traits, self.speed, path, step, used)
+        )
 
     def respond(
         self,
@@ -256,6 +296,7 @@ class Elements:
                 self.kinds,
                 self.sizes,
                 self.shapes,
+                self.traits,
                 coefficients,
                 self.speed,
                 command,
@@ -266,21 +307,40 @@ class Elements:
             )
         )
 
-    def only(self, chosen: NDArray[np.bool_]) -> "Elements":
+    def only(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Elements":
         """Only some of the elements."""
         return Elements(
-            kinds=self.kinds[chosen], sizes=self.sizes[chosen], shapes=self.shapes[chosen], speed=self.speed
+            kinds=self.kinds[chosen],
+            sizes=self.sizes[chosen],
+            shapes=self.shapes[chosen],
+            speed=self.speed,
+            traits=self.traits[chosen],
         )
 
-    def refined(self, coefficients: Array, ratio: float) -> "Elements":
-        """Elements that bear a part, and beside each of them one smaller and one larger by a ratio."""
+    def beside(self, others: "Elements") -> "Elements":
+        """Put others beside these elements."""
+        return Elements(
+            kinds=np.concatenate([self.kinds, others.kinds]),
+            sizes=np.concatenate([self.sizes, others.sizes]),
+            shapes=np.concatenate([self.shapes, others.shapes]),
+            speed=self.speed,
+            traits=np.vstack([self.traits, others.traits]),
+        )
+
+    def refined(self, coefficients: Array, ratio: float, largest: float) -> "Elements":
+        """Elements that bear a part, and beside each of them one smaller and one larger by a ratio.
+
+        `largest` displacement [m]: what is far beyond it never yields, and has no size.
+        """
         rows = [
             (kind, factor * size, shape)
             for kind, size, shape, coefficient in zip(
                 self.kinds, self.sizes, self.shapes, coefficients, strict=True
             )
             if coefficient > 0.0
-            for factor in ((1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALED and size > 0.0 else (1.0,))
+            for factor in (
+                (1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALED and 0.0 < size < _FAR * largest else (1.0,)
+            )
         ]
         return _elements(rows, self.speed)
 
@@ -305,6 +365,7 @@ _YIELDS_OF_OTHERS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65,
 _GAPS = tuple(np.arange(0.05, 1.0, 0.05).tolist())
 _TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
 _POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
+_POWERS_OF_MULLINS = (0.5, 1.0, 2.0, 4.0)
 
 FAMILIES: Final[Mapping[str, str]] = {
     "plain": "elastic-plastic springs, hardening and dashpots",
@@ -312,12 +373,16 @@ FAMILIES: Final[Mapping[str, str]] = {
     "smooth": "the plain ones and smooth hysteresis",
     "memory": "the smooth ones and memory of the largest excursion",
     "all": "all elements",
+    "laws": "springs, dashpots and two laws of hysteresis",
+    "everything": "all elements and two laws of hysteresis",
 }
 """Families of elements, each with what it holds."""
 
 
 def elements_of_family(name: str, displacement: float, speed: float) -> Elements:
     """Elements of a family for the largest displacement [m] and speed [m/s] of a test."""
+    if name == "laws":
+        return _elements(list(_beside_laws(displacement)), speed)
     rows = list(_plain(displacement))
     if name in {"gaps", "all"}:
         rows += _gaps(displacement)
@@ -329,6 +394,29 @@ def elements_of_family(name: str, displacement: float, speed: float) -> Elements
         yields = [*(x * displacement for x in _YIELDS_OF_OTHERS), _LINEAR * displacement]
         rows += [(Kind.WEAKENING, size, shape) for size in yields for shape in (0.0, 1.0)]
     return _elements(rows, speed)
+
+
+def with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Elements:
+    """One law of hysteresis."""
+    return Elements(
+        kinds=np.array([kind], dtype=np.int64),
+        sizes=np.array([size]),
+        shapes=np.zeros(1),
+        speed=speed,
+        traits=np.reshape(traits, (1, TRAITS)),
+    )
+
+
+def _beside_laws(displacement: float) -> Iterator[tuple[int, float, float]]:
+    yield Kind.ELASTIC_PLASTIC, _LINEAR * displacement, 0.0
+    for sign in (1.0, -1.0):
+        yield Kind.CONSTANT, sign * displacement, 0.0
+    for kind in (Kind.CUBIC, Kind.QUINTIC):
+        yield kind, displacement, 0.0
+    for power in (0.35, 1.0):
+        yield Kind.DASHPOT, displacement, power
+    for time in (0.03, 0.3):
+        yield Kind.MAXWELL, time, 0.0
 
 
 def _plain(displacement: float) -> Iterator[tuple[int, float, float]]:
@@ -356,5 +444,7 @@ def _with_memory(displacement: float) -> Iterator[tuple[int, float, float]]:
     for share in _YIELDS_OF_OTHERS:
         for kind in (Kind.SOFTENING, Kind.PEAK_ORIENTED):
             yield kind, share * displacement, 0.0
+    for power in _POWERS_OF_MULLINS:
+        yield Kind.MULLINS, displacement, power
     for share in (0.2, 0.4, 0.6, 0.8):
         yield Kind.OPENING_GAP, share, 0.0

@@ -5,63 +5,21 @@ are refined step by step, and four quarters of the test, made of short blocks, a
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.measured_specimen.elements import Elements, elements_of_family
-from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.measured_specimen.elements import FAMILIES, Elements, elements_of_family
+from reliab.assessment.measured_specimen.path import MeasuredPath, fit
+from reliab.assessment.measured_specimen.searching import search_laws
 
 _REFINEMENTS = (1.15, 1.07, 1.035, 1.017)
-_RIDGE = 1e-8  # of an element's own mean square
-_UNEXCITED = 1e-4  # of the most excited element, below which one bears next to nothing
 _QUARTERS = 4
-_PER_BAND = 4.0  # samples in a period of the highest frequency that is kept
-_ITERATIONS = 100  # for each element
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeasuredPath:
-    """What is known of a specimen: the path along which it was moved, and its force."""
-
-    displacement: Array  # Smoothed, shape (n,) [m]
-    force: Array  # Smoothed, shape (n,) [N]
-    time_step: float  # Step [s]
-    noise: SensorNoise  # Its filter is passed by elements, too
-    block: float  # Length of a block [s]
-
-    @cached_property
-    def used(self) -> Array:
-        """Work done on the specimen so far, to and fro, over that of the whole test, shape (n,)."""
-        work = np.cumsum(np.abs(np.gradient(self.displacement) * (self.force - self.force.mean())))
-        return np.asarray(work / work[-1])
-
-    @property
-    def every(self) -> int:
-        """Number of samples of which one tells all that the filter passes."""
-        return max(int(1.0 / (_PER_BAND * self.noise.band * self.time_step)), 1)
-
-    @property
-    def blocks(self) -> NDArray[np.int64]:
-        """Number of the block of each sample that is fitted."""
-        times = np.arange(0, self.displacement.size, self.every) * self.time_step
-        return np.asarray(times / self.block, dtype=np.int64)
-
-    def seen(self, rows: Array) -> Array:
-        """Pass histories, shape (rows, n), through the filter of the channels, and thin them by `every`."""
-        taps, thin = self.noise.filter, self.every
-        reach = taps.size // 2
-        if reach == 0 or reach >= rows.shape[1]:
-            return np.ascontiguousarray(rows[:, ::thin])
-        before = 2.0 * rows[:, :1] - rows[:, reach:0:-1]
-        after = 2.0 * rows[:, -1:] - rows[:, -2 : -reach - 2 : -1]
-        idle = np.zeros((rows.shape[0], -2 * reach % thin))
-        passed = scipy.signal.upfirdn(taps, np.hstack([idle, before, rows, after]), down=thin, axis=1)
-        first = (idle.shape[1] + 2 * reach) // thin
-        return np.asarray(passed[:, first : first - (-rows.shape[1] // thin)])
+_NOISIER = 1.1  # times the noise that is estimated, which held-out parts may leave
+_DIGITS = 7  # of the share that a row has in another, to which two rows are alike
+_LEAST_PART = 5e-4  # of the force, below which an element is left out
+_REFINED = ("plain", "gaps", "smooth", "memory", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,38 +30,54 @@ class LearnedSpecimen:
     elements: Elements  # Those that bear a part
     coefficients: Array  # Of the elements [N/m], shape (elements,)
     held_out: float  # RMS of what held-out parts of the force leave unexplained, over that of the force [-]
+    missed: float  # The same without what noise explains [-]
 
 
-def learn_specimen(path: MeasuredPath, family: str) -> LearnedSpecimen:
-    """Learn a specimen with a family of elements."""
-    step, used, wanted = path.time_step, path.used, path.force[:: path.every]
-    largest = float(np.abs(path.displacement).max())
-    speed = float(np.abs(np.gradient(path.displacement, step)).max())
-    elements = elements_of_family(family, largest, speed)
+def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
+    """Learn a specimen with every family of elements; the best comes first."""
+    laws = search_laws(path)
+    elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
+    elements |= {family: _refined(path, elements[family]) for family in _REFINED}
+    elements |= {"laws": elements["laws"].beside(laws), "everything": elements["all"].beside(laws)}
+    found = [_learned(path, family, elements[family]) for family in FAMILIES]
+    return sorted(found, key=lambda specimen: specimen.held_out)
+
+
+def _refined(path: MeasuredPath, elements: Elements) -> Elements:
+    """Refine the sizes of elements that bear a part."""
+    wanted = path.force[:: path.every]
     for ratio in _REFINEMENTS:
-        coefficients = fit(path.seen(elements.along(path.displacement, step, used)), wanted)
-        elements = elements.refined(coefficients, ratio)
-    seen = path.seen(elements.along(path.displacement, step, used))
+        seen = path.seen(elements.along(path.displacement, path.time_step, path.used))
+        distinct = _distinct(seen)
+        elements = elements.only(distinct).refined(fit(seen[distinct], wanted), ratio, path.largest)
+    return elements
+
+
+def _distinct(rows: Array) -> NDArray[np.int64]:
+    """Places of rows, shape (rows, n), of which none is a multiple of another."""
+    shares = rows @ np.random.default_rng(0).standard_normal(rows.shape[1])
+    shares = shares / (np.linalg.norm(rows, axis=1) + np.finfo(float).tiny)
+    return np.sort(np.unique(np.round(shares, _DIGITS), return_index=True)[1])
+
+
+def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpecimen:
+    """Fit elements, and predict what had no part in the fit."""
+    wanted = path.force[:: path.every]
+    seen = path.seen(elements.along(path.displacement, path.time_step, path.used))
+    distinct = _distinct(seen)
+    elements, seen = elements.only(distinct), seen[distinct]
     coefficients = fit(seen, wanted)
-    bears = coefficients > 0.0
+    bears = coefficients * np.sqrt(np.mean(seen**2, axis=1)) > _LEAST_PART * np.sqrt(np.mean(wanted**2))
+    coefficients[bears] = fit(seen[bears], wanted)
+    bears &= coefficients > 0.0
+    held_out = _held_out(seen[bears], wanted, path.blocks)
     return LearnedSpecimen(
         family=family,
         elements=elements.only(bears),
         coefficients=coefficients[bears],
-        held_out=_held_out(seen[bears], wanted, path.blocks),
+        held_out=held_out,
+        missed=float(np.sqrt(max(held_out**2 - (_NOISIER * path.noisy) ** 2, 0.0))),
     )
-
-
-def fit(rows: Array, wanted: Array, weights: Array | None = None) -> Array:
-    """Coefficients that are not negative and make rows, shape (elements, n), sum to what is wanted."""
-    weighted = rows if weights is None else rows * weights
-    squares = weighted @ rows.T
-    scale = np.sqrt(np.diag(squares))
-    scale = scale + _UNEXCITED * float(scale.max())
-    normal = squares / np.outer(scale, scale) + _RIDGE * np.eye(scale.size)
-    root = np.linalg.cholesky(normal)
-    aim = np.linalg.solve(root, weighted @ wanted / scale)
-    return np.asarray(scipy.optimize.nnls(root.T, aim, maxiter=_ITERATIONS * scale.size)[0] / scale)
 
 
 def _held_out(rows: Array, wanted: Array, blocks: NDArray[np.int64]) -> float:

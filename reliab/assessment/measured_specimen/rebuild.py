@@ -9,7 +9,7 @@ Only the difference of the specimen's force along two neighbouring paths is need
 representation of f misses on both cancels. Five families of elements learn f from the test itself; the draws
 behind the interval take a family by how well it predicts held-out parts of the force, fit it to blocks of the
 test with random weights, and multiply the force by which the actuator's own error acts, f[x_m] − f[x_c], by
-1 + (0.01 + κ h) z: h is what the family misses of held-out parts, z is standard normal.
+1 + (0.004 + κ h) z: h is what the family misses of held-out parts beyond their noise, z is standard normal.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,14 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.measured_specimen.elements import FAMILIES
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, fit, learn_specimen
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, learn_specimen
+from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, columns_of_reading, draw_unknown
-from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread
@@ -44,7 +44,7 @@ _PER_PERIOD = 100.0
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
-_ALWAYS = 0.01  # relative deviation of the acting force where nothing is missed
+_ALWAYS = 0.004  # relative deviation of the acting force where nothing is missed
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
@@ -133,8 +133,9 @@ def _learned(
         block=min(
             _PERIODS_OF_BLOCK / structure.frequency, thin.command.size * thin.time_step / _FEWEST_BLOCKS
         ),
+        noisy=_noise_in_band(histories.measured, force, noise),
     )
-    learned = sorted((learn_specimen(path, name) for name in FAMILIES), key=lambda family: family.held_out)
+    learned = learn_specimen(path)
     return _Test(
         thin=thin,
         path=path,
@@ -143,6 +144,12 @@ def _learned(
         feedback_lag=feedback_lag,
         learned=tuple(learned),
     )
+
+
+def _noise_in_band(measured: Array, force: Array, noise: SensorNoise) -> float:
+    """RMS of the white noise that the filter passes, of force [N] and displacement [m], over the force's."""
+    shares = white_floor(force) / np.var(force) + noise.white**2 / np.var(measured)
+    return float(np.sqrt(shares * np.sum(noise.filter**2)))
 
 
 def _concluded(
@@ -297,14 +304,18 @@ class _Test:
             family: self.learned[family].elements.along(thin.command, step, used)
             for family in np.unique(families).tolist()
         }
+        seen = {
+            family: self.path.seen(self.learned[family].elements.along(thin.measured, step, used))
+            for family in of_command
+        }
         for row, difference in enumerate(differences):
             measured = thin.command - difference - sum((share[row] for share in added), np.zeros(()))
             specimen = self.learned[families[row]]
             rows = specimen.elements.along(measured, step, used)
             weights = generator.exponential(size=blocks[-1] + 1)[blocks]
-            coefficients = fit(self.path.seen(rows), wanted, weights)
+            coefficients = fit(seen[int(families[row])], wanted, weights)
             felt, commanded = coefficients @ rows, coefficients @ of_command[int(families[row])]
-            missed = carried * (_CARRIED * specimen.held_out + _ALWAYS)
+            missed = carried * (_CARRIED * specimen.missed + _ALWAYS)
             factor = max(1.0 + missed * generator.standard_normal(), _LEAST)
             felt = self._late(commanded + factor * (felt - commanded), float(drawn["feedback_lag"][row]))
             factors = [

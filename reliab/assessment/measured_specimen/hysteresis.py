@@ -1,0 +1,138 @@
+"""Two laws of hysteresis with many traits, searched for by nonlinear least squares.
+
+Smooth hysteresis unloads elastically, loses strength and stiffness with the energy that it took, resists
+less on one side, and slips while its force is small: Baber and Noori (1986, Journal of Vibration, Acoustics,
+Stress, and Reliability in Design 108, 273). Hysteresis towards peaks loads again towards the largest
+excursion so far, or elastically, or something between, with a break on the way where it is pinched, and each
+of its sides hardens or softens and weakens in its own way: Ibarra, Medina and Krawinkler (2005, Earthquake
+Engineering and Structural Dynamics 34, 1489); with one side that weakens and softens it is a brace that
+buckles.
+
+Forces are displacements of a spring of unit stiffness [m]; `size` is the yield displacement [m], energies are
+those of the normalised element.
+"""
+
+from typing import Final
+
+from reliab.arrays import Array
+from reliab.compiled import compiled
+
+TRAITS: Final = 11
+"""Number of traits of either law, its yield displacement apart."""
+
+SMOOTH_TRAITS: Final = (
+    # name, least, largest value, start
+    ("exponent", 0.6, 8.0, 1.5),
+    ("weak_side", 0.2, 5.0, 1.0),  # strength when negative over that when positive
+    ("strength_lost", 1e-4, 1.0, 0.01),  # with a unit of energy
+    ("stiffness_lost", 1e-4, 1.0, 0.01),
+    ("slip", 1e-3, 0.98, 0.05),  # share of the stiffness that slips
+    ("slip_grows", 0.01, 30.0, 0.3),  # with a unit of energy
+    ("slip_at", 1e-3, 0.6, 0.15),  # share of the strength about which it slips
+    ("slip_width", 0.02, 2.0, 0.3),
+    ("width_grows", 1e-3, 1.0, 0.05),  # with a unit of energy
+    ("bulge", 0.25, 4.0, 1.0),  # of the loop; one unloads elastically
+    ("narrowest", 0.02, 2.0, 0.3),  # width of what slips before it has grown
+)
+"""Traits of smooth hysteresis."""
+
+PEAK_TRAITS: Final = (
+    ("weak_side", 0.1, 10.0, 1.0),  # strength when negative over that when positive
+    ("hardening", 0.7, 1.4, 1.02),  # one and the slope of the envelope, positive
+    ("hardening_negative", 0.7, 1.4, 1.02),
+    ("strength_lost", 1e-4, 1.0, 0.01),  # with a unit of energy, positive
+    ("strength_lost_negative", 1e-4, 1.0, 0.01),
+    ("elastic", 0.01, 0.99, 0.1),  # share of elastic reloading, positive
+    ("elastic_negative", 0.01, 0.99, 0.1),
+    ("break_force", 0.02, 0.98, 0.5),  # over that of the peak
+    ("break_displacement", 0.02, 0.98, 0.5),
+    ("unloading", 1e-3, 1.0, 0.05),  # power of the ductility by which unloading softens
+    ("softest", 1e-4, 0.5, 0.02),  # stiffness below which nothing falls
+)
+"""Traits of hysteresis towards peaks."""
+
+_GONE = 30.0  # power of e to which nothing is left
+_REACHED = 1e-9  # yield displacements from a peak at which it is reached
+_LARGEST_PART = 0.3  # of its yield displacement, by which an element goes on at once
+
+
+@compiled
+def smooth_pinched(size: float, traits: Array, moved: float, state: Array) -> float:
+    """Baber and Noori; `state` holds force and energy, over size and its square."""
+    exponent, weak, lost, softened = traits[0], traits[1], traits[2], traits[3]
+    parts = int(abs(moved) / (_LARGEST_PART * size)) + 1
+    part = moved / size / parts
+    for _ in range(parts):
+        force, energy = state[0], state[1]
+        sign = 1.0 if part > 0.0 else -1.0
+        limit = (weak if force < 0.0 else 1.0) / (1.0 + lost * energy)
+        reached = min(abs(force) / limit, 1.0) ** exponent
+        left = 1.0 - reached if part * force > 0.0 else 1.0 - reached * 0.5 * (1.0 - traits[9])
+        slip = traits[4] * (1.0 - _decayed(traits[5] * energy))
+        width = (traits[7] + traits[8] * energy) * (traits[10] + slip)
+        away = (force * sign - traits[6] * limit) / width
+        pinch = 1.0 - slip * _decayed(away * away)
+        now = force + part * left * pinch / (1.0 + softened * energy)
+        now = min(max(now, -limit if force < 0.0 else now), limit if force >= 0.0 else now)
+        state[0] = now
+        state[1] = energy + max(0.5 * (now + force) * part, 0.0)
+    return float(state[0] * size)
+
+
+@compiled
+def _decayed(power: float) -> float:
+    """E to the minus a power, without the library's cost where nothing is left."""
+    return 0.0 if power > _GONE else 2.718281828459045**-power
+
+
+@compiled
+def towards_peaks(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+    """Ibarra, Medina and Krawinkler; `state`: force, energy, places and forces of both peaks, over size."""
+    weak, softest = traits[0], traits[10]
+    if state[2] == 0.0:
+        state[2], state[4], state[3], state[5] = 1.0, 1.0, -weak, -weak
+    now, part = position / size, moved / size
+    force, before = state[0], (position - moved) / size
+    strength = 1.0 / (1.0 + traits[3] * state[1])
+    strength_negative = weak / (1.0 + traits[4] * state[1])
+    if part * force < 0.0:
+        far = max(state[2], -state[3] / weak, 1.0)
+        unloaded = force + part * max(far ** -traits[9], softest)
+        resisted = unloaded if unloaded * force > 0.0 else 0.0
+    elif part > 0.0:
+        slope = _slope(
+            before, force, state[2], min(state[4], strength * _at(state[2], traits[1])), traits[5], traits
+        )
+        resisted = force + part * slope
+    elif part < 0.0:
+        peak = min(-state[5], strength_negative * _at(-state[3] / weak, traits[2]))
+        resisted = force + part * _slope(-before, -force, -state[3], peak, traits[6], traits)
+    else:
+        resisted = force
+    resisted = min(resisted, strength * _at(now, traits[1]))
+    resisted = max(resisted, -strength_negative * _at(-now / weak, traits[2]))
+    if now > state[2]:
+        state[2], state[4] = now, resisted
+    if now < state[3]:
+        state[3], state[5] = now, resisted
+    state[1] += max(0.5 * (resisted + force) * part, 0.0)
+    state[0] = resisted
+    return float(resisted * size)
+
+
+@compiled
+def _at(place: float, hardening: float) -> float:
+    """Envelope over the strength at a place in units of its yield displacement."""
+    return max(1.0 + (hardening - 1.0) * max(place - 1.0, 0.0), 0.1)
+
+
+@compiled
+def _slope(place: float, force: float, peak: float, of_peak: float, elastic: float, traits: Array) -> float:
+    """Stiffness while loading in the positive direction."""
+    broken, of_break = traits[8] * peak, traits[7] * of_peak
+    if place < broken and force < of_break:
+        slope = (of_break - force) / (broken - place)
+    else:
+        left, missing = peak - place, of_peak - force
+        slope = missing / left if left > _REACHED else 1.0
+    return float(elastic + (1.0 - elastic) * min(max(slope, traits[10]), 1.0))

@@ -1,0 +1,80 @@
+"""What a test shows of its specimen, and coefficients of elements that fit it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+
+_RIDGE = 1e-8  # of an element's own mean square
+_UNEXCITED = 1e-4  # of the most excited element, below which one bears next to nothing
+_PER_BAND = 4.0  # samples in a period of the highest frequency that is kept
+_ITERATIONS = 100  # for each element
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredPath:
+    """What is known of a specimen: the path along which it was moved, and its force."""
+
+    displacement: Array  # Smoothed, shape (n,) [m]
+    force: Array  # Smoothed, shape (n,) [N]
+    time_step: float  # Step [s]
+    noise: SensorNoise  # Its filter is passed by elements, too
+    block: float  # Length of a block [s]
+    noisy: float  # RMS of the noise of force and displacement within the band, over that of the force [-]
+
+    @cached_property
+    def used(self) -> Array:
+        """Work done on the specimen so far, to and fro, over that of the whole test, shape (n,)."""
+        work = np.cumsum(np.abs(np.gradient(self.displacement) * (self.force - self.force.mean())))
+        return np.asarray(work / work[-1])
+
+    @property
+    def largest(self) -> float:
+        """Largest displacement [m]."""
+        return float(np.abs(self.displacement).max())
+
+    @cached_property
+    def speed(self) -> float:
+        """Largest speed [m/s]."""
+        return float(np.abs(np.gradient(self.displacement, self.time_step)).max())
+
+    @property
+    def every(self) -> int:
+        """Number of samples of which one tells all that the filter passes."""
+        return max(int(1.0 / (_PER_BAND * self.noise.band * self.time_step)), 1)
+
+    @property
+    def blocks(self) -> NDArray[np.int64]:
+        """Number of the block of each sample that is fitted."""
+        times = np.arange(0, self.displacement.size, self.every) * self.time_step
+        return np.asarray(times / self.block, dtype=np.int64)
+
+    def seen(self, rows: Array) -> Array:
+        """Pass histories, shape (rows, n), through the filter of the channels, and thin them by `every`."""
+        taps, thin = self.noise.filter, self.every
+        reach = taps.size // 2
+        if reach == 0 or reach >= rows.shape[1]:
+            return np.ascontiguousarray(rows[:, ::thin])
+        before = 2.0 * rows[:, :1] - rows[:, reach:0:-1]
+        after = 2.0 * rows[:, -1:] - rows[:, -2 : -reach - 2 : -1]
+        idle = np.zeros((rows.shape[0], -2 * reach % thin))
+        passed = scipy.signal.upfirdn(taps, np.hstack([idle, before, rows, after]), down=thin, axis=1)
+        first = (idle.shape[1] + 2 * reach) // thin
+        return np.asarray(passed[:, first : first - (-rows.shape[1] // thin)])
+
+
+def fit(rows: Array, wanted: Array, weights: Array | None = None) -> Array:
+    """Coefficients that are not negative and make rows, shape (elements, n), sum to what is wanted."""
+    weighted = rows if weights is None else rows * weights
+    squares = weighted @ rows.T
+    scale = np.sqrt(np.diag(squares))
+    scale = scale + _UNEXCITED * float(scale.max())
+    normal = squares / np.outer(scale, scale) + _RIDGE * np.eye(scale.size)
+    root = np.linalg.cholesky(normal)
+    aim = np.linalg.solve(root, weighted @ wanted / scale)
+    return np.asarray(scipy.optimize.nnls(root.T, aim, maxiter=_ITERATIONS * scale.size)[0] / scale)

@@ -1,0 +1,140 @@
+"""Judge simulated tests from command, displacement and force alone, beside what is true of them."""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from reliab.arrays import Array
+from reliab.assessment import assess
+from reliab.errors import InputError
+from reliab.motions import Motion
+from reliab.progress import Progress
+from reliab.recordings import Recording
+from reliab.stated_value import StatedValue
+from reliab.structures import Structure
+
+from .simulated_tests import SimulatedTest, simulate
+from .specimens import FAMILIES
+
+LINEAR: Final = "linear"
+"""The family whose tests are judged as those of a stated linear specimen, too."""
+
+_STEP = 1.0 / 1024.0
+_SECONDS = 40.0
+_ERRORS = (0.003, 0.3)  # of the exact response's peak, between which a test is kept
+_DECIBELS = (40.0, 30.0)  # one after the other
+
+
+def judge_tests(
+    motions: Sequence[Motion],
+    families: Sequence[str],
+    tests: int,
+    *,
+    seed: int,
+    threshold: float,
+    progress: Progress,
+) -> pd.DataFrame:
+    """Simulate and judge tests of families of specimens.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        Ground motions, drawn anew for each test.
+    families : sequence of str
+        Names of families.
+    tests : int
+        Number of tests of each family, with noise of 40 and 30 dB in turn.
+    seed : int
+        Seed of motions, structures, specimens, actuators and noise.
+    threshold : float
+        Error of the whole test up to which it is good [-].
+    progress : Progress
+        Told how many of how many tests are judged.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a test: family, decibels, f [Hz], xi, alpha, true error, computed value with its interval
+        (low, high) [-], held_out [-], word of the verdict, left (error of the corrected over that of the
+        measured response) and inside (share of samples in the band) [-]; of linear specimens also
+        stated_value, stated_low, stated_high and stated_word, with the specimen as it is stated.
+    """
+    drawn = [(family, number) for family in families for number in range(tests)]
+    rows = []
+    for done, (family, number) in enumerate(drawn, start=1):
+        draw = np.random.default_rng([seed, list(FAMILIES).index(family), number])
+        rows.append(_row(family, motions, draw, _DECIBELS[number % len(_DECIBELS)], threshold))
+        progress(done, len(drawn))
+    return pd.DataFrame(rows)
+
+
+def draw_test(
+    family: str, motions: Sequence[Motion], draw: np.random.Generator, decibels: float
+) -> SimulatedTest:
+    """Simulate a test whose error is neither tiny nor of a loop that diverges."""
+    times = np.arange(0.0, _SECONDS, _STEP)
+    while True:
+        motion = motions[int(draw.integers(len(motions)))]
+        try:
+            test = simulate(family, -_sampled(motion, times), _STEP, draw, decibels=decibels)
+        except ArithmeticError:  # the loop diverges
+            continue
+        if _ERRORS[0] < test.error < _ERRORS[1]:
+            return test
+
+
+def _sampled(motion: Motion, times: Array) -> Array:
+    """Ground acceleration at times [s], at rest after the record's end."""
+    ground = np.interp(times, motion.time_step * np.arange(motion.acceleration.size), motion.acceleration)
+    ground[times > motion.time_step * motion.acceleration.size] = 0.0
+    return ground
+
+
+def _row(
+    family: str, motions: Sequence[Motion], draw: np.random.Generator, decibels: float, threshold: float
+) -> dict[str, object]:
+    test = draw_test(family, motions, draw, decibels)
+    loop = test.loop
+    structure = Structure(
+        frequency=loop.frequency, damping_ratio=loop.damping_ratio, experimental_fraction=loop.share
+    )
+    recording = Recording(
+        command=test.command, measured=test.measured, force=test.force, time_step=test.step, name=family
+    )
+    row: dict[str, object] = {
+        "family": family,
+        "decibels": decibels,
+        "f": loop.frequency,
+        "xi": loop.damping_ratio,
+        "alpha": loop.share,
+        "true": test.error,
+    }
+    stated = {"mass": StatedValue(1.0)}
+    try:
+        found = assess(recording, structure, stated=stated, threshold=threshold, measured_specimen=True)
+    except InputError as error:
+        return row | {"word": "refused", "refusal": str(error)}
+    rebuilt, original = found.error.rebuilt, test.moved - test.exact
+    inside = (rebuilt.low <= original) & (original <= rebuilt.high)
+    row |= {
+        "value": rebuilt.rms.value,
+        "low": rebuilt.rms.low,
+        "high": rebuilt.rms.high,
+        "held_out": found.error.specimen.held_out if found.error.specimen else np.nan,
+        "word": str(found.verdict.word),
+        "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
+        "inside": np.mean(inside),
+    }
+    return row | dict(_as_stated(recording, structure, threshold) if family == LINEAR else ())
+
+
+def _as_stated(
+    recording: Recording, structure: Structure, threshold: float
+) -> Iterator[tuple[str, float | str]]:
+    """Judge the test of a linear specimen as it is stated."""
+    found = assess(recording, structure, threshold=threshold, linear_specimen=True)
+    size = found.error.rebuilt.rms
+    yield from (("stated_value", size.value), ("stated_low", size.low), ("stated_high", size.high))
+    yield "stated_word", str(found.verdict.word)

@@ -1,0 +1,97 @@
+"""The study of specimens that are known by their force only."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import pandas as pd
+from pydantic import AfterValidator, Field
+
+from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.progress import Show
+from reliab.report import Document
+from reliab.study import Kind, MotionsTable, Names, Records, RecordsStudy, Stage, Table, made_with
+
+from .specimens import FAMILIES
+
+TESTS: Final = "tests.csv"
+RATES: Final = "rates.csv"
+
+_DIGITS = 6
+
+
+def _require_families(names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if name not in FAMILIES:
+            raise InputError(
+                "Families of specimens are those that the study simulates",
+                value=name,
+                remedy="Choose among: " + ", ".join(FAMILIES),
+            )
+    return names
+
+
+class SpecimensTable(Table):
+    """`[specimens]`: which families, how many tests of each, and the error up to which a test is good."""
+
+    families: Annotated[Names, AfterValidator(_require_families)] = tuple(FAMILIES)
+    tests: Annotated[int, Field(ge=1, le=10_000)] = 1
+    seed: Annotated[int, Field(ge=0)] = 1
+    threshold: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.05
+
+
+class MeasuredSpecimenStudy(RecordsStudy):
+    """A study of specimens that are learned from their own force."""
+
+    motions: MotionsTable = MotionsTable()
+    specimens: SpecimensTable = SpecimensTable()
+
+
+def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
+    """Simulate tests and judge them."""
+    if study.motions.results is not None:
+        raise InputError(
+            "Tests of specimens are simulated, and take no stored results",
+            value=study.motions.results,
+            remedy="Leave `results` out",
+        )
+    records, table = Records(study), study.specimens
+
+    def work(folder: Path) -> None:
+        from .judging import judge_tests
+        from .summary import summarise
+
+        with show("Judging tests of nonlinear specimens") as progress:
+            tests = judge_tests(
+                list(records.motions),
+                table.families,
+                table.tests,
+                seed=table.seed,
+                threshold=table.threshold,
+                progress=progress,
+            )
+        for name, content in ((TESTS, tests), (RATES, summarise(tests, table.threshold))):
+            with written_whole(folder / name) as file:
+                content.round(_DIGITS).to_csv(file, index=False)
+
+    inputs: dict[str, Any] = {"motions": records.checksums, "specimens": table.model_dump(mode="json")}
+    return (Stage(name="tests", inputs=inputs, writes=(TESTS, RATES), work=work),)
+
+
+def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
+    """Report how near the computed errors come to the true ones."""
+    from .pages import measured_specimen_report
+
+    return measured_specimen_report(
+        title=study.title,
+        tests=pd.read_csv(folder / TESTS),
+        rates=pd.read_csv(folder / RATES),
+        threshold=study.specimens.threshold,
+        provenance={**study.provenance, **made_with(folder)},
+        purpose=study.purpose,
+    )
+
+
+KIND: Final = Kind(name="measured_specimen", tables=MeasuredSpecimenStudy, stages=stages, report=report)
+"""Whether a specimen that nobody models is learned from its own force well enough to judge its test."""
