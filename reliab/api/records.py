@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.api.arguments import Quantity, stated_values
+from reliab.api.arguments import Quantity, require_positive, stated_values
 from reliab.files import refuse_unwritable
 from reliab.recordings import (
     About,
@@ -18,6 +18,11 @@ from reliab.recordings import (
     write_record,
 )
 from reliab.shipped import or_shipped
+from reliab.stated_value import StatedValue
+from reliab.structures import Structure
+
+_STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
+"""A structure, of which a user may state any part."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +111,8 @@ def record(
     path = or_shipped(Path(source), "datasets", "test.csv")
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
+    require_positive(stated)
+    _require_a_structure(stated)
     about = About(
         **{name: str(value) for name, value in stated.items()},
         specimen=specimen,
@@ -152,3 +159,9 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
         If a file is no NetCDF file.
     """
     return {str(path): check_record(path) for path in sources}
+
+
+def _require_a_structure(stated: Mapping[str, StatedValue]) -> None:
+    """Refuse a frequency, a damping ratio or a share that no structure has."""
+    f, xi, alpha = (stated[name].value if name in stated else known for name, known in _STRUCTURE.items())
+    Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)

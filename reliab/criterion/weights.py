@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.criterion.scope import magnitudes_of
 from reliab.errors import InputError
+from reliab.files import decoding, ordinary
 from reliab.shipped import shipped
 
 _COLUMNS: Final = ("quantity", "low", "high", "share")
@@ -36,6 +37,7 @@ _QUANTITIES: Final = ("magnitude", "distance", "length", "significant_duration")
 _SETS: Final = "real_suite/sets.csv"
 _NEAR: Final = 10.0  # km, to which near-field records reach (FEMA P-695, Appendix A)
 _MEASURES: Final = "real_suite/measures.csv"
+_REMEDY: Final = "Write lines such as magnitude,6.5,7.0,0.6"
 _ROUNDING: Final = 0.01  # by which shares may miss 1
 _ROUNDS: Final = 1000
 _CONVERGED: Final = 1e-6
@@ -94,10 +96,8 @@ class Weights:
 
 def _read(path: str | Path) -> dict[str, pd.DataFrame]:
     """Classes and shares of each quantity."""
-    try:
-        table = pd.read_csv(path)
-    except (OSError, ValueError) as error:
-        raise _wrong("A target must be a readable table in CSV", str(error), path) from error
+    with decoding("A target must be a readable table in CSV", remedy=_REMEDY, where=path):
+        table = pd.read_csv(ordinary(path))
     if list(table.columns) != list(_COLUMNS):
         raise _wrong(
             f"A target has the columns {', '.join(_COLUMNS)}", ", ".join(map(str, table.columns)), path
@@ -127,7 +127,7 @@ def _read(path: str | Path) -> dict[str, pd.DataFrame]:
 
 
 def _wrong(rule: str, value: str, path: str | Path) -> InputError:
-    return InputError(rule, value=value, remedy="Write lines such as magnitude,6.5,7.0,0.6", where=str(path))
+    return InputError(rule, value=value, remedy=_REMEDY, where=str(path))
 
 
 def _values_of(name: str, ellipses: xr.Dataset, path: str) -> Array:

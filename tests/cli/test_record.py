@@ -33,7 +33,15 @@ def test_several_files_become_a_folder_of_records(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("arguments", "code"),
-    [(["--check"], 2), (["--check", "--rig", "3"], 2), (["--attribute", "grade"], 2), (["--units", "kN"], 2)],
+    [
+        (["--check"], 2),
+        (["--check", "--rig", "3"], 2),
+        (["--attribute", "grade"], 2),
+        (["--units", "kN"], 2),
+        (["--f", "0"], 2),
+        (["--xi", "1.5"], 2),
+        (["--mass", "-3"], 2),
+    ],
 )
 def test_what_cannot_be_answered_is_refused(tmp_path, arguments, code, capsys):
     source = csv_with_units_in_brackets(tmp_path)

@@ -98,3 +98,8 @@ def test_other_columns_and_unknown_magnitudes_are_refused(population, written):
     unknown = population.assign_coords(event=("motion", [f"E{k}" for k in range(100)]))
     with pytest.raises(InputError, match="must be known"):
         Weights.from_table(unknown, written("magnitude,6,8,1"))
+
+
+def test_a_target_that_is_not_there_is_refused_in_words(population, tmp_path):
+    with pytest.raises(InputError, match="readable table in CSV; found No such file or directory"):
+        Weights.from_table(population, tmp_path / "none.csv")
