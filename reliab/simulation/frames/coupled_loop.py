@@ -129,7 +129,7 @@ def _perfect(degrees: int) -> tuple[tuple[TransferFunction | None, ...], ...]:
 def _followed(dynamics: Array, load: Array, rows: Array, ground: Array, step: float) -> Array:
     transition, early, late = exact_step(dynamics, load[:, np.newaxis], step)
     states = follow_load(
-        np.ascontiguousarray(transition),
+        transition,
         early[:, 0].copy(),
         late[:, 0].copy(),
         np.ascontiguousarray(ground, dtype=np.float64),

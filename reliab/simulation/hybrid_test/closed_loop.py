@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
+from reliab.compiled import read_only
 from reliab.effects import IntegrationError, RecordEffect, Role, Setting
 from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.marching import march
@@ -130,7 +131,7 @@ def _run(
         raise AssertionError  # a structure always brings one
     setting = test.setting(h)
     command, piston, force = march(
-        ground,
+        read_only(ground),
         h,
         test.mass,
         (integrator.kernel.address, integrator.corrections),

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.compiled import read_only
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import Weights, cut_records, peak_of_mode
 from reliab.structures import Structure
@@ -81,7 +82,7 @@ class Blocks:
     def ideal_peak(self) -> float:
         """Largest |x_I| [m] inside the window, between the edges of blocks too."""
         ground = self.excitation
-        record = ground.acceleration[np.newaxis], ground.time_step
+        record = read_only(ground.acceleration[np.newaxis]), ground.time_step
         weights = mode_weights(self.pole, ground.time_step)
         inside = self.ideal[self.before :]
         return peak_of_mode(record, self.pole, weights, inside, ground.window, self.step)
@@ -165,7 +166,7 @@ def _lines(records: Array, time_step: float, pole: complex, place: Spacing) -> t
     poles, counts = np.array([pole]), np.array([place.blocks])
     weights = (np.array([mode_weights(pole, time_step)]), np.array([mode_weights(pole, place.step)]))
     spacings = np.array([place.first]), np.array([place.step]), counts
-    return cut_records((records, time_step), poles, weights, spacings)
+    return cut_records((read_only(records), time_step), poles, weights, spacings)
 
 
 @lru_cache(maxsize=4096)

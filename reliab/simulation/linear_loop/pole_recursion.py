@@ -35,11 +35,13 @@ FROM_BLOCK = slice(8, 10)
 
 
 def fill_lanes(cells: NDArray[_Real], lanes: int) -> NDArray[_Real]:
-    """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes)."""
+    """Fill up the last set of lanes with copies of the last cell; shape (…, multiple of lanes).
+
+    Rows are contiguous, so that kernels are compiled for one layout.
+    """
     missing = -cells.shape[-1] % lanes
-    return (
-        np.concatenate([cells, np.repeat(cells[..., -1:], missing, axis=-1)], axis=-1) if missing else cells
-    )
+    copies = np.repeat(cells[..., -1:], missing, axis=-1)
+    return np.ascontiguousarray(np.concatenate([cells, copies], axis=-1) if missing else cells)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,10 +28,9 @@ Four = tuple[float, float, float, float]
 def tracks(blocks: Blocks, coefficients: Array) -> Array:
     """Statistics of cells whose delays are shorter than a block."""
     filled = fill_lanes(_map(coefficients), LANES)
+    lines = blocks.left, blocks.right, blocks.ideal
     parts = [
-        _track_lanes(
-            blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, filled[:, at : at + LANES]
-        )
+        _track_lanes(*lines, blocks.before, blocks.end, filled[:, at : at + LANES].copy())
         for at in range(0, filled.shape[1], LANES)
     ]
     return np.concatenate(parts, axis=1)[:, : coefficients.shape[1]]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled, copy_rows
+from reliab.compiled import compiled, copy_rows, read_only
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import cut_records
 from reliab.simulation.linear_loop.blocks import Blocks, block_length, mode_weights, spacing
@@ -82,7 +82,7 @@ class StructureBatch:
             return [None for _ in self.cells]
         h, counts = excitation.time_step, np.array([place.blocks for place in places])
         left, right, ideal = cut_records(
-            (excitation.acceleration[np.newaxis], h),
+            (read_only(excitation.acceleration[np.newaxis]), h),
             self.poles,
             (np.array([mode_weights(pole, h) for pole in self.poles.tolist()]), self.weights),
             (np.array([place.first for place in places]), self.steps, counts),
@@ -152,7 +152,7 @@ def _step_structures(
         blocks, exact = slice(at, at + counts[k]), ideal[at + k : at + k + counts[k] + 1]
         histories = step_drives(left[blocks], right[blocks], exact, shared[0][k], shared[1][k])
         own_drives, scales[k] = in_units(histories)
-        own_cells = coefficients[:, first[k] : first[k + 1]]
+        own_cells = np.ascontiguousarray(coefficients[:, first[k] : first[k + 1]])
         own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
         copy_rows(own_drives, drives[blocks])
         for i in range(own_last.size):

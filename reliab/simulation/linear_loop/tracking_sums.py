@@ -132,7 +132,7 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     sums = np.empty((_SUMS, cells.gain.size))
     for measured, lanes_of in cells.recursions:
         lines = straight.prolonged(measured.ahead)
-        ahead = np.stack(lines)[:, first + measured.ahead :]
+        ahead = np.stack([line[first + measured.ahead :] for line in lines])
         parts = [_accumulate(*ends, ahead, taper, before, *lanes) for lanes in lanes_of]
         sums[:, measured.cells] = np.concatenate(parts, axis=1)[:, : measured.cells.size]
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).

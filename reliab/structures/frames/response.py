@@ -26,7 +26,7 @@ def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array
     system[n : n + m, n + m :] = np.eye(m)
     flow = scipy.linalg.expm(system)
     late = flow[:n, n + m :]
-    return flow[:n, :n], flow[:n, n : n + m] - late, late
+    return flow[:n, :n].copy(), flow[:n, n : n + m] - late, late
 
 
 def undivided_response(frame: Frame, ground: Array, step: float) -> Array:

@@ -137,13 +137,16 @@ def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator a
 
 
 @numba.njit(cache=True)
-def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag):
+def _march(  # noqa: C901 - one compiled loop
+    ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag
+):
+    """Classical Runge–Kutta steps; loops in place of whole arrays, which take seconds to compile."""
     n = ground.size
     dt = h / parts
     total = (n - 1) * parts + 1
     xs, vs, fs, ms = np.zeros(total), np.zeros(total), np.zeros(total), np.zeros(total)
     y, held = np.zeros(5), 0.0
-    slopes = np.zeros((4, 5))
+    u, slope, summed = np.zeros(5), np.zeros(5), np.zeros(5)
     if kind == BIAS:
         ms[0], fs[0] = numbers[1], alpha * w0 * w0 * numbers[1]
     for i in range(1, total):
@@ -152,9 +155,12 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
         a0 = ground[j] + (ground[j + 1] - ground[j]) * part / parts
         a1 = ground[j] + (ground[j + 1] - ground[j]) * (part + 1) / parts
         t = (i - 1) * dt
+        for k in range(5):
+            summed[k] = 0.0
         for stage in range(4):
             c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
-            u = y.copy() if stage == 0 else y + c * dt * slopes[stage - 1]
+            for k in range(5):
+                u[k] = y[k] + c * dt * slope[k]
             a = a0 + (a1 - a0) * c
             time = t + c * dt
             tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
@@ -169,8 +175,11 @@ def _march(ground, h, parts, kind, numbers, specimen, shape, w0, xi, alpha, lag)
                 fed = fs[low] + (place - low) * (fs[low + 1] - fs[low]) if i > 1 else 0.0
             else:
                 fed = force
-            slopes[stage] = np.array([v, acc - fed, dm, dmv, dz])
-        y = y + dt / 6.0 * (slopes[0] + 2.0 * slopes[1] + 2.0 * slopes[2] + slopes[3])
+            slope[0], slope[1], slope[2], slope[3], slope[4] = v, acc - fed, dm, dmv, dz
+            for k in range(5):
+                summed[k] += (2.0 if stage in (1, 2) else 1.0) * slope[k]
+        for k in range(5):
+            y[k] += dt / 6.0 * summed[k]
         if kind == BACKLASH:
             held = min(max(held, y[0] - numbers[0]), y[0] + numbers[0])
         xs[i], vs[i] = y[0], y[1]
