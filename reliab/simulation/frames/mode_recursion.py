@@ -9,7 +9,7 @@ E = e^(ph) and the weights F₀, F₁ of both ends of a step its displacement y 
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, follow
 from reliab.simulation.frames.loop_poles import PoleLoop
 from reliab.simulation.linear_loop.blocks import ramp_weights
@@ -68,7 +68,7 @@ def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array
     tracks = np.empty((TRACKS, cells))
     for begin in range(0, cells, LANES):
         lanes = slice(begin, begin + LANES)
-        tracks[:, lanes] = _track_lanes(ground, ideal, first, coefficients[:, :, lanes])
+        copy_rows(_track_lanes(ground, ideal, first, coefficients[:, :, lanes]), tracks[:, lanes])
     return tracks
 
 
@@ -76,9 +76,11 @@ def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array
 def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
     pairs, last = coefficients.shape[0] - 1, ground.size - 1
     k = np.empty((pairs + 1, _COEFFICIENTS, LANES))
-    k[:] = coefficients
+    for p in range(pairs + 1):
+        copy_rows(coefficients[p], k[p])
     t = np.zeros((TRACKS, LANES))
-    t[LATEST] = np.nan
+    for j in range(LANES):
+        t[LATEST, j] = np.nan
     x, y, remainder, total = (
         np.zeros((pairs, LANES)),
         np.zeros((pairs, LANES)),

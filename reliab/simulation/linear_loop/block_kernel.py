@@ -115,10 +115,12 @@ def cut_records(
     modes).
     """
     (records, h), (starts, steps, counts) = record, spacings
-    number, total = records.shape[0], counts.sum()
+    number, total, most = records.shape[0], 0, 0
+    for count in counts:
+        total, most = total + count, max(most, count)
     left, right = np.empty((number, total)), np.empty((number, total))
     ideal = np.empty((number, total + poles.size))
-    place, ways = np.empty(counts.max() + 1, dtype=np.int64), np.empty((counts.max() + 1, 6))
+    place, ways = np.empty(most + 1, dtype=np.int64), np.empty((most + 1, 6))
     at = 0
     for n in range(poles.size):
         own, longer = weights[0][n], weights[1][n]
