@@ -73,7 +73,9 @@ def track(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array
 
 
 @compiled
-def _track_lanes(ground: Array, ideal: Array, first: int, coefficients: Array) -> Array:
+def _track_lanes(  # noqa: C901 - one compiled loop
+    ground: Array, ideal: Array, first: int, coefficients: Array
+) -> Array:
     pairs, last = coefficients.shape[0] - 1, ground.size - 1
     k = np.empty((pairs + 1, _COEFFICIENTS, LANES))
     for p in range(pairs + 1):
