@@ -5,7 +5,7 @@ from .drift import (
     Change as Change,
     DriftChart as DriftChart,
     drift_chart as drift_chart,
-    watch as watch,
+    known_effects as known_effects,
 )
 from .memory import NextTest as NextTest
 from .planning import Plan as Plan, plan_tests as plan_tests
@@ -18,3 +18,4 @@ from .prediction import (
 from .rig_folder import RigFolder as RigFolder
 from .rig_table import RigTable as RigTable
 from .rig_test import COLUMNS as COLUMNS, RigTest as RigTest, require_date as require_date
+from .watching import watch as watch

@@ -12,9 +12,10 @@ from reliab.arrays import Array
 from reliab.assessment import typical_ellipse
 from reliab.errors import InputError
 from reliab.rig.drift import drift_chart
-from reliab.rig.learning import Circumstances, Learned, learn, warmth
+from reliab.rig.learning import Circumstances, Learned, learn, places_in_day, warmth
 from reliab.rig.rig_table import RigTable
 from reliab.structures import Structure
+from reliab.vocabulary import MILLI
 
 FEWEST: Final = 3
 MOST: Final = 1000
@@ -92,7 +93,7 @@ class Memory:
         if np.isfinite(frequencies).all():
             numbers["log f"] = np.log(frequencies)
         if self.ordered:
-            numbers["warmth"] = warmth(self._places_in_day)
+            numbers["warmth"] = warmth(places_in_day(self.days.tolist()))
         specimens = np.array(self.table.texts("specimen"))
         return Circumstances(
             numbers=numbers,
@@ -104,15 +105,6 @@ class Memory:
             },
             place=np.arange(len(self.table), dtype=np.float64) if self.ordered else None,
         )
-
-    @cached_property
-    def _places_in_day(self) -> Array:
-        counts: dict[str, int] = {}
-        places = []
-        for day in self.days.tolist():
-            places.append(counts.get(day, 0))
-            counts[day] = places[-1] + 1
-        return np.array(places, dtype=np.float64)
 
     def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
         """Circumstances of the next test."""
@@ -167,6 +159,13 @@ class Memory:
     def log_error(self) -> Array:
         """Logarithm of the error of each test."""
         return np.log(np.maximum(self.table.numbers("rms"), 1e-12))
+
+    @property
+    def diverging(self) -> bool:
+        """Whether most tests were later than a loop bears: a delay τ takes αAωτ off 2ξ (Horiuchi 1999)."""
+        f, xi, alpha = (self.table.numbers(name) for name in ("f", "xi", "alpha"))
+        taken = alpha * self.amplitude * 2.0 * np.pi * f * self.delay / MILLI
+        return bool(np.median(taken - 2.0 * xi) > 0.0)
 
     def log_scale(self, structure: Structure) -> float:
         """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""

@@ -132,17 +132,27 @@ def predict_under_motion(
     drawn = draw_tests(memory, learned, coming, structure)
     others = memory.circumstances_of(coming, structure)
     ellipse = first_order_ellipse(excitation, structure)
-    solved = loop.deviation(loop.cells(gain=np.maximum(drawn.amplitude, 1e-3), delay=drawn.delay_ms / MILLI))
-    of_loop = np.sqrt(np.maximum(solved.mean_square, 0.0)) / still.ideal_peak
-    of_loop = np.where(np.isfinite(of_loop), of_loop, 1e6)
+    if memory.diverging:  # as loops with such gains and delays would, but these tests did not
+        errors = drawn.errors(np.asarray(ellipse.amplitude), np.asarray(ellipse.delay))
+        basis = (
+            "the ellipse of this motion with actuators drawn from the posterior (a loop that was simulated "
+            "with the delays of the rig's tests would diverge, which these tests did not)"
+        )
+    else:
+        gains = np.maximum(drawn.amplitude, 1e-3)
+        solved = loop.deviation(loop.cells(gain=gains, delay=drawn.delay_ms / MILLI))
+        of_loop = np.sqrt(np.maximum(solved.mean_square, 0.0)) / still.ideal_peak
+        of_loop = np.where(np.isfinite(of_loop), of_loop, 1e6)
+        errors = np.sqrt(of_loop**2 + drawn.remainder**2 / ellipse.amplitude) * drawn.ratio
+        basis = "the loop simulated under this motion with actuators drawn from the posterior"
     return _of_draws(
         memory,
         learned,
         others,
-        np.sqrt(of_loop**2 + drawn.remainder**2 / ellipse.amplitude) * drawn.ratio,
+        errors,
         threshold=threshold,
         ellipse=(ellipse.amplitude, ellipse.delay),
-        basis="the loop simulated under this motion with actuators drawn from the posterior",
+        basis=basis,
         notes=_notes(memory, coming, structure, learned),
     )
 

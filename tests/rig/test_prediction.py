@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rig_rows import keep, rig_table, rig_test
 
+from reliab.boundary import first_order_ellipse
 from reliab.cli import run
 from reliab.errors import InputError
 from reliab.rig import NextTest, predict_next, predict_under_motion
@@ -58,6 +59,22 @@ def test_a_known_motion_is_simulated(table):
     prediction = predict_under_motion(table, STRUCTURE, NextTest(), SHAKEN, threshold=0.05)
     interval = prediction.intervals["rms"]
     assert 0.0 < interval["low"] < interval["median"] < interval["high"] < 0.3
+
+
+def test_a_table_that_is_far_too_late_for_a_loop_is_predicted_by_the_ellipse():
+    """Tests of a shaking table: a loop with 80 ms would diverge, their errors are finite."""
+    rng = np.random.default_rng(6)
+    tests = []
+    for number in range(8):
+        late = 80.0 + 3.0 * rng.normal()
+        error = late / np.sqrt(9000.0) * np.exp(0.1 * rng.normal())
+        values = {"A": 1.0 + 0.01 * rng.normal(), "d_ms": late, "rms": error, "own_b_ms2": 9000.0}
+        tests.append(rig_test(number, **values))
+    table = rig_table(tests)
+    prediction = predict_under_motion(table, STRUCTURE, NextTest(), SHAKEN, threshold=0.05)
+    expected = 80.0 / np.sqrt(first_order_ellipse(SHAKEN, STRUCTURE).delay)
+    assert prediction.intervals["rms"]["median"] == pytest.approx(expected, rel=0.15)
+    assert "diverge" in prediction.basis
 
 
 def test_fewer_than_three_tests_are_refused(table):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.report.axes import legend_below
 from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels, styled
-from reliab.rig import DriftChart, RigTable, watch
+from reliab.rig import DriftChart, RigTable, known_effects, watch
 from reliab.vocabulary import PERCENT
 
 _HEIGHT: Final = 150.0
@@ -29,8 +29,7 @@ def rig_over_time(
     errors = table.numbers("rms")
     known = np.isfinite(errors)
     logarithms = np.log(np.maximum(np.where(known, errors, np.nanmedian(errors)), 1e-12))
-    peaks = np.log(np.maximum(table.numbers("peak_mm"), 1e-5))
-    of_errors = _band(logarithms, np.clip(peaks - np.median(peaks), -3.0, 3.0), chart.segments)
+    of_errors = _band(logarithms, known_effects(table.rows), chart.segments)
     drawn: tuple[tuple[str, Array, tuple[Array, Array], str], ...] = (
         ("A", chart.values["gain"], chart.bands["gain"], "$A$ [-]"),
         ("d_ms", chart.values["delay"], chart.bands["delay"], "$d$ [ms]"),
@@ -57,12 +56,12 @@ def rig_over_time(
     return figure
 
 
-def _band(values: Array, peaks: Array, segments: Array) -> tuple[Array, Array]:
+def _band(values: Array, effects: Array, segments: Array) -> tuple[Array, Array]:
     """Predict each test from those before it since the last change of the rig."""
     low, high = np.full(values.size, np.nan), np.full(values.size, np.nan)
     for segment in np.unique(segments):
         places = segments == segment
-        low[places], high[places] = watch(values[places], peaks[places], math.inf).band
+        low[places], high[places] = watch(values[places], effects[places], math.inf).band
     return low, high
 
 

@@ -1,6 +1,6 @@
 """Under what a test is performed: numbers, groups whose tests are alike, and its place in time."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -98,3 +98,17 @@ def warmth(places_in_day: Array) -> Array:
     array([1.  , 0.37])
     """
     return np.asarray(np.exp(-places_in_day / _WARM))
+
+
+def places_in_day(days: Iterable[str]) -> Array:
+    """How many tests of the same day were before each test.
+
+    >>> places_in_day(["2026-03-01", "2026-03-01", "2026-03-02"])
+    array([0., 1., 0.])
+    """
+    counts: dict[str, int] = {}
+    places = []
+    for day in days:
+        places.append(counts.get(day, 0))
+        counts[day] = places[-1] + 1
+    return np.array(places, dtype=np.float64)

@@ -16,6 +16,7 @@ from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_vari
 _DEGREES = (2.5, 4.0, 8.0, 30.0)
 _DRAWS_USED = 20
 _SMALLEST = 1e-9
+_STRAYED = 4.0  # spreads, beyond which a test counts as so far off
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,7 +67,11 @@ class Learned:
     @cached_property
     def shape(self) -> MotionPredictive:
         """Distribution of the standardised residual of a further test, wider where few tests are known."""
-        return MotionPredictive.fit(self.left_out[:, None], self.events)
+        centre = float(np.median(self.left_out))
+        reach = _STRAYED * _median_spread(self.left_out, centre)
+        # one test far off shall not widen the fitted shape, which nine of ten follow
+        usual = np.clip(self.left_out, centre - reach, centre + reach)
+        return MotionPredictive.fit(usual[:, None], self.events)
 
     def quantiles(self, others: Circumstances, probabilities: tuple[float, ...]) -> Array:
         """Quantiles of tests, shape (probabilities, others)."""

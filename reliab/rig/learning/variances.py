@@ -78,8 +78,11 @@ class _Problem:
 
     def loss(self, theta: Array) -> float:
         """Negative logarithm of the posterior density, up to a constant."""
-        factor = scipy.linalg.cholesky(self._covariance(theta), lower=True, check_finite=False)
-        whitened = scipy.linalg.solve_triangular(factor, self.values, lower=True, check_finite=False)
+        # LAPACK itself, which for some dozens of tests takes half the time of what is wrapped around it
+        factor, failed = scipy.linalg.lapack.dpotrf(self._covariance(theta).T, overwrite_a=True)
+        if failed:
+            raise np.linalg.LinAlgError("The covariance of the tests is not positive definite.")
+        whitened, _ = scipy.linalg.lapack.dtrtrs(factor, self.values, trans=1)
         standard = (theta - self.priors[:, 0]) / self.priors[:, 1]
         return float(0.5 * whitened @ whitened + np.log(np.diag(factor)).sum() + 0.5 * standard @ standard)
 

@@ -210,7 +210,7 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
     best = f"Best on left-out earthquakes: {prediction.better}. The hierarchical model makes the predictions."
     noticing = (
         f"Changes are noticed by cumulative sums of each test against its prediction, with at most {alarms} "
-        "of false alarms a test where tests scatter normally; where they scatter otherwise there are more."
+        "of false alarms a test in simulated rigs. The next five tests confirm one, or it is said not to be."
     )
     return table, Points(items=(best, noticing))
 
