@@ -156,6 +156,7 @@ def test_the_surface_of_a_stiffness_agrees_with_simulations():
     assert_values_come_back(posterior, "cubic_stiffness", values)
 
 
+@pytest.mark.slow
 def test_a_surface_that_does_not_hold_is_seen(rubbing):
     """Simulated far beyond where the data leave the posterior, a polynomial does not follow friction."""
     problem, fitted, _ = rubbing

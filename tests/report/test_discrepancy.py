@@ -67,6 +67,7 @@ def test_what_is_missing_is_said_first(damped):
     assert verdict.endswith(" of the signal: what remains is at the noise.")
 
 
+@pytest.mark.slow
 def test_a_report_with_a_posterior_is_set(damped):
     specimen = next(one for one in damped.blocks if one.effects)
     posterior = sample_posterior(specimen.problem, specimen.best)

@@ -52,6 +52,7 @@ def deviation(ranks):
     return min(1.0, p_values.min() * p_values.size)
 
 
+@pytest.mark.slow
 def test_ranks_are_uniform_over_a_few_fits():
     model, steps = MODELS["normal_values"]
     assert deviation(calibration_ranks(model, fits=20, steps=steps)) > 0.01

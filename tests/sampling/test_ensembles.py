@@ -164,6 +164,7 @@ def test_too_few_ensembles_are_complained_about():
         sample(MODEL, Ensembles(steps=1600, count=2, walkers=16))
 
 
+@pytest.mark.slow
 def test_a_long_run_converges_and_reports_its_figures():
     values = np.random.default_rng(2).normal(-1.0, 0.6, 60)
     found = sample(NormalValues(values=values), Ensembles(steps=1600, thin=2, walkers=14))

@@ -11,7 +11,7 @@ SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
 
 
-@pytest.fixture(scope="module", params=["reference", "weak"])
+@pytest.fixture(scope="module", params=[pytest.param("reference", marks=pytest.mark.slow), "weak"])
 def posteriors(request):
     prior = NormalInverseChiSquared.reference_prior() if request.param == "reference" else WEAK_PRIOR
     sampled = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))

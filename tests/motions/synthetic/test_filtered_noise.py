@@ -47,10 +47,10 @@ def test_wandering_frequency_is_the_sum_but_for_the_staircase(bandwidth: float, 
 def test_variance_is_one_at_every_time_but_the_first() -> None:
     rng = np.random.default_rng(3)
     frequency = np.linspace(6.0, 2.0, 300)
-    ensemble = np.array([filter_noise(rng.standard_normal(300), frequency, 0.2, _STEP) for _ in range(2000)])
+    ensemble = np.array([filter_noise(rng.standard_normal(300), frequency, 0.2, _STEP) for _ in range(700)])
     assert np.all(ensemble[:, 0] == 0.0)
-    assert np.var(ensemble[:, 1:], axis=0) == pytest.approx(np.ones(299), abs=0.16)
-    assert np.var(ensemble[:, 1:]) == pytest.approx(1.0, abs=0.02)
+    assert np.var(ensemble[:, 1:], axis=0) == pytest.approx(np.ones(299), abs=0.25)
+    assert np.var(ensemble[:, 1:]) == pytest.approx(1.0, abs=0.03)
 
 
 def test_noise_crosses_zero_at_the_frequency_of_the_filter() -> None:

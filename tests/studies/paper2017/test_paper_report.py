@@ -46,6 +46,7 @@ def test_containment_counts_motions(parts):
     assert shares.set_index("f").loc[1.0, "guo_2017_15_corrected"] == pytest.approx(share)
 
 
+@pytest.mark.slow
 def test_the_report_says_what_was_found(parts, text_of):
     example, ellipses, cases = parts
     text = text_of(
