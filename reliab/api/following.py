@@ -177,7 +177,7 @@ def follow_test(
     if mode is not None:
         f, xi, alpha = mode.frequency, mode.damping_ratio, mode.experimental_fraction
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
-    stated = {"scale": StatedValue(1.0), **laboratory.calibration, **of_test}
+    stated = {"scale": StatedValue(1.0), **laboratory.of_tests, **of_test}
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,

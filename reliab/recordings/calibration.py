@@ -305,9 +305,11 @@ class _Channels:
 
     def _fit(self, samples: NDArray[np.intp], skew: float) -> tuple[float, Array, float]:
         """Fit scale [-] and weights of the plays; returns them with the RMS of what is left [m]."""
-        times = self.times[samples]
-        basis = self.path(np.clip(times - skew, self.times[0], self.times[-1]))
-        return _fit_plays(times, basis[:, 0], basis[:, 1:], self.measured[samples], self.radii)
+        moved = self.times[samples] - skew  # beyond its ends the path is unknown
+        inside = samples[(moved >= self.times[0]) & (moved <= self.times[-1])]
+        times = self.times[inside]
+        basis = self.path(times - skew)
+        return _fit_plays(times, basis[:, 0], basis[:, 1:], self.measured[inside], self.radii)
 
 
 def _fit_plays(

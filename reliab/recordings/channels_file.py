@@ -128,6 +128,17 @@ class StatedChannels:
     # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
     calibration: Mapping[str, StatedValue] = field(default_factory=dict)
 
+    @property
+    def of_tests(self) -> dict[str, StatedValue]:
+        """What the calibration says of every test.
+
+        The skew that one motion on both channels showed has the delay of their filters in it, of which
+        nothing more is open ("filter_delay" [ms]).
+        """
+        skew = self.calibration.get("skew")
+        filters = {} if skew is None else {"filter_delay": StatedValue(0.0, skew.deviation)}
+        return {**self.calibration, **filters}
+
 
 def read_channels_file(path: str | Path) -> StatedChannels:
     """Read a file `channels.toml`."""

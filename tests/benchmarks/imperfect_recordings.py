@@ -9,6 +9,9 @@ ratios of stated to true RMS^R, how often the 90 % interval holds the truth (wit
 tests accepted, good ones refused, undecided ones; then, for the rows `sound` and `ordinary`, the share of
 good tests called reliable by size of the true error. With `--error` the function behind the error is asked
 and not all of `assess`: many more tests in the same time, without what faults of a recording do to a verdict.
+With `--linear` the specimen is stated as linear; with `--calibrated` the channels were calibrated as well, by
+`calibrate_channels` on a sweep with the same faults and noise; with `--known` f is stated to 0.5 % and ξ to
+5 %, right but for that.
 
 True errors lie between 1 and 12 %, the threshold is 5 %, white noise lies 45 dB below the motion. Rows of
 `HELD_OUT` were looked at once, when everything was finished.
@@ -18,9 +21,11 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -32,14 +37,16 @@ from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget import Equipment, ordinary_equipment  # noqa: E402
+from reliab.assessment.budget import Equipment, corrected, ordinary_equipment  # noqa: E402
 from reliab.assessment.error_of_test import Question, error_of_test  # noqa: E402
 from reliab.assessment.rebuilt_error import Estimate  # noqa: E402
 from reliab.assessment.turning import examine_turning  # noqa: E402
 from reliab.assessment.verdict import word_of_probability  # noqa: E402
 from reliab.criterion import published_criterion  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
-from reliab.recordings import Recording  # noqa: E402
+from reliab.recordings import Recording, read_channels_file  # noqa: E402
+from reliab.recordings.calibration import calibrate_channels, calibration_in_toml  # noqa: E402
+from reliab.stated_value import StatedValue  # noqa: E402
 from reliab.structures import Structure  # noqa: E402
 from reliab.vocabulary import Metric  # noqa: E402
 
@@ -62,6 +69,16 @@ class Told:
 
 
 Fault = Callable[[Told, np.random.Generator], Told]
+
+
+class Asked(Protocol):
+    """Options of the command."""
+
+    exact: bool
+    error: bool
+    linear: bool
+    calibrated: bool
+    known: bool
 
 
 def skewed(samples: float) -> Fault:
@@ -287,14 +304,38 @@ def numbers(
     }[kind]
 
 
-def judge(told: Told, *, exact: bool, error_alone: bool) -> dict[str, float | str]:
+def calibration(told: Told, fault: Fault, rng: np.random.Generator) -> Mapping[str, StatedValue]:
+    """What the laboratory's file says after a calibration by a sweep as large as the test."""
+    time = np.arange(0.0, 30.0, STEP)
+    motion = float(np.abs(told.measured).max()) * np.sin(2.0 * np.pi * (0.1 * time + 0.08 * time**2))
+    read = fault(replace(told, command=motion, measured=motion), rng)
+    level = 10.0 ** (-DECIBELS / 20.0) * float(motion.std())
+    recording = Recording(
+        command=read.command, measured=read.measured + level * rng.normal(size=time.size), time_step=STEP
+    )
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "channels.toml"
+        file.write_text(calibration_in_toml(calibrate_channels(recording), "", "sweep"), encoding="utf-8")
+        return read_channels_file(file).of_tests
+
+
+def judge(
+    told: Told,
+    *,
+    exact: bool,
+    error_alone: bool,
+    linear: bool = False,
+    stated: Mapping[str, StatedValue] | None = None,
+) -> dict[str, float | str]:
     """What the product says of a test."""
+    stated = stated or {}
     recording = Recording(command=told.command, measured=told.measured, time_step=STEP)
+    recording = corrected(recording, stated, {})
     structure = Structure(frequency=told.f, damping_ratio=told.xi, experimental_fraction=told.alpha)
     row: dict[str, float | str] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
     equipment = None if exact else ordinary_equipment()
     if error_alone:
-        asked = question(structure, equipment)
+        asked = replace(question(structure, equipment), stated=stated, linear_specimen=linear)
         error = error_of_test(recording, asked)
         answer = {"probability": error.probability, "word": str(word_of_probability(error.probability))}
         yielding = examine_turning(error, recording, asked).error_if_yielding or (math.nan, math.nan)
@@ -304,6 +345,8 @@ def judge(told: Told, *, exact: bool, error_alone: bool) -> dict[str, float | st
             recording,
             structure,
             equipment=equipment,
+            stated=stated,
+            linear_specimen=linear,
             criterion=published_criterion("guo_2017_15"),  # of the index, which is not looked at
         )
     except InputError as error:
@@ -330,20 +373,38 @@ def size(rms: Estimate) -> dict[str, float | str]:
     return {"value": rms.value, "low": rms.low, "high": rms.high}
 
 
-def run_seed(
-    seed: int, records: list[Path], rows: list[str], file: Path, *, exact: bool, error_alone: bool
-) -> None:
+def stated_values(told: Told, fault: Fault, chance: list[int], asked: Asked) -> dict[str, StatedValue]:
+    """What the laboratory states of a test beside f, ξ and α: calibration, deviations of f and ξ."""
+    stated = dict(calibration(told, fault, np.random.default_rng(chance))) if asked.calibrated else {}
+    if asked.known:
+        stated |= {"f": StatedValue(told.f, 0.005 * told.f), "xi": StatedValue(told.xi, 0.05 * told.xi)}
+    return stated
+
+
+def known_better(told: Told, true: Told, rng: np.random.Generator) -> Told:
+    """Test whose f is known to 0.5 % and ξ to 5 %."""
+    return replace(told, f=true.f * (1.0 + 0.005 * rng.normal()), xi=true.xi * (1.0 + 0.05 * rng.normal()))
+
+
+def run_seed(seed: int, records: list[Path], rows: list[str], file: Path, asked: Asked) -> None:
     """Judge one test in every row that its file does not hold yet."""
     answers = json.loads(file.read_text()) if file.is_file() else {}
     wanted = [row for row in rows if row not in answers]
     faults = {**PLAIN, **HELD_OUT}
     sound = draw(seed, records) if any(row in faults for row in wanted) else None
     for row in wanted:
-        if row in SPECIMENS:
-            told = draw(seed, records, SPECIMENS[row])[0]
-        else:
-            told = faults[row](sound[0], np.random.default_rng([seed, list(faults).index(row)]))
-        answers[row] = judge(told, exact=exact, error_alone=error_alone)
+        chance, fault = [seed, [*faults, *SPECIMENS].index(row)], faults.get(row, PLAIN["sound"])
+        true = draw(seed, records, SPECIMENS[row])[0] if row in SPECIMENS else sound[0]
+        told = fault(true, np.random.default_rng(chance))
+        if asked.known:
+            told = known_better(told, true, np.random.default_rng([*chance, 1]))
+        answers[row] = judge(
+            told,
+            exact=asked.exact,
+            error_alone=asked.error,
+            linear=asked.linear,
+            stated=stated_values(told, fault, chance, asked),
+        )
         file.write_text(json.dumps(answers), encoding="utf-8")
 
 
@@ -360,7 +421,9 @@ def state(rows: pd.DataFrame) -> None:
         print(
             f"{name:26} {len(judged)} tests: ratio {ratio[0]:.2f}–{ratio[1]:.2f}, "
             f"held {held.mean():.0%} ({ends[0]:.0%}–{ends[1]:.0%}), bad accepted {accepted} of {bad.sum()}, "
-            f"good refused {refused} of {good.sum()}, undecided {(judged['word'] == 'undecided').mean():.0%}"
+            f"good refused {refused} of {good.sum()}, "
+            f"undecided {(judged['word'] == 'undecided').mean():.0%}, "
+            f"width over true {((judged['high'] - judged['low']) / judged['true']).median():.2f}"
         )
         if name in SPECIMENS and "low_if_yielding" in judged:
             low, high = (
@@ -386,13 +449,14 @@ def main() -> None:
     parser.add_argument("--rows", nargs="*", default=[*PLAIN, *SPECIMENS])
     parser.add_argument("--records", type=Path, default=ROOT.parent / "shared/motions")
     parser.add_argument("--exact", action="store_true")
-    parser.add_argument("--error", action="store_true")
+    for option in ("--error", "--linear", "--calibrated", "--known"):
+        parser.add_argument(option, action="store_true")
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     records = read_records(asked.records)
     files = {seed: asked.folder / f"test_{seed}.json" for seed in range(asked.seed, asked.seed + asked.count)}
     for seed, file in files.items():
-        run_seed(seed, records, asked.rows, file, exact=asked.exact, error_alone=asked.error)
+        run_seed(seed, records, asked.rows, file, asked)
         print(seed, flush=True, file=sys.stderr)
     answers = [
         {"row": row, "seed": seed, **json.loads(file.read_text())[row]}

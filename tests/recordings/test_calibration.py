@@ -77,6 +77,15 @@ def test_skew_scale_and_hysteresis_come_back(shape):
     assert measured.hysteresis.value == pytest.approx(truth.hysteresis, rel=0.2)
 
 
+def test_a_reading_that_leads_at_the_end_of_a_fast_motion_is_calibrated():
+    """Its last samples belong to a motion after the end, of which nothing is known."""
+    truth, recording = calibration(sweep, seed=1010, rate=1024.0)
+    assert truth.skew_ms < -1.5
+    measured = calibrate_channels(recording)
+    assert measured.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.05 / 1.024)
+    assert measured.hysteresis.value == pytest.approx(truth.hysteresis, rel=0.2)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("shape", [sine, sweep])
 def test_a_hundred_calibrations(shape):
