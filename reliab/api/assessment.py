@@ -21,6 +21,7 @@ from reliab.assessment import (
     Assessments,
     CoupledAssessment,
     Equipment,
+    ForceChannel,
     FrameAssessment,
     LowPass,
     assess_coupled,
@@ -88,6 +89,7 @@ class Stated(Former, total=False):
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
     specimen: str | None
+    force_channel: Iterable[str] | None
     threshold: float | None
     confidence: float | None
     metric: str | None
@@ -144,6 +146,7 @@ def assess(
     criterion: str | Path | Criterion | None = None,
     model: str | Path | UpdatedModel | None = None,
     specimen: str | None = None,
+    force_channel: Iterable[str] | None = None,
     threshold: float | None = None,
     confidence: float | None = None,
     metric: str | None = None,
@@ -200,6 +203,11 @@ def assess(
         only, from which it is learned; that needs `mass`, and f and ξ then say what the computer's part is:
         a damping 2ξωm and a stiffness (1 − α)mω². By default it is taken as linear, and where no force was
         recorded the interval holds that it may have yielded.
+    force_channel : iterable of str, optional
+        What the recorded force of a measured specimen holds beside that of the specimen, all of which was fed
+        back: its lag behind the displacement "lag_ms=2±0.5", the mass between load cell and specimen
+        "attached_kg=12±1", and friction in the load path "friction_n=40±20". A constant offset needs no
+        statement.
     threshold, confidence : float, optional
         Error of the whole test, 0.05 by default, and share of the population's ground motions, 0.95 by
         default; a criterion brings its own.
@@ -254,6 +262,7 @@ def assess(
         criterion=criterion,
         model=model,
         specimen=specimen,
+        force_channel=tuple(force_channel or ()),
         threshold=threshold,
         confidence=confidence,
         metric=metric,
@@ -305,6 +314,7 @@ class _Terms:
     criterion: str | Path | Criterion | None
     model: str | Path | UpdatedModel | None
     specimen: str | None
+    force_channel: tuple[str, ...]
     threshold: float | None
     confidence: float | None
     metric: str | None
@@ -345,6 +355,7 @@ class _Terms:
         motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
         criterion = self._own_criterion()
         measured = self._specimen_is_measured()
+        of_force = self._channel_of_force()
         numbers = {**({} if structure is None else _exactly(structure)), **self.numbers}
         numbers |= stated_of_filters(self.filters)
         equipment = known_equipment(self.equipment, exact=self.exact)
@@ -377,6 +388,7 @@ class _Terms:
                 model=model,
                 measured_specimen=measured,
                 linear_specimen=self.specimen == _LINEAR,
+                force_channel=of_force,
                 assumed=assumed,
             )
 
@@ -393,6 +405,11 @@ class _Terms:
             raise unused("specimen", "beside `model`, which says what the specimen does")
         return self.specimen == _MEASURED
 
+    def _channel_of_force(self) -> ForceChannel | None:
+        if self.force_channel and self.specimen != _MEASURED:
+            raise unused("force_channel", "unless the `specimen` is measured")
+        return ForceChannel.parse(self.force_channel) if self.force_channel else None
+
     def _judge_of_frames(self, structure: FrameUnderTest | CoupledFrame | str | Path) -> Judge:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
@@ -408,6 +425,7 @@ class _Terms:
             raise unused(
                 "specimen", "as measured beside the `structure` of a frame, whose specimen is linear"
             )
+        self._channel_of_force()
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)

@@ -37,6 +37,7 @@ from .frame_test import (
     require_linear_interface as require_linear_interface,
     whole_structure as whole_structure,
 )
+from .measured_specimen import ForceChannel as ForceChannel
 from .moving_windows import Windows as Windows
 from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits

@@ -23,6 +23,7 @@ from reliab.assessment.explanations import Explanation, error_under
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.findings import FaultEffect
+from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.moving_windows import track_windows
 from reliab.assessment.own_equation import OwnEquation, examine_equation
 from reliab.assessment.own_motion import OwnPlacement, place_on_own
@@ -60,6 +61,7 @@ def assess(
     model: UpdatedModel | None = None,
     measured_specimen: bool = False,
     linear_specimen: bool = False,
+    force_channel: ForceChannel | None = None,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
@@ -99,6 +101,8 @@ def assess(
     linear_specimen : bool, optional
         Whether somebody states that the specimen is linear. Where nobody does and no force was recorded, the
         interval holds that it may have yielded, as likely as `equipment` says.
+    force_channel : ForceChannel, optional
+        What the recorded force of a measured specimen holds beside that of the specimen.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
         warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
@@ -130,6 +134,7 @@ def assess(
         model=model,
         measured_specimen=measured_specimen,
         linear_specimen=linear_specimen,
+        force_channel=force_channel,
         seed=seed,
     )
     faults = _faults(recording, question, taper)

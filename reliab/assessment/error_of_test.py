@@ -18,7 +18,7 @@ from reliab.assessment.budget import (
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.measured_specimen import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error import (
     Estimate,
     Parts,
@@ -67,6 +67,7 @@ class Question:
     seed: int  # Seed of the draws
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
     linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
+    force_channel: ForceChannel | None = None  # What is stated of the force of a measured specimen
 
     @property
     def resolution(self) -> float | None:
@@ -328,6 +329,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
         question.structure,
         question.stated["mass"].value,
         feedback_lag=question.feedback_lag,
+        force_channel=question.force_channel,
         resolution=question.resolution,
         **rest,
     )

@@ -21,9 +21,11 @@ def _run(
 ) -> tuple[Array, Array, Array]:
     """Command, displacement of the specimen and its force under a load per unit mass; see `Loop.run`."""
     damping, stiffness, of_specimen = substructures
-    gain, delay, lag, play = rig
+    gain, delay, lag, play, force_lag, attached, friction = rig
     state = np.zeros(STATES)
     command, moved, felt = np.zeros(load.size + 1), np.zeros(load.size), np.zeros(load.size)
+    passes = step / (force_lag + step)  # whose delay is the lag
+    sensed, speed = 0.0, 0.0
     follows = 1.0 - math.exp(-step / lag) if lag > 0.0 else 1.0
     whole = int(delay / step)
     part = delay / step - whole
@@ -37,7 +39,10 @@ def _run(
         by = (piston - last) / unit
         last = piston
         moved[i] = piston
-        felt[i] = of_specimen * unit * resist(law, piston / unit, by, by / step, step, state, parameters)
+        force = of_specimen * unit * resist(law, piston / unit, by, by / step, step, state, parameters)
+        was, speed = speed, by * unit / step
+        sensed += passes * (force + attached * (speed - was) / step + friction * np.sign(speed) - sensed)
+        felt[i] = sensed
         now, before = command[i], command[i - 1] if i > 0 else 0.0
         inertia = (2.0 * now - before) / step**2 + 0.5 * damping * before / step
         command[i + 1] = (inertia - stiffness * now - felt[i] + load[i]) / (
@@ -48,12 +53,15 @@ def _run(
 
 @dataclass(frozen=True, kw_only=True)
 class Actuator:
-    """Gain [-], delay and lag [s] and play [m] of an actuator."""
+    """Gain [-], delay and lag [s] and play [m] of an actuator, what is between its force and the specimen."""
 
     gain: float = 1.0
     delay: float = 0.0
     lag: float = 0.0
     play: float = 0.0
+    force_lag: float = 0.0  # s
+    attached: float = 0.0  # mass between load cell and specimen, over that of the structure
+    friction: float = 0.0  # in the load path, over the mass of the structure [m/s²]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +83,10 @@ class Loop:
             (1.0 - self.share) * turns**2,
             self.share * turns**2,
         ]
-        rig = [actuator.gain, actuator.delay, actuator.lag, actuator.play]
+        rig = [
+            *(actuator.gain, actuator.delay, actuator.lag, actuator.play),
+            *(actuator.force_lag, actuator.attached, actuator.friction),
+        ]
         parameters = np.zeros(PARAMETERS)
         parameters[: len(self.parameters)] = self.parameters
         law = FAMILIES[self.family][0]
@@ -106,9 +117,18 @@ class SimulatedTest:
 
 
 def simulate(
-    family: str, load: Array, step: float, draw: np.random.Generator, *, decibels: float = 40.0
+    family: str,
+    load: Array,
+    step: float,
+    draw: np.random.Generator,
+    *,
+    decibels: float = 40.0,
+    **of_force: float,
 ) -> SimulatedTest:
-    """Draw structure, specimen and actuator, run the test under a load, and record it with noise."""
+    """Draw structure, specimen and actuator, run the test under a load, and record it with noise.
+
+    `of_force`: `force_lag`, `attached` and `friction` of the actuator; it then has no play.
+    """
     frequency = draw.uniform(0.5, 2.0)
     share, damping_ratio = draw.uniform(0.2, 1.0), draw.uniform(0.02, 0.05)
     of_linear = Loop(
@@ -133,7 +153,8 @@ def simulate(
         gain=1.0 + 0.01 * draw.normal(),
         delay=max(abs(draw.normal()) * 0.004 / frequency - 0.8 * lag, 0.0),
         lag=lag,
-        play=float(draw.choice([0.0, 0.0, 0.003])) * loop.yield_displacement,
+        play=(0.0 if of_force else float(draw.choice([0.0, 0.0, 0.003]))) * loop.yield_displacement,
+        **of_force,
     )
     exact = loop.run(load, step, Actuator())[0]
     command, moved, force = loop.run(load, step, actuator)

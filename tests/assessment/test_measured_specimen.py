@@ -10,8 +10,9 @@ import pytest
 import xarray as xr
 
 from reliab import assess
-from reliab.assessment.measured_specimen import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
+from reliab.assessment.measured_specimen.force_channel import columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, SMOOTH_TRAITS
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
@@ -184,9 +185,11 @@ def _load() -> np.ndarray:
     return smooth * (_TIMES / 4.0) * np.exp(1.0 - _TIMES / 4.0)
 
 
-def _simulated(family: str, seed: int) -> Any:
+def _simulated(family: str, seed: int, **of_force: float) -> Any:
     draw = np.random.default_rng(seed)
-    while not 0.005 < (test := simulated_tests.simulate(family, _load(), _STEP, draw)).error < 0.3:
+    while (
+        not 0.005 < (test := simulated_tests.simulate(family, _load(), _STEP, draw, **of_force)).error < 0.3
+    ):
         pass
     return test
 
@@ -199,7 +202,7 @@ def _structure(test: Any) -> Structure:
     )
 
 
-def _judged(test: Any, **stated: float) -> MeasuredSpecimen:
+def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
     return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), 1.0, **stated)
 
 
@@ -222,6 +225,50 @@ def test_a_linear_specimen_loses_nothing() -> None:
     learned = _judged(test).rebuilt.rms
     assert learned.value == pytest.approx(stated.value, rel=0.02)
     assert learned.high - learned.low < 1.3 * (stated.high - stated.low) + 0.02 * stated.value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("of_force", "stated"),
+    [
+        ({"force_lag": 0.008}, ["lag_ms=8±1"]),
+        ({"attached": 0.03}, ["attached_kg=0.03±0.005"]),
+        ({"friction": 0.02}, ["friction_n=0.02±0.004"]),
+    ],
+)
+def test_what_stands_between_load_cell_and_specimen_is_taken_away_and_widens(
+    of_force: dict[str, float], stated: list[str]
+) -> None:
+    test = _simulated("bilinear", 8, **of_force)
+    exact = [text.partition("±")[0] for text in stated]
+    ignored, known, uncertain = (
+        _judged(test, force_channel=ForceChannel.parse(texts)).rebuilt.rms for texts in ([], exact, stated)
+    )
+    assert abs(known.value / test.error - 1.0) < min(0.1, 0.6 * abs(ignored.value / test.error - 1.0))
+    assert uncertain.value == pytest.approx(known.value, rel=0.02)
+    assert uncertain.high - uncertain.low > 1.1 * (known.high - known.low)
+    assert uncertain.low < test.error < uncertain.high
+
+
+def test_a_channel_of_force_is_stated_name_by_name() -> None:
+    channel = ForceChannel.parse(["attached_kg=12±1", "lag_ms=-1"])
+    assert channel.values == pytest.approx([-1e-3, 12.0, 0.0])
+    assert channel.deviations == pytest.approx([0.0, 1.0, 0.0])
+    for text in ("mass=2", "attached_kg=-2", "lag_ms=two"):
+        with pytest.raises(InputError):
+            ForceChannel.parse([text])
+    with pytest.raises(InputError, match="each once"):
+        ForceChannel.parse(["lag_ms=1", "lag_ms=2"])
+
+
+def test_columns_of_a_channel_are_its_lag_inertia_and_friction() -> None:
+    late, inertia, friction = columns_of_channel(5.0 * _SINE, _SINE, _STEP)
+    velocity = 3.0 * np.pi * np.cos(np.pi * _TIMES)
+    inner = slice(10, -10)
+    assert late[inner] == pytest.approx(-5.0 * velocity[inner], rel=1e-3, abs=1e-2)
+    assert inertia[inner] == pytest.approx(-(np.pi**2) * _SINE[inner], rel=1e-3, abs=1e-2)
+    fast = np.abs(velocity) > 2.0
+    assert friction[fast] == pytest.approx(np.sign(velocity[fast]), abs=1e-3)
 
 
 def _file(test: Any, folder: Path, mass: float) -> Path:
@@ -275,6 +322,7 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
     [
         ({"specimen": "measured", "mass": 1.0}, "without a column of force"),
         ({"specimen": "elastic"}, "linear or measured"),
+        ({"force_channel": ["lag_ms=2"]}, "unless the `specimen` is measured"),
         ({"specimen": "measured"}, "needs its force"),
     ],
 )

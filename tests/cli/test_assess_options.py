@@ -54,7 +54,9 @@ WITHOUT = {
 }
 SEEN_ELSEWHERE = {
     "--design": "tests/cli/test_assess.py",
-    **dict.fromkeys(("--specimen", "--corrected"), "tests/assessment/test_measured_specimen.py"),
+    **dict.fromkeys(
+        ("--specimen", "--corrected", "--force-channel"), "tests/assessment/test_measured_specimen.py"
+    ),
     "--same-test": "tests/cli/test_assess_several.py",
     "--details": "tests/cli/test_assess.py",
     "--check": "tests/cli/test_assess.py",

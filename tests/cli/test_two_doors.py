@@ -63,8 +63,9 @@ CHOICES = {
     "test_name": ("1", "other"),
     "channels": ("missing.toml", "frame.toml"),
     "specimen": ("linear", "measured", "elastic"),
+    "force_channel": (["lag_ms=2±0.5"], ["attached_kg=12±1", "friction_n=40±20"], ["mass=2"]),
 }
-OFTEN = {"f": 0.9, "xi": 0.7, "test_name": 0.02, "channels": 0.02, "specimen": 0.02}
+OFTEN = {"f": 0.9, "xi": 0.7, "test_name": 0.02, "channels": 0.02, "specimen": 0.02, "force_channel": 0.02}
 
 
 class Answer:

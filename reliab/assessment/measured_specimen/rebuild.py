@@ -9,7 +9,7 @@ Only the difference of the specimen's force along two neighbouring paths is need
 representation of f misses on both cancels. Five families of elements learn f from the test itself; the draws
 behind the interval take a family by how well it predicts held-out parts of the force, fit it to blocks of the
 test with random weights, and multiply the force by which the actuator's own error acts, f[x_m] − f[x_c], by
-1 + (0.004 + κ h) z: h is what the family misses of held-out parts beyond their noise, z is standard normal.
+1 + (0.002 + κ h) z: h is what the family misses of held-out parts beyond their noise, z is standard normal.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
@@ -44,7 +45,7 @@ _PER_PERIOD = 100.0
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
-_ALWAYS = 0.004  # relative deviation of the acting force where nothing is missed
+_ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
@@ -84,6 +85,7 @@ def rebuild_with_force(
     mass: float,
     *,
     feedback_lag: float = 0.0,
+    force_channel: ForceChannel | None = None,
     sensor_offset: float | None = None,
     resolution: float | None = None,
     tolerances: Tolerances | None = None,
@@ -93,7 +95,8 @@ def rebuild_with_force(
 
     `command`, `measured` [m] and `force` [N], shape (n,); `time_step`, `feedback_lag` [s]; `mass` of the
     structure [kg]; `sensor_offset`, `resolution` [m]. `structure` says what the computer's part is: a damping
-    2ξωm and a stiffness (1 − α)mω².
+    2ξωm and a stiffness (1 − α)mω². `force_channel` says what the recorded force holds beside that of the
+    specimen, all of which was fed back.
     """
     with one_thread():
         whole = whole_structure(structure)
@@ -110,7 +113,8 @@ def rebuild_with_force(
         histories = Histories(
             command=command, measured=command - smooth, fed_back=smooth, time_step=time_step
         )
-        test = _learned(histories, force, every, noise, structure, mass, feedback_lag)
+        channel = force_channel or ForceChannel()
+        test = _learned(histories, force, every, noise, structure, mass, feedback_lag, channel)
         return _concluded(test, histories, read, every, noise, start, tolerances or Tolerances(), seed)
 
 
@@ -122,12 +126,15 @@ def _learned(
     structure: Structure,
     mass: float,
     feedback_lag: float,
+    channel: ForceChannel,
 ) -> "_Test":
     """Learn the specimen with every family; `force` [N], `mass` [kg], `feedback_lag` [s]."""
     thin = histories.thinned(every)
+    recorded = np.ascontiguousarray(noise.smooth(force)[::every])
+    added = columns_of_channel(recorded, thin.measured, thin.time_step)
     path = MeasuredPath(
         displacement=thin.measured,
-        force=np.ascontiguousarray(noise.smooth(force)[::every]),
+        force=recorded - channel.values @ added,
         time_step=thin.time_step,
         noise=replace(noise, time_step=thin.time_step, band=min(noise.band, _PASSED / thin.time_step)),
         block=min(
@@ -142,6 +149,8 @@ def _learned(
         structure=structure,
         mass=mass,
         feedback_lag=feedback_lag,
+        channel=channel,
+        added=added,
         learned=tuple(learned),
     )
 
@@ -223,6 +232,8 @@ class _Test:
     structure: Structure
     mass: float
     feedback_lag: float  # Time by which the force was fed back late [s]
+    channel: ForceChannel
+    added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, n)
     learned: tuple[LearnedSpecimen, ...]
 
     @property
@@ -241,8 +252,15 @@ class _Test:
 
     def response(self, specimen: LearnedSpecimen) -> Array:
         """Exact response with everything as stated [m], shape (n,)."""
-        felt = self._late(self.force_of(specimen, self.thin.measured), 0.0)
+        of_specimen = self.force_of(specimen, self.thin.measured)
+        felt = self._late(self._recorded(of_specimen, self.thin.measured, self.channel.values), 0.0)
         return self._respond(specimen, specimen.coefficients, felt, self.thin, (0.0, 0.0, 0.0))
+
+    def _recorded(self, force: Array, displacement: Array, values: Array) -> Array:
+        """Force of the specimen [N] as the channel passes it, with lag, mass and friction as given."""
+        if not values.any():
+            return force
+        return np.asarray(force + values @ columns_of_channel(force, displacement, self.thin.time_step))
 
     def _late(self, felt: Array, further: float) -> Array:
         """Force as it was fed back [N], late as stated and by a further time [s]."""
@@ -308,16 +326,21 @@ class _Test:
             family: self.path.seen(self.learned[family].elements.along(thin.measured, step, used))
             for family in of_command
         }
+        strayed = carried * self.channel.deviations * generator.standard_normal((len(differences), 3))
+        added_seen = self.added[:, :: self.path.every]
         for row, difference in enumerate(differences):
             measured = thin.command - difference - sum((share[row] for share in added), np.zeros(()))
             specimen = self.learned[families[row]]
             rows = specimen.elements.along(measured, step, used)
             weights = generator.exponential(size=blocks[-1] + 1)[blocks]
-            coefficients = fit(seen[int(families[row])], wanted, weights)
+            coefficients = fit(seen[int(families[row])], wanted - strayed[row] @ added_seen, weights)
             felt, commanded = coefficients @ rows, coefficients @ of_command[int(families[row])]
             missed = carried * (_CARRIED * specimen.missed + _ALWAYS)
             factor = max(1.0 + missed * generator.standard_normal(), _LEAST)
-            felt = self._late(commanded + factor * (felt - commanded), float(drawn["feedback_lag"][row]))
+            felt = self._recorded(
+                commanded + factor * (felt - commanded), measured, self.channel.values + strayed[row]
+            )
+            felt = self._late(felt, float(drawn["feedback_lag"][row]))
             factors = [
                 float(drawn[name][row]) for name in ("frequency", "damping_ratio", "experimental_fraction")
             ]

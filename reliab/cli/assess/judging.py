@@ -99,6 +99,15 @@ class JudgesTests(Demand):
             "needs --mass. By default linear, but it may have yielded where no force was recorded.",
         ),
     ] = None
+    force_channel: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--force-channel",
+            metavar="NAME=VALUE",
+            help="What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
+            "friction_n=40±20.",
+        ),
+    ] = None
     structure: StructureFile = None
     threshold: ErrorThreshold = None
     confidence: Annotated[
