@@ -1,20 +1,24 @@
 """Simulated rigs, not of the form of the model: what intervals cover, and who predicts best.
 
-    python tests/benchmarks/rigs.py [first seed] [rigs of each kind]
+    python tests/benchmarks/rigs.py [first seed] [rigs of each kind] [earthquakes of each rig really left out]
 
 Rigs are simulated at the level of their tests' indices: a gain that falls with the displacement, a delay that
 warms up within a day, two specimens, a wandering or drifting delay, a tenth of odd tests, skewed scatter; the
-error of each test follows from an ellipse of its earthquake and its own. For each earthquake the rig is
-learned without it, and its tests are predicted under their circumstances (date, specimen).
+error of each test follows from an ellipse of its earthquake and its own. Each earthquake is left out, and its
+tests are predicted under their circumstances (date, specimen), with variances and changes learned from all
+tests; on some earthquakes the same is done with a rig that never had them. Probabilities are stated for a
+threshold between the 10 and 90 % quantiles of each rig's errors.
 """
 
 import sys
-from collections.abc import Mapping
 
 import numpy as np
+import scipy
 from rig_rows import rig_table, rig_test
 
 from reliab.rig import NextTest, predict_next
+from reliab.rig.learning import last_ten, left_out_scores, pooled, shape_of
+from reliab.rig.memory import Memory
 from reliab.structures import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
@@ -66,46 +70,105 @@ def simulated_rig(kind, seed):
     return rig_table(tests)
 
 
-def judged(table, event) -> list[Mapping[str, float]]:
-    """Predict the tests of an earthquake without it."""
-    outside = [place for place, row in enumerate(table.rows) if row["event"] != event]
-    rows = []
-    for row in (row for row in table.rows if row["event"] == event):
-        coming = NextTest(date=str(row["date"]), specimen=str(row["specimen"]))
-        prediction = predict_next(table.only(outside), STRUCTURE, coming, threshold=0.06)
-        inside = {
-            name: interval["low"] <= row[name] <= interval["high"]
-            for name, interval in prediction.intervals.items()
-        }
-        scores = {name: score or -np.inf for name, score in prediction.log_scores.items()}
-        rows.append({**inside, "probability": prediction.probability, "good": row["rms"] <= 0.06, **scores})
-    return rows
+def left_out(table, threshold):
+    """What the model says of each test without its earthquake, with the variances learned from all.
+
+    Shares of tests below each end and the like, by quantity; `really_left_out` checks them on a few.
+    """
+    memory = Memory.remembered(table)
+    found = {}
+    for name, values in quantities(memory).items():
+        learned = memory.learn(values, NextTest())
+        spreads = learned.spread * learned.left_out_spreads
+        limits = (np.log(threshold) - values) / spreads + learned.left_out
+        rows = {"inside": np.zeros(values.size), "good": values <= np.log(threshold)}
+        rows |= {"score": np.zeros(values.size), "stated": np.zeros(values.size)}
+        for event in np.unique(learned.events):
+            inside = learned.events == event
+            others = learned.left_out[~inside]
+            shape = shape_of(others, learned.events[~inside])
+            low, high = shape.quantile(0.05)[0], shape.quantile(0.95)[0]
+            residuals = learned.left_out[inside]
+            rows["inside"][inside] = (residuals >= low) & (residuals <= high)
+            rows["score"][inside] = log_density(others, residuals) - np.log(spreads[inside])
+            if name == "rms":
+                rows["stated"][inside] = [shape.cumulative([limit])[0] for limit in limits[inside]]
+        rows["all tests pooled"] = left_out_scores(values, learned.events, pooled, before=False)
+        rows["the last ten"] = left_out_scores(values, learned.events, last_ten, before=True)
+        found[name] = rows
+    return found
 
 
-def main(first=100, rigs=3, earthquakes=6):
-    """Print coverage, log scores and the calibration of the probability."""
-    every = []
+def log_density(others, residuals):
+    """Logarithm of the density of residuals by Student's t distribution, fitted to others."""
+    fits = [
+        (scipy.stats.t.fit(others, fdf=degrees, floc=0.0)[2], degrees) for degrees in (2.5, 4.0, 8.0, 30.0)
+    ]
+    scale, degrees = max(fits, key=lambda fit: scipy.stats.t.logpdf(others, fit[1], 0.0, fit[0]).sum())
+    return scipy.stats.t.logpdf(residuals, degrees, 0.0, scale)
+
+
+def quantities(memory):
+    """Values of each quantity that is judged."""
+    return {"A": memory.amplitude, "d_ms": memory.delay, "rms": memory.log_error}
+
+
+def really_left_out(table, events):
+    """Whether intervals hold the tests of some earthquakes, each time predicted by `predict_next`."""
+    held = {name: [] for name in ("A", "d_ms", "rms")}
+    for event in events:
+        names = table.texts("event")
+        rest = table.only([place for place, name in enumerate(names) if name != event])
+        for row in (row for row in table.rows if row["event"] == event):
+            coming = NextTest(date=str(row["date"]), specimen=str(row["specimen"]))
+            prediction = predict_next(rest, STRUCTURE, coming, threshold=0.06)
+            for name, shares in held.items():
+                interval = prediction.intervals[name]
+                shares.append(interval["low"] <= row[name] <= interval["high"])
+    return held
+
+
+def main(first=100, rigs=20, checked=0):
+    """Print coverage, log scores and the calibration of the probability; `checked` earthquakes a rig."""
+    stated, good, best = [], [], 0
     for kind in KINDS:
-        rows = []
+        shares, scores, agreed = {name: [] for name in ("A", "d_ms", "rms")}, [], []
         for seed in range(first, first + rigs):
             table = simulated_rig(kind, seed)
-            events = np.unique(table.texts("event"))
-            for event in np.random.default_rng(seed).choice(events, size=earthquakes, replace=False):
-                rows += judged(table, event)
-        every += rows
-        shares = [f"{name} {np.mean([row[name] for row in rows]):.3f}" for name in ("A", "d_ms", "rms")]
-        scores = [
-            f"{name} {np.mean([row[name] for row in rows]):.2f}"
-            for name in ("hierarchical model", "all tests pooled", "the last ten")
-        ]
-        print(f"{kind:10} {len(rows)} tests: covered {', '.join(shares)}", flush=True)
-        print(f"{'':10} log score {', '.join(scores)}", flush=True)
-    stated, good = (np.array([row[name] for row in every], dtype=float) for name in ("probability", "good"))
-    for low, high in ((0.0, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.0)):
-        within = (stated >= low) & (stated <= high)
+            rng = np.random.default_rng(seed)
+            found = left_out(table, float(np.quantile(table.numbers("rms"), rng.uniform(0.1, 0.9))))
+            for name, of_rig in shares.items():
+                of_rig.append(found[name]["inside"].mean())
+            stated += found["rms"]["stated"].tolist()
+            good += found["rms"]["good"].tolist()
+            sums = {
+                name: sum(rows[name] for rows in found.values())
+                for name in ("score", "all tests pooled", "the last ten")
+            }
+            known = np.isfinite(sums["the last ten"])
+            scores.append([sums[name][known].mean() for name in sums])
+            if checked:
+                events = rng.choice(np.unique(table.texts("event")), size=checked, replace=False)
+                places = np.concatenate([np.flatnonzero(np.array(table.texts("event")) == e) for e in events])
+                for name, held in really_left_out(table, events).items():
+                    agreed += (np.array(held) == found[name]["inside"][places]).tolist()
+        better = [score > max(pooled, last) for score, pooled, last in scores]
+        best += sum(better)
+        covered = ", ".join(
+            f"{name} {np.mean(of_rig):.3f} ± {np.std(of_rig) / np.sqrt(rigs):.3f}"
+            for name, of_rig in shares.items()
+        )
+        means = ", ".join(f"{mean:.2f}" for mean in np.mean(scores, axis=0))
+        print(f"{kind}: covered {covered}; log scores {means}; best in {sum(better)} of {rigs}", flush=True)
+        if checked:
+            print(f"    the same with the earthquake really left out: {np.mean(agreed):.3f} of {len(agreed)}")
+    print(f"best of the three in {best} of {rigs * len(KINDS)} rigs")
+    stated, good = np.array(stated), np.array(good)
+    for low in np.arange(0.0, 1.0, 0.1):
+        within = (stated >= low) & (stated < low + 0.1)
         if within.any():
-            share = f"stated {stated[within].mean():.2f}, good {good[within].mean():.2f}"
-            print(f"probability {low} to {high}: {share}, of {within.sum()}")
+            share = f"stated {stated[within].mean():.3f}, good {good[within].mean():.3f}"
+            print(f"probability from {low:.1f}: {share}, of {within.sum()}")
 
 
 if __name__ == "__main__":

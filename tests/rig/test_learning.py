@@ -1,9 +1,12 @@
 """What is learned of a quantity covers what follows, also with few tests, odd ones and groups."""
 
+import emcee
 import numpy as np
 import pytest
 
-from reliab.rig.learning import Circumstances, learn
+from reliab.criterion import MotionPredictive
+from reliab.rig.learning import Circumstances, last_ten, learn, left_out_scores, pooled, shape_of
+from reliab.rig.learning.variances import LEVEL
 
 NEXT = Circumstances(groups={"event": np.array([""])})
 
@@ -50,11 +53,85 @@ def test_a_covariate_that_matters_narrows_the_prediction():
     assert with_peak.log_score > max(with_peak.scores_of_baselines.values())
 
 
+def test_a_prediction_at_given_variances_is_that_of_the_normal_distribution():
+    """Mean and variance of a further test by conditioning a normal distribution, written out."""
+    rng = np.random.default_rng(21)
+    events = np.arange(12) // 3
+    values = 5.0 + rng.normal(size=4)[events] + 0.5 * rng.normal(size=12)
+    quantity = learned(values, events)
+    variances = quantity.variances
+    between, noise = np.exp(2.0 * variances.mode)
+    same = (events[:, None] == events).astype(float)
+    matrix = LEVEL + between * same + np.diag(noise / variances.weights)
+    gain = np.linalg.solve(matrix, np.full(12, LEVEL))
+    mean, deviation = quantity.predict(NEXT)
+    assert mean[0] == pytest.approx(quantity.centre + gain @ (values - quantity.centre))
+    alone = LEVEL + between + noise - LEVEL * gain.sum()
+    assert deviation[0] >= quantity.spread * np.sqrt(alone) * (1.0 - 1e-9)
+    assert deviation[0] == pytest.approx(quantity.spread * np.sqrt(alone), rel=0.1)
+
+
+def test_a_test_left_out_is_predicted_as_if_it_had_never_been():
+    """Residual and spread of each earthquake left out, against conditioning on the other tests."""
+    rng = np.random.default_rng(22)
+    events = np.arange(12) // 3
+    values = rng.normal(size=4)[events] + 0.5 * rng.normal(size=12)
+    quantity = learned(values, events)
+    between, noise = np.exp(2.0 * quantity.variances.mode)
+    standard = (values - quantity.centre) / quantity.spread
+    matrix = LEVEL + between * (events[:, None] == events)
+    noisy = matrix + np.diag(noise / quantity.variances.weights)
+    for event in range(4):
+        inside = events == event
+        gain = np.linalg.solve(noisy[np.ix_(~inside, ~inside)], matrix[np.ix_(~inside, inside)])
+        residual = standard[inside] - gain.T @ standard[~inside]
+        variance = LEVEL + between + noise - np.einsum("oi,oi->i", matrix[np.ix_(~inside, inside)], gain)
+        assert quantity.left_out_spreads[inside] == pytest.approx(np.sqrt(variance))
+        assert quantity.left_out[inside] == pytest.approx(residual / np.sqrt(variance))
+
+
+def test_one_test_far_off_does_not_widen_the_shape():
+    usual = np.random.default_rng(23).normal(size=30)
+    names = np.arange(30).astype(str)
+    spoiled = np.where(np.arange(30) == 3, 40.0, usual)
+    assert shape_of(spoiled, names).quantile(0.95)[0] < 3.0
+    assert MotionPredictive.fit(spoiled[:, None], names).quantile(0.95)[0] > 5.0
+
+
+def test_baselines_are_student_distributions_of_what_they_know():
+    values = np.arange(20.0)
+    assert pooled(values).scale == pytest.approx(values.std(ddof=1) * np.sqrt(1.05))
+    assert (last_ten(values).centre, last_ten(values).degrees) == (14.5, 9.0)
+    names = np.arange(20).astype(str)
+    scores = left_out_scores(values, names, last_ten, before=True)
+    assert np.isnan(scores[:3]).all()
+    assert scores[12] == pytest.approx(pooled(values[2:12]).log_density(12.0))
+
+
 def test_the_posterior_of_the_variances_states_its_draws():
     variances = learned(np.random.default_rng(3).normal(size=24), np.arange(24) // 3).variances
     assert variances.respects == ("event",)
     assert variances.r_hat < 1.1
     assert variances.effective_size > 30.0
+
+
+@pytest.mark.slow
+def test_the_posterior_is_that_of_emcee():
+    """Draws by importance against chains that walk with nothing but the density."""
+    rng = np.random.default_rng(31)
+    events = np.arange(30) // 3
+    values = rng.normal(size=10)[events] + 0.7 * rng.normal(size=30)
+    variances = learned(values, events).variances
+    size = variances.mode.size
+    sampler = emcee.EnsembleSampler(16, size, lambda theta: -variances.problem.loss(theta))
+    sampler.random_state = np.random.RandomState(1).get_state()  # noqa: NPY002 - what emcee takes
+    sampler.run_mcmc(variances.mode + 0.3 * rng.normal(size=(16, size)), 2500)
+    chain = sampler.get_chain(discard=500, flat=True)
+    spread = chain.std(axis=0)
+    assert (np.abs(variances.draws.mean(axis=0) - chain.mean(axis=0)) < 0.2 * spread).all()
+    assert variances.draws.std(axis=0) == pytest.approx(spread, rel=0.2)
+    # so many walkers' steps for one independent draw; those by importance need three or four densities
+    assert sampler.get_autocorr_time(tol=0).max() > 10.0
 
 
 @pytest.mark.slow

@@ -1,4 +1,9 @@
-from .baselines import Baseline as Baseline, last_ten as last_ten, pooled as pooled
+from .baselines import (
+    Baseline as Baseline,
+    last_ten as last_ten,
+    left_out_scores as left_out_scores,
+    pooled as pooled,
+)
 from .circumstances import Circumstances as Circumstances, places_in_day as places_in_day, warmth as warmth
-from .learned import Learned as Learned, learn as learn
+from .learned import Learned as Learned, learn as learn, shape_of as shape_of
 from .variances import Variances as Variances, fit_variances as fit_variances

@@ -67,11 +67,7 @@ class Learned:
     @cached_property
     def shape(self) -> MotionPredictive:
         """Distribution of the standardised residual of a further test, wider where few tests are known."""
-        centre = float(np.median(self.left_out))
-        reach = _STRAYED * _median_spread(self.left_out, centre)
-        # one test far off shall not widen the fitted shape, which nine of ten follow
-        usual = np.clip(self.left_out, centre - reach, centre + reach)
-        return MotionPredictive.fit(usual[:, None], self.events)
+        return shape_of(self.left_out, self.events)
 
     def quantiles(self, others: Circumstances, probabilities: tuple[float, ...]) -> Array:
         """Quantiles of tests, shape (probabilities, others)."""
@@ -137,6 +133,16 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
         left_out=residuals / spreads,
         left_out_spreads=spreads,
     )
+
+
+def shape_of(residuals: Array, events: NDArray[np.str_]) -> MotionPredictive:
+    """Distribution of a further standardised residual, from those of tests whose earthquake was left out.
+
+    One test far off does not widen the fitted shape, which nine of ten follow.
+    """
+    centre = float(np.median(residuals))
+    reach = _STRAYED * _median_spread(residuals, centre)
+    return MotionPredictive.fit(np.clip(residuals, centre - reach, centre + reach)[:, None], events)
 
 
 def _mean_of_known(scores: Array) -> float | None:

@@ -10,6 +10,7 @@ others 2004), in four independent batches from which R-hat and effective sizes c
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -34,10 +35,32 @@ class Variances:
 
     respects: tuple[str, ...]
     mode: Array  # ln σ of each effect, then of the noise
-    draws: Array  # Of the posterior, shape (draws, effects + 1)
-    weights: Array  # Of the tests, 1 for an ordinary one
-    r_hat: float
-    effective_size: float
+    problem: "_Problem"
+    seed: int
+
+    @property
+    def weights(self) -> Array:
+        """Weights of the tests, 1 for an ordinary one."""
+        return self.problem.weights
+
+    @property
+    def draws(self) -> Array:
+        """Draws of the posterior, shape (draws, effects + 1)."""
+        return self._drawn[0]
+
+    @property
+    def r_hat(self) -> float:
+        """Largest R-hat of the draws over their batches."""
+        return self._drawn[1]
+
+    @property
+    def effective_size(self) -> float:
+        """How many independent draws they are worth."""
+        return self._drawn[2]
+
+    @cached_property
+    def _drawn(self) -> tuple[Array, float, float]:
+        return _importance_draws(self.problem, self.mode, np.random.default_rng(self.seed))
 
 
 def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, seed: int = 0) -> Variances:
@@ -51,11 +74,7 @@ def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, se
         theta = problem.mode(theta)
         weights = problem.robust_weights(theta)
     problem = _Problem(values=values, likeness=likeness, weights=weights, priors=priors)
-    theta = problem.mode(theta)
-    draws, r_hat, size = _importance_draws(problem, theta, np.random.default_rng(seed))
-    return Variances(
-        respects=tuple(respects), mode=theta, draws=draws, weights=weights, r_hat=r_hat, effective_size=size
-    )
+    return Variances(respects=tuple(respects), mode=problem.mode(theta), problem=problem, seed=seed)
 
 
 def covariance(likeness: Array, theta: Array) -> Array:
