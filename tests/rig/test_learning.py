@@ -124,7 +124,7 @@ def test_the_posterior_is_that_of_emcee():
     variances = learned(values, events).variances
     size = variances.mode.size
     sampler = emcee.EnsembleSampler(16, size, lambda theta: -variances.problem.loss(theta))
-    sampler.random_state = np.random.RandomState(1).get_state()  # noqa: NPY002 - what emcee takes
+    sampler.random_state = np.random.RandomState(1).get_state()
     sampler.run_mcmc(variances.mode + 0.3 * rng.normal(size=(16, size)), 2500)
     chain = sampler.get_chain(discard=500, flat=True)
     spread = chain.std(axis=0)
