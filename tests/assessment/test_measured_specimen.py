@@ -13,7 +13,7 @@ from reliab import assess
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
 from reliab.assessment.measured_specimen.force_channel import columns_of_channel
-from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, SMOOTH_TRAITS
+from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, REVERSAL_TRAITS, SMOOTH_TRAITS
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.errors import InputError
@@ -147,6 +147,22 @@ def test_hysteresis_towards_peaks_lies_between_an_elastic_plastic_spring_and_clo
     assert found[-1] == pytest.approx(1.5, rel=1e-2)
     assert plastic[round(10 / _STEP)] == pytest.approx(-1.5, rel=1e-2)
     assert -0.8 < found[round(10 / _STEP)] < 0.0
+
+
+def test_hysteresis_from_reversals_is_masings_or_bends_at_the_line_of_yielding() -> None:
+    """The first curve, twice as large; and one that never leaves the lines of yielding by much."""
+    lasting = {"exponent": 4.0, "exponent_lost": 0.0, "hardening": 0.0}
+    rising = np.linspace(0.0, 3.0, 1001)
+    first = rising / (1.0 + (rising / 1.5) ** 4) ** 0.25
+    path = np.concatenate([rising, 3.0 - rising[1:] * 2.0, rising[1:] - 3.0])
+    masing = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=0.0, **lasting)
+    found = masing.along(path, _STEP, np.zeros(path.size))[0]
+    assert found[:1001] == pytest.approx(first, abs=1e-9)
+    assert found[1001:2001] == pytest.approx(found[1000] - 2.0 * first[1:], abs=5e-3)
+    partly = np.concatenate([rising, 3.0 - 0.2 * rising[1:], 2.4 + 0.5 * rising[1:]])
+    bent = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=1.0, **lasting)
+    assert np.abs(bent.along(partly, _STEP, np.zeros(partly.size))).max() <= 1.5
+    assert np.abs(bent.along(path, _STEP, np.zeros(path.size))).max() <= 1.5
 
 
 def test_a_weaker_side_yields_earlier() -> None:

@@ -12,7 +12,7 @@ coefficients [N/m] that are not negative. The elements are
   largest excursion (Clough and Johnston 1966),
 - elastic-plastic springs that weaken with the energy of the test so far,
 - springs that are softer the farther they are below the largest excursion (the effect of Mullins), and
-- two laws of hysteresis with traits that are searched for (`hysteresis`).
+- three laws of hysteresis with traits that are searched for (`hysteresis`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -24,7 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.measured_specimen.hysteresis import TRAITS, smooth_pinched, towards_peaks
+from reliab.assessment.measured_specimen.hysteresis import (
+    TRAITS,
+    from_reversals,
+    smooth_pinched,
+    towards_peaks,
+)
 from reliab.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
@@ -54,6 +59,7 @@ class Kind(IntEnum):
     MULLINS = 14
     SMOOTH_PINCHED = 15
     TOWARDS_PEAKS = 16
+    FROM_REVERSALS = 17
 
 
 _SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
@@ -134,6 +140,8 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         return smooth_pinched(size, traits, moved, state)
     if kind == Kind.TOWARDS_PEAKS:
         return towards_peaks(size, traits, position, moved, state)
+    if kind == Kind.FROM_REVERSALS:
+        return from_reversals(size, traits, position, moved, state)
     return size
 
 
@@ -373,8 +381,8 @@ FAMILIES: Final[Mapping[str, str]] = {
     "smooth": "the plain ones and smooth hysteresis",
     "memory": "the smooth ones and memory of the largest excursion",
     "all": "all elements",
-    "laws": "springs, dashpots and two laws of hysteresis",
-    "everything": "all elements and two laws of hysteresis",
+    "laws": "springs, dashpots and three laws of hysteresis",
+    "everything": "all elements and three laws of hysteresis",
 }
 """Families of elements, each with what it holds."""
 
@@ -403,7 +411,7 @@ def with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Element
         sizes=np.array([size]),
         shapes=np.zeros(1),
         speed=speed,
-        traits=np.reshape(traits, (1, TRAITS)),
+        traits=np.pad(traits, (0, TRAITS - traits.size))[np.newaxis],
     )
 
 

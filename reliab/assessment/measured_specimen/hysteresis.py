@@ -1,4 +1,4 @@
-"""Two laws of hysteresis with many traits, searched for by nonlinear least squares.
+"""Three laws of hysteresis with many traits, searched for by nonlinear least squares.
 
 Smooth hysteresis unloads elastically, loses strength and stiffness with the energy that it took, resists
 less on one side, and slips while its force is small: Baber and Noori (1986, Journal of Vibration, Acoustics,
@@ -6,7 +6,9 @@ Stress, and Reliability in Design 108, 273). Hysteresis towards peaks loads agai
 excursion so far, or elastically, or something between, with a break on the way where it is pinched, and each
 of its sides hardens or softens and weakens in its own way: Ibarra, Medina and Krawinkler (2005, Earthquake
 Engineering and Structural Dynamics 34, 1489); with one side that weakens and softens it is a brace that
-buckles.
+buckles. Hysteresis from reversals follows a curve that starts elastically at the last reversal and bends
+towards the line of yielding: Menegotto and Pinto (1973, IABSE Symposium, Lisbon, 15), or twice the curve of
+first loading, as Masing's rule has it for the law of Ramberg and Osgood.
 
 Forces are displacements of a spring of unit stiffness [m]; `size` is the yield displacement [m], energies are
 those of the normalised element.
@@ -18,7 +20,7 @@ from reliab.arrays import Array
 from reliab.compiled import compiled
 
 TRAITS: Final = 11
-"""Number of traits of either law, its yield displacement apart."""
+"""Largest number of traits of a law, its yield displacement apart."""
 
 SMOOTH_TRAITS: Final = (
     # name, least, largest value, start
@@ -51,6 +53,16 @@ PEAK_TRAITS: Final = (
 )
 """Traits of hysteresis towards peaks."""
 
+REVERSAL_TRAITS: Final = (
+    ("exponent", 1.0, 25.0, 4.0),  # of the bend
+    ("exponent_lost", 0.01, 0.95, 0.3),  # share of it that large excursions take
+    ("excursion", 0.02, 5.0, 0.5),  # beyond yielding that takes half of that, over the yield displacement
+    ("hardening", 1e-3, 0.6, 0.05),  # slope of the line of yielding
+    ("to_the_line", 0.01, 0.99, 0.5),  # 0: twice the first curve, 1: bends at the line of yielding
+)
+"""Traits of hysteresis from reversals."""
+
+_NEAREST = 0.05  # yield displacements, by which the line of yielding is away at least
 _GONE = 30.0  # power of e to which nothing is left
 _REACHED = 1e-9  # yield displacements from a peak at which it is reached
 _LARGEST_PART = 0.3  # of its yield displacement, by which an element goes on at once
@@ -136,3 +148,34 @@ def _slope(place: float, force: float, peak: float, of_peak: float, elastic: flo
         left, missing = peak - place, of_peak - force
         slope = missing / left if left > _REACHED else 1.0
     return float(elastic + (1.0 - elastic) * min(max(slope, traits[10]), 1.0))
+
+
+@compiled
+def from_reversals(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+    """Menegotto and Pinto, or Masing; `state`: force, place and force of reversal, way, largest, scale."""
+    now, part = position / size, moved / size
+    hardening, way = traits[3], state[3]
+    if part != 0.0:
+        way = 1.0 if part > 0.0 else -1.0
+    if state[5] == 0.0:
+        state[5] = 1.0
+    elif way != state[3]:
+        state[1], state[2] = now - part, state[0]
+        line = (1.0 - hardening + way * (hardening * state[1] - state[2])) / (1.0 - hardening)
+        state[5] = 2.0 + traits[4] * (max(line, _NEAREST) - 2.0)
+    state[3] = way
+    beyond = max(state[4] - 1.0, 0.0)
+    exponent = traits[0] * (1.0 - traits[1] * beyond / (traits[2] + beyond))
+    along = way * (now - state[1]) / state[5]
+    force = way * state[2] + state[5] * _bent(max(along, 0.0), hardening, exponent)
+    if way * now > state[4]:
+        force = min(force, _bent(way * now, hardening, traits[0]))
+    state[4] = max(state[4], abs(now))
+    state[0] = way * force
+    return float(state[0] * size)
+
+
+@compiled
+def _bent(along: float, hardening: float, exponent: float) -> float:
+    """Curve of unit slope that bends towards a line of yielding at one."""
+    return float(along * (hardening + (1.0 - hardening) / (1.0 + along**exponent) ** (1.0 / exponent)))

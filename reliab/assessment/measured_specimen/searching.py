@@ -7,15 +7,21 @@ Marquardt.
 """
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
-from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, SMOOTH_TRAITS
+from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, REVERSAL_TRAITS, SMOOTH_TRAITS
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 
+_LAWS = {
+    Kind.SMOOTH_PINCHED: SMOOTH_TRAITS,
+    Kind.TOWARDS_PEAKS: PEAK_TRAITS,
+    Kind.FROM_REVERSALS: REVERSAL_TRAITS,
+}
 _DRAWN = 40
 _IMPROVED = 2  # the best of those that are drawn
 _STEPS = 12
@@ -31,11 +37,8 @@ def search_laws(path: MeasuredPath) -> Elements:
     """Laws of hysteresis with the traits that explain the force best."""
     beside = elements_of_family("laws", path.largest, path.speed)
     rows = path.seen(beside.along(path.displacement, path.time_step, path.used))
-    found = [
-        _search(path, kind, traits, rows)
-        for kind, traits in ((Kind.SMOOTH_PINCHED, SMOOTH_TRAITS), (Kind.TOWARDS_PEAKS, PEAK_TRAITS))
-    ]
-    return found[0].beside(found[1])
+    found = [_search(path, kind, traits, rows) for kind, traits in _LAWS.items()]
+    return reduce(Elements.beside, found)
 
 
 def _search(
