@@ -36,7 +36,7 @@ from reliab.recordings import (
     stated_by_options,
 )
 from reliab.shipped import or_shipped
-from reliab.significant import percent
+from reliab.significant import percent, significant
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
@@ -319,8 +319,8 @@ class _Watch:
             yield from self._alarm(
                 "unstable",
                 monitor,
-                f"the loop gains energy and may diverge; of stable tests {percent(FALSE_ALARMS)} at most "
-                "have this alarm",
+                f"the loop gains energy in its mode of {significant(monitor.gaining_frequency or 0.0)} Hz "
+                f"and may diverge; of stable tests {percent(FALSE_ALARMS)} at most have this alarm",
             )
         if monitor.exceeds(self.threshold, self.metric):
             yield from self._alarm(

@@ -5,6 +5,7 @@ a straight line between samples; their coefficients are written with 17 digits, 
 same numbers.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -15,25 +16,28 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error import (
     CALM,
+    CHANCE,
     CLOSE,
     FALSE_ALARMS,
     FEWEST,
     FLATTEST,
     FOLLOWS,
+    GRANTED,
     INDEPENDENT,
     LARGE_MOTION,
-    LARGEST_PLAY,
     LONGEST_MEMORY,
-    LOOKS,
     MEMORY,
     NOISE_OF_SPEED,
-    PLAY_OF_STRAYING,
     SHRINKS,
     SIGNIFICANT,
+    SINGULAR,
+    SLOWEST,
     STANDS,
-    STRAYS,
     TINY,
     TRIES,
+    TURNS,
+    UNSURE,
+    WatchedMode,
     WholeStructure,
     delayed,
     tangent_structure,
@@ -41,7 +45,7 @@ from reliab.assessment.rebuilt_error import (
 from reliab.effects import Effect, Role, SteppedEffect
 from reliab.errors import InputError
 from reliab.in_loop.effects_in_c import functions_in_c
-from reliab.in_loop.loop_coefficients import LoopCoefficients, WatchedMode
+from reliab.in_loop.loop_coefficients import LoopCoefficients
 from reliab.recordings import LARGEST_READING
 from reliab.significant import significant
 from reliab.simulation.hybrid_test import HybridTest
@@ -58,6 +62,9 @@ _NONLINEAR_FORCE = (
 )
 _LARGEST_DRIFT = 1e-5  # m that the command moves from its first value while the sensor's offset is learned
 _STUCK = 1e-3  # m of the command while the measured value repeats
+_STUCK_SHARE = 0.01  # of its largest motion, where the value never repeated for so long
+_FEWEST_STUCK = 8  # samples that repeat a value
+_LONGER = 4  # times the longest repetition before
 _FEWEST_PER_PERIOD = 10.0
 
 
@@ -162,9 +169,11 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "FALSE_ALARMS": FALSE_ALARMS,
         "FOLLOWS": FOLLOWS,
         "LARGE_MOTION": LARGE_MOTION,
-        "LARGEST_PLAY": LARGEST_PLAY,
-        "STRAYS": STRAYS,
-        "PLAY_OF_STRAYING": PLAY_OF_STRAYING,
+        "GRANTED": GRANTED,
+        "CHANCE": CHANCE,
+        "UNSURE": UNSURE,
+        "SINGULAR": SINGULAR,
+        "SLOWEST": SLOWEST,
         "CALM": CALM,
         "SHRINKS": SHRINKS,
         "LOST_IN_NOISE": LOST_IN_NOISE,
@@ -174,11 +183,17 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "LARGEST_READING": LARGEST_READING,
         "REST_M": _LARGEST_DRIFT,
         "STUCK_M": _STUCK,
+        "STUCK_SHARE": _STUCK_SHARE,
     }
     whole = {
         "ACTUATORS": len(monitor.coefficients.carry),
         "ORDER": len(monitor.coefficients.decay),
         "LAG_STEPS": int(monitor.feedback_lag / monitor.time_step),
+        "WATCHED": len(monitor.coefficients.modes),
+        "MODES": monitor.coefficients.modes[0].modes.ratios.size,
+        "TURNS": TURNS,
+        "FEWEST_STUCK": _FEWEST_STUCK,
+        "LONGER": _LONGER,
     }
     return {
         **{name: f"{value}u" for name, value in whole.items()},
@@ -223,19 +238,33 @@ def _coefficients(monitor: LoopMonitor) -> list[str]:
         *(_matrix(name, values) for name, values in matrices.items()),
         _vector("SHARE", recursion.share),
         _vector("LAG_WEIGHTS", _weights(monitor)),
-        f"static const mode MODES[{len(recursion.modes)}] = {{",
-        *(f"    {_mode(mode)}," for mode in recursion.modes),
-        "};",
+        *_modes(recursion.modes),
         *_specimen(monitor),
+    ]
+
+
+def _modes(watched: Sequence[WatchedMode]) -> list[str]:
+    """Write all modes, and those whose energy is watched."""
+    modes = watched[0].modes
+    frequencies = (significant(mode.circular_frequency / (2.0 * np.pi)) for mode in watched)
+    return [
+        _vector("SQUARES", modes.circular_frequencies**2),
+        _vector("TWICE", 2.0 * modes.ratios * modes.circular_frequencies),
+        _vector("STIFFNESSES", np.diag(modes.coupling)),
+        f"static const mode WATCHED[{len(watched)}] = {{",
+        *(f"    {_mode(mode)}," for mode in watched),
+        "};",
+        f"static const char *const REASONS[{len(watched)}] = {{",
+        *(f'    "the loop gains energy in its mode of {hertz} Hz and may diverge",' for hertz in frequencies),
+        "};",
     ]
 
 
 def _mode(mode: WatchedMode) -> str:
     """Write a mode whose energy is watched."""
-    damping = mode.damping
-    numbers = (damping.ratio, damping.factor, damping.forgetting, damping.samples, damping.circular_frequency)
-    look = max(round(damping.samples / LOOKS), 1)
-    return f"{{{_row(mode.projection)}, {', '.join(map(_real, numbers))}, {look}u}}"
+    numbers = (mode.ratio, mode.forgetting, mode.samples, mode.circular_frequency)
+    arrays = ", ".join(map(_row, (mode.projection, mode.band, mode.exchange)))
+    return f"{{{arrays}, {', '.join(map(_real, numbers))}, {mode.look}u, {mode.place}u}}"
 
 
 def _specimen(monitor: LoopMonitor) -> list[str]:

@@ -121,7 +121,7 @@ def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
         following.stdin.write("\n".join(lines[:-1]) + "\n")
         following.stdin.flush()
         alarm = next(line for line in following.stdout if line.startswith("Alarm at"))
-        assert "the loop gains energy and may diverge" in alarm
+        assert "the loop gains energy in its mode of 1 Hz and may diverge" in alarm
         following.stdin.close()
         rest = following.stdout.read()
     assert following.returncode == 1

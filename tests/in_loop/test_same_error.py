@@ -99,18 +99,36 @@ def libraries(tmp_path_factory):
     return [built(folder, flags=each) for folder, each in zip(folders, flags, strict=True)]
 
 
-@pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck"])
+@pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck", "held"])
 def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
     time = np.arange(2048) / 256
     command = 0.02 * np.sin(2.0 * np.pi * time)
     measured = 0.99 * command + 1e-6 * np.random.default_rng(2).normal(size=time.size)
-    measured[1000:] = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300, "stuck": measured[1000]}[broken]
+    failed = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300}.get(broken, measured[1000])
+    measured[1000 : 1013 if broken == "held" else None] = failed  # of 0.05 s
     for library in libraries:
         ours = followed(library, command, measured)
         faulty = ours.status.astype(int) & FAULT > 0
         first = int(np.argmax(faulty))
         assert faulty.any()
-        assert first == 1000 if broken != "stuck" else 1000 < first < 1200
+        assert first == (1008 if broken in {"stuck", "held"} else 1000)
         assert np.isnan(ours.error[first:]).all()
         assert np.isnan(ours.rms[first:]).all()
         assert not np.isnan(ours.error[:first]).any()
+
+
+GROWS = 0.02 * np.sin(2.0 * np.pi * np.arange(4096) / 256) * np.minimum(np.arange(4096) / 2048, 1.0)
+
+
+def test_a_piston_that_rests_in_its_play_is_no_fault_even_without_noise(libraries):
+    place, measured = 0.0, np.empty(GROWS.size)
+    for k, x in enumerate(GROWS):
+        place = measured[k] = min(max(place, x - 4e-4), x + 4e-4)
+    for library in libraries:
+        assert not (followed(library, GROWS, measured).status.astype(int) & FAULT).any()
+
+
+def test_a_sensor_that_is_read_every_tenth_step_is_no_fault(libraries):
+    measured = np.repeat(0.99 * GROWS[::10], 10)[: GROWS.size]
+    for library in libraries:
+        assert not (followed(library, GROWS, measured).status.astype(int) & FAULT).any()

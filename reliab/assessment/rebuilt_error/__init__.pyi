@@ -31,18 +31,19 @@ from .specimen_check import (
 )
 from .spread import HALF_WIDTH as HALF_WIDTH, Estimate as Estimate
 from .stability_indicator import (
+    CHANCE as CHANCE,
     FALSE_ALARMS as FALSE_ALARMS,
     FOLLOWS as FOLLOWS,
+    GRANTED as GRANTED,
     INDEPENDENT as INDEPENDENT,
     LARGE_MOTION as LARGE_MOTION,
-    LARGEST_PLAY as LARGEST_PLAY,
-    LOOKS as LOOKS,
-    MEMORY as MEMORY,
-    PLAY_OF_STRAYING as PLAY_OF_STRAYING,
-    STRAYS as STRAYS,
-    Damping as Damping,
+    SINGULAR as SINGULAR,
+    SLOWEST as SLOWEST,
+    TURNS as TURNS,
+    UNSURE as UNSURE,
 )
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
+from .watched_modes import MEMORY as MEMORY, WatchedMode as WatchedMode, watched_modes as watched_modes
 from .whole_structure import WholeStructure as WholeStructure
 from .widenings import Widening as Widening

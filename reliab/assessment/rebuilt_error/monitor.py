@@ -14,12 +14,14 @@ Hz, damping ratios of 1 to 6 %) to synthetic earthquakes, with errors that grow 
 do not, one in a hundred fell to less than half of its error after that.
 """
 
+import sys
 from dataclasses import dataclass
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
@@ -28,7 +30,7 @@ from reliab.assessment.rebuilt_error.nonlinear_reference import (
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.assessment.rebuilt_error.stability_indicator import LOOKS, Damping, EnergyAlarm, NetDamping
+from reliab.assessment.rebuilt_error.stability_indicator import NetDamping
 from reliab.assessment.rebuilt_error.stretches import (
     ErrorSoFar,
     Stated,
@@ -36,6 +38,7 @@ from reliab.assessment.rebuilt_error.stretches import (
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
@@ -62,7 +65,7 @@ class Now:
     error: float  # x_m − x_I [m]
     rms: float  # rms, mte: RMS^R and MTE^R so far [-], sensor noise included; zero while nothing moves
     mte: float
-    # Net damping of the loop with its actuator; None before enough motion was recorded
+    # Smallest net damping of the watched modes; None where too little motion was recorded
     damping: NetDamping | None
 
 
@@ -70,7 +73,6 @@ class Monitor:
     """Follow the error of a test while it runs.
 
     `time_step`, `feedback_lag` [s]; `sensor_offset` [m].
-    `gains_energy_since`: Time from which on the loop may diverge [s]; None while nothing points to it.
 
     >>> time = np.arange(0.0, 30.0, 1.0 / 256.0)
     >>> command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
@@ -116,19 +118,24 @@ class Monitor:
             raise InputError(
                 "The lag of the fed-back force must be shorter than a stretch", value=f"{feedback_lag:g} s"
             )
-        self._damping = Damping.of_structure(self.structure, time_step)
         self._period = 1.0 / (float(self.structure.natural_frequencies[0]) or 1.0)
         self._running = RunningError(
             self.structure,
             time_step,
             feedback_lag,
-            self._damping.forgetting,
             sensor_offset or 0.0,
             None if self._model is None else self._model.test,
         )
-        self._look = max(round(self._damping.samples / LOOKS), 1)
-        self._energy = EnergyAlarm()
-        self.gains_energy_since: float | None = None
+        self._energy = LoopEnergy(
+            watched_modes(
+                self.structure.mass,
+                self.structure.damping,
+                self.structure.stiffness,
+                self.structure.interface[:, np.newaxis],
+                np.array([[self.structure.specimen_stiffness]]),
+                time_step,
+            )
+        )
         self._asked = self._rest = 0
         self._before: ErrorSoFar | None = None
         self._result: ErrorSoFar | RebuiltError | None = None
@@ -143,6 +150,17 @@ class Monitor:
     def error(self) -> Array:
         """x_m − x_I of the stretch that is not yet forgotten, without the sensor's offset [m], shape (k,)."""
         return self._running.error
+
+    @property
+    def gains_energy_since(self) -> float | None:
+        """Time from which on the loop may diverge [s]; None while nothing points to it."""
+        return None if self._energy.since is None else self._energy.since * self.time_step
+
+    @property
+    def gaining_frequency(self) -> float | None:
+        """Natural frequency of the mode that may diverge [Hz]; None while nothing points to it."""
+        mode = self._energy.gaining
+        return None if mode is None else mode.circular_frequency / (2.0 * np.pi)
 
     @property
     def result(self) -> ErrorSoFar | RebuiltError | None:
@@ -165,19 +183,19 @@ class Monitor:
             )
         begin = 0
         while begin < command.size:
-            end = min(begin + self._look - self._running.size % self._look, command.size)
+            end = min(begin + self._room, command.size)
             self._running.feed(command[begin:end], measured[begin:end])
-            self._energy.add(command[begin:end])
-            if self._running.size % self._look == 0:
-                self._look_at_energy()
+            self._energy.feed(command[begin:end], measured[begin:end])
             if self._model is None and self._running.kept > 2 * self._stretch:
                 self._judge_and_forget()
             begin = end
 
-    def _look_at_energy(self) -> None:
-        damping = self._damping.net(self._running.moments, self._running.motion)
-        if self._energy.look(damping, float(self._running.sums[3])) and self.gains_energy_since is None:
-            self.gains_energy_since = (self._running.size - 1) * self.time_step
+    @property
+    def _room(self) -> int:
+        """Samples until a stretch is judged and forgotten."""
+        if self._model is not None:
+            return sys.maxsize
+        return max(2 * self._stretch + 1 - self._running.kept, 1)
 
     def _judge_and_forget(self) -> None:
         """Forget the first stretch of those that are kept, after its error was drawn."""
@@ -233,7 +251,7 @@ class Monitor:
             error=float(error),
             rms=float(np.sqrt(self._running.mean_square) / ideal) if ideal > 0.0 else 0.0,
             mte=float(peak / ideal) if ideal > 0.0 else 0.0,
-            damping=self._damping.net(self._running.moments, self._running.motion),
+            damping=self._energy.net,
         )
 
     def exceeds(self, threshold: float, metric: Metric = Metric.RMS) -> bool:
@@ -253,8 +271,7 @@ class Monitor:
         """Whether the test has grown so much that intervals are worth computing again."""
         grown = self._running.size - self._asked
         least = max(FEWEST_SAMPLES, int(_PERIODS_BETWEEN * self._period / self.time_step))
-        moving = bool(self._running.motion[0] > 0.0)
-        return moving and grown >= max(least, int(_GROWTH * self._asked))
+        return self._energy.moves and grown >= max(least, int(_GROWTH * self._asked))
 
     def ask(self, *, draws: int = DRAWS) -> ErrorSoFar | RebuiltError:
         """Compute the error of the test so far with its intervals.

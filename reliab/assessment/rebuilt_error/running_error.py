@@ -24,16 +24,12 @@ _CAPACITY = 4096
 class RunningError:
     """Latest histories of a running test, and sums over all of it.
 
-    `time_step`, `feedback_lag` [s]; `forgetting` [-]; `offset` [m].
+    `time_step`, `feedback_lag` [s]; `offset` [m].
     `size`: Samples so far.
     `offset, standing`: Sensor offset that is taken away, and x_c − x_m under which the test began in
     equilibrium [m].
     `sums`: Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it
     last doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
-    `moments`: Forgetting sums of the products of x_c, x_c', one and x_m − x_c between samples, and of their
-    steps from one to the next, shape (2, 4, 4).
-    `motion`: Number of samples that moved, and the largest forgetting sum of x_c'² so far [m²/s²], shape
-    (2,).
     """
 
     def __init__(
@@ -41,15 +37,14 @@ class RunningError:
         structure: WholeStructure,
         time_step: float,
         feedback_lag: float,
-        forgetting: float,
         offset: float,
         test: HybridTest | None = None,
     ) -> None:
         self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
-        self.sums, self.moments, self.motion = np.zeros(7), np.zeros((2, 4, 4)), np.zeros(2)
+        self.sums = np.zeros(7)
         self._recursion = Recursion.of_displacement(structure, time_step)
-        self._step, self._lag, self._forgetting = time_step, feedback_lag, forgetting
+        self._step, self._lag = time_step, feedback_lag
         self._specimen = None
         if test is not None:
             slowest = 2.0 * np.pi * float(structure.natural_frequencies[0])
@@ -57,7 +52,7 @@ class RunningError:
         self._table = np.zeros((_ROWS, _CAPACITY))
         self._states = np.zeros((3, self._recursion.order))
         self._states[2] = equilibrium(structure, 1.0)
-        self._before, self._between = np.zeros(3), np.array([0.0, 0.0, 1.0, 0.0])
+        self._before = np.zeros(3)
 
     @property
     def kept(self) -> int:
@@ -115,11 +110,6 @@ class RunningError:
             last,
             self._states,
             self._before,
-            self._between,
-            self.moments,
-            self.motion,
-            self._forgetting,
-            self._step,
         )
         self._conclude(first, last)
 
@@ -184,34 +174,13 @@ def _follow(
     last: int,
     states: Array,
     before: Array,
-    between: Array,
-    moments: Array,
-    motion: Array,
-    forgetting: float,
-    time_step: float,
 ) -> None:
     """Advance the error, the response to a constant and the decay from equilibrium, in place."""
     scratch = np.empty(states.shape[1])
-    inputs, stepped = np.array([0.0, 1.0, 0.0]), np.empty(4)
+    inputs = np.array([0.0, 1.0, 0.0])
     for i in range(first, last):
         inputs[0] = fed_back[i - first]
         difference = table[0, i] - table[1, i]
-        if i > 0:
-            for row in range(4):
-                stepped[row] = -between[row]
-            between[0] = 0.5 * (table[0, i] + table[0, i - 1])
-            between[1] = (table[0, i] - table[0, i - 1]) / time_step
-            between[3] = -0.5 * (difference + table[0, i - 1] - table[1, i - 1])
-            for row in range(4):
-                stepped[row] += between[row]
-            for row in range(4):
-                for column in range(4):
-                    product = between[row] * between[column]
-                    moments[0, row, column] = forgetting * moments[0, row, column] + product
-                    product = stepped[row] * stepped[column]
-                    moments[1, row, column] = forgetting * moments[1, row, column] + product
-            motion[0] += 1.0 if between[1] != 0.0 else 0.0
-            motion[1] = max(motion[1], moments[0, 1, 1])
         for row in range(3):
             if i > 0:
                 advance(decay, early, late, before[row], inputs[row], states[row], scratch)

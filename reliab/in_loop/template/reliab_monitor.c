@@ -1,6 +1,6 @@
 /* The error of a hybrid test while it runs: see reliab_monitor.h. The equations are those of
- * reliab/assessment/rebuilt_error/: recursion.py, running_error.py, running_specimen.py, stability_indicator.py,
- * monitor.py, and of ../coupled_error/coupled_recursion.py. */
+ * reliab/assessment/rebuilt_error/: recursion.py, running_error.py, running_specimen.py, loop_energy.py,
+ * stability_indicator.py, monitor.py, and of ../coupled_error/coupled_recursion.py. */
 #include "reliab_monitor.h"
 
 #include <math.h>
@@ -10,7 +10,6 @@
 #define LAG_RING (RELIAB_LAG_STEPS + 4u)
 #define PI 3.14159265358979323846
 #define TINY 2.2250738585072014e-308
-#define PLAIN 1e-3 /* determinant above which a matrix with ones on its diagonal is inverted plainly */
 
 static double not_a_number(void) { return (double)NAN; }
 
@@ -31,8 +30,11 @@ static double zero_or_more(double a) { return larger(a, 0.0); }
 
 typedef struct {
     double projection[ACTUATORS]; /* of interface displacements on the mode */
-    double ratio, factor, forgetting, samples, circular_frequency;
+    double band[3];               /* coefficients of its band-pass */
+    double exchange[RELIAB_MODES]; /* by which the other modes take its energy over */
+    double ratio, forgetting, samples, circular_frequency;
     uint64_t look;
+    unsigned place;               /* among all modes */
 } mode;
 
 #define RELIAB_COEFFICIENTS
@@ -45,11 +47,12 @@ void reliab_monitor_init(reliab_monitor *monitor)
     *monitor = empty;
     monitor->at_rest = 1;
     for (i = 0u; i < ACTUATORS; i++) {
-        monitor->energies[i].between[2] = 1.0;
-        monitor->energies[i].net_damping = not_a_number();
         for (row = 0u; row < RELIAB_ORDER; row++) {
             monitor->states[1u + ACTUATORS + i][row] = EQUILIBRIUM[row][i];
         }
+    }
+    for (i = 0u; i < RELIAB_WATCHED; i++) {
+        monitor->energies[i].net_damping = not_a_number();
     }
 }
 
@@ -137,104 +140,137 @@ static double felt(const reliab_monitor *monitor, reliab_sensor *sensor, double 
     return total;
 }
 
-/* Products of command, its velocity, one and the actuators' error in a mode, with an exponential memory. */
+/* A value through the band-pass of a mode. */
+static double passed(double state[2], const mode *of, double change)
+{
+    const double value = of->band[0] * change + state[0];
+    state[0] = state[1] - of->band[1] * value;
+    state[1] = -of->band[0] * change - of->band[2] * value;
+    return value;
+}
+
+/* Products of command, its velocity and the actuators' error in the band of a mode, with an exponential memory. */
 static void remember(reliab_energy *energy, const mode *of, double command, double error, int first)
 {
-    double stepped[4];
+    double now[2], stepped[3];
     unsigned row, column;
+    if (first != 0) {
+        energy->first[0] = command;
+        energy->first[1] = error;
+    }
+    now[0] = passed(energy->band[0], of, command - energy->first[0]);
+    now[1] = passed(energy->band[1], of, error - energy->first[1]);
     if (first == 0) {
-        for (row = 0u; row < 4u; row++) {
+        for (row = 0u; row < 3u; row++) {
             stepped[row] = -energy->between[row];
         }
-        energy->between[0] = 0.5 * (command + energy->last[0]);
-        energy->between[1] = (command - energy->last[0]) / RELIAB_STEP;
-        energy->between[3] = 0.5 * (error + energy->last[1]);
-        for (row = 0u; row < 4u; row++) {
+        energy->between[0] = 0.5 * (now[0] + energy->last[0]);
+        energy->between[1] = (now[0] - energy->last[0]) / RELIAB_STEP;
+        energy->between[2] = 0.5 * (now[1] + energy->last[1]);
+        for (row = 0u; row < 3u; row++) {
             stepped[row] += energy->between[row];
         }
-        for (row = 0u; row < 4u; row++) {
-            for (column = 0u; column < 4u; column++) {
+        for (row = 0u; row < 3u; row++) {
+            for (column = 0u; column < 3u; column++) {
                 energy->moments[0][row][column] = of->forgetting * energy->moments[0][row][column]
                     + energy->between[row] * energy->between[column];
                 energy->moments[1][row][column] = of->forgetting * energy->moments[1][row][column]
                     + stepped[row] * stepped[column];
             }
         }
+        energy->weight = of->forgetting * energy->weight + 1.0;
         if (energy->between[1] > 0.0 || energy->between[1] < 0.0) {
             energy->moved_samples += 1.0;
         }
         energy->largest_power = larger(energy->largest_power, energy->moments[0][1][1]);
     }
-    energy->last[0] = command;
-    energy->last[1] = error;
-    energy->largest[0] = larger(energy->largest[0], fabs(command));
+    energy->last[0] = now[0];
+    energy->last[1] = now[1];
 }
 
-/* Inverse of a symmetric matrix of three rows with ones on its diagonal; 0 where it is nearly singular. */
-static int invert_plainly(double a[3][3], double inverse[3][3])
+typedef struct {
+    double real, imaginary;
+} number;
+
+static number plus(number a, number b)
 {
-    const double x = a[0][1], y = a[0][2], z = a[1][2];
-    const double determinant = 1.0 + 2.0 * x * y * z - x * x - y * y - z * z;
-    if (!(determinant > PLAIN)) {
-        return 0;
-    }
-    inverse[0][0] = (1.0 - z * z) / determinant;
-    inverse[1][1] = (1.0 - y * y) / determinant;
-    inverse[2][2] = (1.0 - x * x) / determinant;
-    inverse[0][1] = inverse[1][0] = (y * z - x) / determinant;
-    inverse[0][2] = inverse[2][0] = (x * z - y) / determinant;
-    inverse[1][2] = inverse[2][1] = (x * y - z) / determinant;
-    return 1;
+    const number sum = {a.real + b.real, a.imaginary + b.imaginary};
+    return sum;
 }
 
-/* Pseudo-inverse of a symmetric matrix of at most three rows, by Jacobi rotations. */
-static void invert(double a[3][3], unsigned size, double inverse[3][3])
+static number times(number a, number b)
 {
-    double vectors[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    double largest = 0.0;
-    unsigned sweep, p, q, k;
-    for (sweep = 0u; sweep < 12u; sweep++) {
-        for (p = 0u; p + 1u < size; p++) {
-            for (q = p + 1u; q < size; q++) {
-                double turn, t, c, s;
-                if (fabs(a[p][q]) <= TINY) {
-                    continue;
-                }
-                turn = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                t = (turn >= 0.0 ? 1.0 : -1.0) / (fabs(turn) + sqrt(turn * turn + 1.0));
-                c = 1.0 / sqrt(t * t + 1.0);
-                s = t * c;
-                for (k = 0u; k < size; k++) {
-                    const double x = a[k][p], y = a[k][q];
-                    a[k][p] = c * x - s * y;
-                    a[k][q] = s * x + c * y;
-                }
-                for (k = 0u; k < size; k++) {
-                    const double x = a[p][k], y = a[q][k];
-                    a[p][k] = c * x - s * y;
-                    a[q][k] = s * x + c * y;
-                }
-                for (k = 0u; k < size; k++) {
-                    const double x = vectors[k][p], y = vectors[k][q];
-                    vectors[k][p] = c * x - s * y;
-                    vectors[k][q] = s * x + c * y;
-                }
-            }
+    const number product = {a.real * b.real - a.imaginary * b.imaginary, a.real * b.imaginary + a.imaginary * b.real};
+    return product;
+}
+
+static number multiple(double factor, number a)
+{
+    const number product = {factor * a.real, factor * a.imaginary};
+    return product;
+}
+
+static number over(number a, number b)
+{
+    const double size = b.real * b.real + b.imaginary * b.imaginary;
+    const number quotient = {(a.real * b.real + a.imaginary * b.imaginary) / size,
+                             (a.imaginary * b.real - a.real * b.imaginary) / size};
+    return quotient;
+}
+
+/* Modal force of the error per displacement, and its derivatives by a + b s and by s. */
+static void force_of(const mode *of, const double law[2], number pole, number force[3])
+{
+    const number one = {1.0, 0.0}, none = {0.0, 0.0};
+    number error = multiple(law[1], pole), squared, through = none, by_error = none, by_pole = none;
+    unsigned j;
+    error.real += law[0];
+    squared = times(error, error);
+    for (j = 0u; j < RELIAB_MODES; j++) {
+        if (j != of->place) {
+            number dynamic = plus(times(pole, pole), plus(multiple(TWICE[j], pole), multiple(STIFFNESSES[j], error)));
+            number share, turned, slope = multiple(2.0, pole);
+            dynamic.real += SQUARES[j];
+            share = over(multiple(of->exchange[j], one), dynamic);
+            turned = times(squared, over(share, dynamic));
+            slope.real += TWICE[j];
+            through = plus(through, share);
+            by_error = plus(by_error, multiple(STIFFNESSES[j], turned));
+            by_pole = plus(by_pole, times(turned, slope));
         }
     }
-    for (k = 0u; k < size; k++) {
-        largest = larger(largest, fabs(a[k][k]));
+    force[0] = plus(multiple(STIFFNESSES[of->place], error), multiple(-1.0, times(squared, through)));
+    force[1] = plus(plus(multiple(STIFFNESSES[of->place], one), multiple(-2.0, times(error, through))), by_error);
+    force[2] = by_pole;
+}
+
+/* Damping ratio of the pole under x_m - x_c = a x_c + b x_c', and its standard error. */
+static void pole_of(const mode *of, const double law[2], const double chance[2], double damping[2])
+{
+    const double omega = of->circular_frequency, twice = 2.0 * of->ratio * omega;
+    const number minus_one = {-1.0, 0.0};
+    number pole, force[3], below, moves;
+    double by_gain, by_delay;
+    unsigned turn;
+    pole.real = -of->ratio * omega;
+    pole.imaginary = omega;
+    for (turn = 0u; turn < RELIAB_TURNS; turn++) {
+        double slope, square, half;
+        force_of(of, law, pole, force);
+        slope = force[0].imaginary / pole.imaginary;
+        square = omega * omega + force[0].real - slope * pole.real;
+        half = -0.5 * (twice + slope);
+        pole.real = half;
+        pole.imaginary = sqrt(larger(square - half * half, RELIAB_SLOWEST * omega * RELIAB_SLOWEST * omega));
     }
-    for (p = 0u; p < size; p++) {
-        for (q = 0u; q < size; q++) {
-            inverse[p][q] = 0.0;
-            for (k = 0u; k < size; k++) {
-                if (fabs(a[k][k]) > 1e-12 * largest) {
-                    inverse[p][q] += vectors[p][k] * vectors[q][k] / a[k][k];
-                }
-            }
-        }
-    }
+    force_of(of, law, pole, force);
+    below = plus(multiple(2.0, pole), plus(force[2], multiple(law[1], force[1])));
+    below.real += twice;
+    moves = over(times(minus_one, force[1]), below);
+    by_gain = moves.real * chance[0];
+    by_delay = times(moves, pole).real * chance[1];
+    damping[0] = -pole.real / omega;
+    damping[1] = sqrt(by_gain * by_gain + by_delay * by_delay) / omega;
 }
 
 /* Standard deviations that a normal variable exceeds with a small probability. */
@@ -259,7 +295,7 @@ static double window_of(const reliab_energy *energy, const mode *of)
 /* Standard errors that an alarm needs in a window. */
 static double allowed_in(double window)
 {
-    return exceeded(RELIAB_FALSE_ALARMS / (double)ACTUATORS / (window * (window + 1.0)));
+    return exceeded(RELIAB_FALSE_ALARMS / (double)RELIAB_WATCHED / (window * (window + 1.0)));
 }
 
 static int is_window(double a, double b) { return fabs(a - b) < 0.5; }
@@ -288,95 +324,104 @@ static double needed_in(const reliab_energy *energy, double window)
     return is_window(energy->windows[1], window) ? energy->needed[1] : allowed_in(window);
 }
 
-static double quadratic(double matrix[4][4], const double vector[4])
+static double quadratic(double matrix[3][3], const double vector[3])
 {
     double total = 0.0;
     unsigned row, column;
-    for (row = 0u; row < 4u; row++) {
-        for (column = 0u; column < 4u; column++) {
+    for (row = 0u; row < 3u; row++) {
+        for (column = 0u; column < 3u; column++) {
             total += vector[row] * matrix[row][column] * vector[column];
         }
     }
     return total;
 }
 
-/* Net damping of the loop in a mode; whether it may diverge. */
+/* The error of a mode as a law of its command, x_m - x_c = a x_c + b x_c'. */
+typedef struct {
+    double scale[3];
+    double residual[3];
+    double chance; /* standard error of the scaled law */
+    double across; /* scaled error that is not in phase */
+} fitted;
+
+static fitted fit(const reliab_energy *energy, const mode *of)
+{
+    fitted found;
+    double joint[3][3], steps[3][3], determinant, left, rough, independent;
+    unsigned row, column;
+    for (row = 0u; row < 3u; row++) {
+        found.scale[row] = sqrt(larger(energy->moments[0][row][row], TINY));
+    }
+    for (row = 0u; row < 3u; row++) {
+        for (column = 0u; column < 3u; column++) {
+            joint[row][column] = energy->moments[0][row][column] / (found.scale[row] * found.scale[column]);
+            steps[row][column] = energy->moments[1][row][column] / (found.scale[row] * found.scale[column]);
+        }
+    }
+    determinant = larger(1.0 - joint[0][1] * joint[0][1], RELIAB_SINGULAR);
+    found.residual[0] = -(joint[0][2] - joint[0][1] * joint[1][2]) / determinant;
+    found.residual[1] = -(joint[1][2] - joint[0][1] * joint[0][2]) / determinant;
+    found.residual[2] = 1.0;
+    left = larger(quadratic(joint, found.residual), 0.0);
+    rough = left > 0.0 ? smaller(quadratic(steps, found.residual) / left, 1.0) : 0.0;
+    independent = larger(energy->weight * larger(rough / (4.0 - rough), RELIAB_INDEPENDENT / of->samples), 1.0);
+    found.chance = sqrt(left / independent / determinant);
+    found.across = sqrt(larger(1.0 - joint[0][2] * joint[0][2], 0.0));
+    return found;
+}
+
+/* Whether the piston follows its command, and does not rest within some play. */
+static int follows(const fitted *error, double needed)
+{
+    const double *scale = error->scale;
+    const double chance = RELIAB_CHANCE * needed * error->chance;
+    const double in_phase = larger(fabs(scale[0] - error->residual[0] * scale[2]) - chance * scale[2], 0.0);
+    const double late = larger((fabs(error->residual[1]) - chance) * scale[2], 0.0);
+    return sqrt(in_phase * in_phase + late * late) > RELIAB_FOLLOWS * scale[0];
+}
+
+/* Damping ratio that play takes away at most at an amplitude. */
+static double granted(const reliab_energy *energy, const mode *of, double amplitude)
+{
+    const double share = smaller(RELIAB_GRANTED * energy->play / amplitude, 0.5);
+    const double of_play = STIFFNESSES[of->place] / (2.0 * PI * of->circular_frequency * of->circular_frequency);
+    return RELIAB_GRANTED * 4.0 * of_play * share * (1.0 - share);
+}
+
+/* Whether the loop gains energy in a mode and may diverge. */
 static int gains_energy(reliab_energy *energy, const mode *of)
 {
-    double scale[4], joint[4][4], steps[4][4], copy[3][3] = {{0.0}}, inverse[3][3] = {{0.0}};
-    double residual[4], rough, independent, units, deviation, needed, window, error, amplitude, by_play;
-    double left, deviations[2], in_phase, across, play;
-    const int strays = larger(energy->largest[0], energy->largest[1]) > RELIAB_STRAYS * energy->ideal;
     const double power = energy->moments[0][1][1];
-    const double count = energy->moments[0][2][2];
-    unsigned row, column;
-    energy->largest[1] = energy->largest[0];
-    energy->largest[0] = 0.0;
+    double law[2], chance[2], damping[2], needed, amplitude, error, play;
+    fitted found;
+    int is_known;
+    unsigned row;
+    energy->net_damping = not_a_number();
     if (energy->moved_samples < of->samples || !(power > 0.0)) {
         return 0;
     }
-    for (row = 0u; row < 4u; row++) {
-        scale[row] = sqrt(larger(energy->moments[0][row][row], TINY));
-    }
-    for (row = 0u; row < 4u; row++) {
-        for (column = 0u; column < 4u; column++) {
-            joint[row][column] = energy->moments[0][row][column] / (scale[row] * scale[column]);
-            steps[row][column] = energy->moments[1][row][column] / (scale[row] * scale[column]);
-            if (row < 3u && column < 3u) {
-                copy[row][column] = joint[row][column];
-            }
-        }
-    }
-    if (!invert_plainly(copy, inverse)) {
-        invert(copy, 3u, inverse);
-    }
-    for (row = 0u; row < 3u; row++) {
-        residual[row] = 0.0;
-        for (column = 0u; column < 3u; column++) {
-            residual[row] -= inverse[row][column] * joint[column][3];
-        }
-    }
-    residual[3] = 1.0;
-    left = larger(quadratic(joint, residual), 0.0);
-    rough = left > 0.0 ? smaller(quadratic(steps, residual) / left, 1.0) : 0.0;
-    independent = larger(count * larger(rough / (4.0 - rough), RELIAB_INDEPENDENT / of->samples), 1.0);
-    units = of->factor * scale[3] / scale[1];
-    energy->net_damping = of->ratio - units * residual[1];
+    found = fit(energy, of);
     for (row = 0u; row < 2u; row++) {
-        deviations[row] = sqrt(larger(inverse[row][row], 0.0) * left / independent);
+        const double unit = found.scale[2] / found.scale[row];
+        law[row] = -found.residual[row] * unit;
+        chance[row] = found.chance * unit;
     }
-    deviation = units * deviations[1];
-    window = window_of(energy, of);
-    needed = needed_in(energy, window);
-    copy[0][0] = copy[1][1] = copy[2][2] = 1.0;
-    copy[0][1] = copy[1][0] = joint[0][2];
-    copy[0][2] = copy[2][0] = copy[1][2] = copy[2][1] = 0.0;
-    {
-        double known[3][3] = {{0.0}};
-        const double follows[2] = {joint[0][3], joint[2][3]};
-        if (!invert_plainly(copy, known)) {
-            invert(copy, 2u, known);
-        }
-        error = follows[0] * (known[0][0] * follows[0] + known[0][1] * follows[1])
-            + follows[1] * (known[1][0] * follows[0] + known[1][1] * follows[1]);
+    pole_of(of, law, chance, damping);
+    needed = needed_in(energy, window_of(energy, of));
+    is_known = needed * chance[0] < RELIAB_UNSURE;
+    if (is_known != 0) {
+        energy->net_damping = damping[0];
     }
-    error = sqrt(larger((1.0 - error) * energy->moments[0][3][3] / count, 0.0));
-    amplitude = sqrt(2.0 / count) * scale[0];
-    by_play = 4.0 / PI * of->factor / (of->circular_frequency * amplitude);
-    in_phase = larger(fabs(scale[0] - residual[0] * scale[3]) - needed * deviations[0] * scale[3], 0.0);
-    across = larger((fabs(residual[1]) - needed * deviations[1]) * scale[3], 0.0);
-    if (sqrt(in_phase * in_phase + across * across) > RELIAB_FOLLOWS * scale[0]) {
-        energy->following = energy->following < 2u ? energy->following + 1u : 2u;
-    } else {
-        energy->following = 0u;
+    amplitude = sqrt(2.0 / energy->weight) * found.scale[0];
+    error = found.across * found.scale[2] / found.scale[0];
+    energy->following = follows(&found, needed) != 0 ? (energy->following < 2u ? energy->following + 1u : 2u) : 0u;
+    if (energy->following > 1u) { /* not while it only begins to move */
+        play = 0.5 * amplitude * (1.0 - sqrt(zero_or_more(1.0 - PI * error)));
+        energy->play = energy->has_play != 0 ? smaller(energy->play, play) : play;
+        energy->has_play = 1;
     }
-    if (energy->following > 1u) {
-        energy->smallest_error = energy->has_smallest != 0 ? smaller(energy->smallest_error, error) : error;
-        energy->has_smallest = 1;
-    }
-    play = (strays != 0 ? RELIAB_PLAY_OF_STRAYING : RELIAB_LARGEST_PLAY) * energy->smallest_error;
-    return power > RELIAB_LARGE_MOTION * energy->largest_power && energy->has_smallest != 0
-        && energy->net_damping + needed * deviation + by_play * play < 0.0;
+    return power > RELIAB_LARGE_MOTION * energy->largest_power && is_known != 0 && energy->has_play != 0
+        && damping[0] + needed * damping[1] + granted(energy, of, amplitude) < 0.0;
 }
 
 /* Learn the sensors' offsets while the commands rest. Where the commands begin to move, an offset that may be
@@ -566,7 +611,6 @@ static void add(const reliab_monitor *monitor, reliab_degree *degree, double err
 static void add_all(reliab_monitor *monitor, const double command[ACTUATORS], const double difference[ACTUATORS],
                     const double fed_back[ACTUATORS], double responses[RESPONSES][ACTUATORS])
 {
-    double ideal[ACTUATORS];
     unsigned row, i;
     for (row = 0u; row < ACTUATORS; row++) {
         double response = responses[0][row], apart = difference[row];
@@ -583,16 +627,21 @@ static void add_all(reliab_monitor *monitor, const double command[ACTUATORS], co
 #else
         (void)fed_back;
 #endif
-        ideal[row] = command[row] - response;
-        add(monitor, &monitor->degrees[row], response - apart, ideal[row], apart);
+        add(monitor, &monitor->degrees[row], response - apart, command[row] - response, apart);
     }
-    for (i = 0u; i < ACTUATORS && monitor->at_rest == 0; i++) {
-        double of_mode = 0.0;
-        for (row = 0u; row < ACTUATORS; row++) {
-            of_mode += MODES[i].projection[row] * ideal[row];
-        }
-        monitor->energies[i].ideal = larger(monitor->energies[i].ideal, fabs(of_mode));
+}
+
+/* Whether the measured value has stood still for too long: while the command made half of its largest motion, or, of a
+ * sensor that has moved for a period and never stood still for so long, a hundredth. */
+static int is_stuck(const reliab_sensor *sensor)
+{
+    const double travel = sensor->stuck_travel, largest = sensor->largest_command;
+    const int is_new = sensor->stuck_samples >= RELIAB_LONGER * sensor->longest_stuck
+        && sensor->changes > WATCHED[0].samples;
+    if (sensor->stuck_samples < RELIAB_FEWEST_STUCK || largest <= RELIAB_STUCK_M) {
+        return 0;
     }
+    return (travel > RELIAB_STUCK_M && travel > 0.5 * largest) || (is_new != 0 && travel > RELIAB_STUCK_SHARE * largest);
 }
 
 static reliab_fault fault_of(const reliab_monitor *monitor, reliab_sensor *sensor, double command, double measured)
@@ -611,16 +660,16 @@ static reliab_fault fault_of(const reliab_monitor *monitor, reliab_sensor *senso
         sensor->stuck_samples++;
         sensor->stuck_travel = larger(sensor->stuck_travel, fabs(command - sensor->stuck_from));
     } else {
+        if (sensor->stuck_samples > sensor->longest_stuck) {
+            sensor->longest_stuck = sensor->stuck_samples;
+        }
+        sensor->changes += 1.0;
         sensor->stuck_samples = 0u;
         sensor->stuck_travel = 0.0;
         sensor->stuck_from = command;
     }
     sensor->last_measured = measured;
-    if (sensor->stuck_samples >= 8u && sensor->stuck_travel > RELIAB_STUCK_M
-        && sensor->stuck_travel > 0.5 * sensor->largest_command) {
-        return RELIAB_STUCK;
-    }
-    return RELIAB_NO_FAULT;
+    return is_stuck(sensor) != 0 ? RELIAB_STUCK : RELIAB_NO_FAULT;
 }
 
 static double error_so_far(const reliab_monitor *monitor, unsigned degree)
@@ -639,15 +688,19 @@ static int is_judged(const reliab_monitor *monitor, unsigned degree)
 static void raise_alarms(reliab_monitor *monitor)
 {
     unsigned i;
-    for (i = 0u; i < ACTUATORS; i++) {
-        const double calm = ((double)(monitor->samples - 1u) - (double)monitor->degrees[i].settled_sample) * RELIAB_STEP;
-        const uint64_t since = monitor->samples % MODES[i].look;
-        if (since == 0u && gains_energy(&monitor->energies[i], &MODES[i])) {
+    for (i = 0u; i < RELIAB_WATCHED; i++) {
+        const uint64_t since = monitor->samples % WATCHED[i].look;
+        if (since == 0u && gains_energy(&monitor->energies[i], &WATCHED[i]) != 0
+            && (monitor->status & RELIAB_UNSTABLE) == 0u) {
             monitor->status |= RELIAB_UNSTABLE;
+            monitor->gaining = i;
         }
         if (since == 1u || since == 2u) {
-            prepare(&monitor->energies[i], &MODES[i]);
+            prepare(&monitor->energies[i], &WATCHED[i]);
         }
+    }
+    for (i = 0u; i < ACTUATORS; i++) {
+        const double calm = ((double)(monitor->samples - 1u) - (double)monitor->degrees[i].settled_sample) * RELIAB_STEP;
         if (monitor->at_rest == 0 && calm >= RELIAB_CALM && is_judged(monitor, i)
             && RELIAB_SHRINKS * error_so_far(monitor, i) > RELIAB_THRESHOLD) {
             monitor->status |= RELIAB_ERROR;
@@ -680,13 +733,13 @@ unsigned reliab_monitor_step(reliab_monitor *monitor, const double *command, con
     carry(at_sensors[0], difference);
     carry(at_sensors[1], fed_back);
     respond(monitor, fed_back, responses);
-    for (i = 0u; i < ACTUATORS; i++) {
+    for (i = 0u; i < RELIAB_WATCHED; i++) {
         double commanded = 0.0, error = 0.0;
         for (k = 0u; k < ACTUATORS; k++) {
-            commanded += MODES[i].projection[k] * moved[k];
-            error -= MODES[i].projection[k] * difference[k];
+            commanded += WATCHED[i].projection[k] * moved[k];
+            error -= WATCHED[i].projection[k] * difference[k];
         }
-        remember(&monitor->energies[i], &MODES[i], commanded, error, monitor->samples == 0u);
+        remember(&monitor->energies[i], &WATCHED[i], commanded, error, monitor->samples == 0u);
     }
     if (monitor->at_rest != 0) {
         learn(monitor, command, measured);
@@ -743,7 +796,7 @@ double reliab_monitor_net_damping(const reliab_monitor *monitor)
 {
     double smallest = not_a_number();
     unsigned i;
-    for (i = 0u; i < ACTUATORS && !is_faulty(monitor); i++) {
+    for (i = 0u; i < RELIAB_WATCHED && !is_faulty(monitor); i++) {
         const double damping = monitor->energies[i].net_damping;
         if (is_finite(damping) && (!is_finite(smallest) || damping < smallest)) {
             smallest = damping;
@@ -764,7 +817,7 @@ const char *reliab_monitor_reason(const reliab_monitor *monitor)
         }
     }
     if ((monitor->status & RELIAB_UNSTABLE) != 0u) {
-        return "the loop gains energy and may diverge";
+        return REASONS[monitor->gaining];
     }
     if ((monitor->status & RELIAB_ERROR) != 0u) {
         return "the error is above twice the threshold";

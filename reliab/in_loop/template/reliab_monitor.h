@@ -31,21 +31,22 @@ typedef enum {
     RELIAB_STUCK = 3       /* the measured value stands still while the command moves */
 } reliab_fault;
 
-/* Energy of the loop in the motion of a mode. */
+/* Energy of the loop in the motion of a mode, in a band around its frequency. */
 typedef struct {
-    double between[4];
-    double moments[2][4][4];
+    double first[2];       /* command and error of the mode at the first sample */
+    double band[2][2];     /* states of the band-pass of both */
     double last[2];
+    double between[3];
+    double moments[2][3][3];
+    double weight;         /* of the samples in the moments */
     double moved_samples;
     double largest_power;
-    double net_damping;    /* NaN before enough motion */
-    double smallest_error;
-    int has_smallest;
+    double net_damping;    /* NaN before enough motion, and where noise hides it */
+    double play;           /* half width of the play that the smallest error shows */
+    int has_play;
     unsigned following;
     double windows[2];     /* numbers of independent windows, and the standard errors that an alarm needs then */
     double needed[2];
-    double ideal;          /* largest exact displacement so far */
-    double largest[2];     /* largest commands since the last look, and since the one before */
 } reliab_energy;
 
 /* The error of an interface displacement so far. */
@@ -70,6 +71,8 @@ typedef struct {
     double stuck_travel;
     double largest_command;
     uint64_t stuck_samples;
+    uint64_t longest_stuck; /* samples for which it stood still before */
+    double changes;        /* samples in which it moved */
     double felt[RELIAB_LAG_STEPS + 4u]; /* measured displacements of the last steps, a ring */
 } reliab_sensor;
 
@@ -96,7 +99,8 @@ typedef struct {
     double before[1u + 2u * RELIAB_ACTUATORS][RELIAB_ACTUATORS];
     reliab_sensor sensors[RELIAB_ACTUATORS];
     reliab_degree degrees[RELIAB_ACTUATORS];
-    reliab_energy energies[RELIAB_ACTUATORS];
+    reliab_energy energies[RELIAB_WATCHED];
+    unsigned gaining;      /* the watched mode in which the loop gains energy */
 #if RELIAB_EFFECTS > 0
     reliab_specimen specimen;
 #endif
@@ -115,7 +119,7 @@ double reliab_monitor_error(const reliab_monitor *monitor, unsigned degree);
 double reliab_monitor_rms(const reliab_monitor *monitor, unsigned degree);
 double reliab_monitor_mte(const reliab_monitor *monitor, unsigned degree);
 unsigned reliab_monitor_governing(const reliab_monitor *monitor);  /* the one with the largest error so far */
-double reliab_monitor_net_damping(const reliab_monitor *monitor);  /* smallest of the loop [-]; NaN before it is known */
+double reliab_monitor_net_damping(const reliab_monitor *monitor);  /* smallest of the watched modes [-]; NaN before it is known */
 const char *reliab_monitor_reason(const reliab_monitor *monitor);  /* a sentence for the status */
 
 #ifdef __cplusplus

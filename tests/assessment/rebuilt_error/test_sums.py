@@ -8,7 +8,7 @@ import pytest
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.assessment.rebuilt_error.stability_indicator import Damping
+from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode, whole_structure
 from reliab.structures.structure import Structure
 
@@ -25,7 +25,7 @@ def histories():
 
 def running(offset=OFFSET):
     structure = whole_structure(Structure(frequency=1.0, damping_ratio=0.05))
-    return RunningError(structure, STEP, 0.0, 0.99, offset)
+    return RunningError(structure, STEP, 0.0, offset)
 
 
 def by_definition(test):
@@ -45,7 +45,6 @@ def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts)
     for command, measured in zip(*(np.split(history, cuts) for history in histories), strict=True):
         test.feed(command, measured)
         assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
-    assert test.motion[0] == np.count_nonzero(np.diff(histories[0]))
 
 
 def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
@@ -60,28 +59,6 @@ def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories
     assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
 
 
-def test_energies_forget_the_past_by_one_weight_a_step(histories):
-    test = running()
-    test.feed(*histories)
-    command, measured = histories
-    strayed = measured - command
-    between = np.stack(
-        [
-            0.5 * (command[1:] + command[:-1]),
-            np.diff(command) / STEP,
-            np.ones(command.size - 1),
-            0.5 * (strayed[1:] + strayed[:-1]),
-        ]
-    )
-    weight = 0.99 ** np.arange(command.size - 2, -1, -1)
-    assert test.moments[0] == pytest.approx((weight * between) @ between.T, rel=1e-9, abs=1e-12)
-    steps = np.diff(between)
-    expected = (weight[1:] * steps) @ steps.T
-    first = between[:, 0] * (np.arange(4) != 2)  # from rest; the constant has no step
-    expected += weight[0] * np.outer(first, first)
-    assert test.moments[1] == pytest.approx(expected, rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.parametrize("count", [1, 700, 999])
 def test_what_is_forgotten_stays_in_the_sums(histories, count):
     whole, test = running(), running()
@@ -93,7 +70,6 @@ def test_what_is_forgotten_stays_in_the_sums(histories, count):
     for each in (whole, test):
         each.feed(*(history[1000:] for history in histories))
     assert np.array_equal(test.sums, whole.sums)
-    assert np.array_equal(test.moments, whole.moments)
     assert np.array_equal(test.error, whole.error[count:])
     assert (test.mean_square, test.calm) == (whole.mean_square, whole.calm)
 
@@ -116,12 +92,20 @@ def heavy(mass, frequency, ratio, share):
 
 @pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
 def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
-    """Half of αω₀, and a window that forgets all but 1/e in two periods."""
-    damping = Damping.of_structure(heavy(mass, 1.5, 0.04, 0.6), STEP)
-    assert damping.ratio == pytest.approx(0.04)
-    assert damping.factor == pytest.approx(0.5 * 0.6 * 2.0 * np.pi * 1.5)
-    assert damping.samples == pytest.approx(256.0 / 1.5)
-    assert damping.forgetting ** (2.0 * damping.samples) == pytest.approx(np.exp(-1.0))
+    """αω₀², and a window that forgets all but 1/e in three periods."""
+    whole = heavy(mass, 1.5, 0.04, 0.6)
+    (mode,) = watched_modes(
+        whole.mass,
+        whole.damping,
+        whole.stiffness,
+        np.ones((1, 1)),
+        np.array([[whole.specimen_stiffness]]),
+        STEP,
+    )
+    assert mode.ratio == pytest.approx(0.04)
+    assert mode.stiffness == pytest.approx(0.6 * (2.0 * np.pi * 1.5) ** 2)
+    assert mode.samples == pytest.approx(256.0 / 1.5)
+    assert mode.forgetting ** (3.0 * mode.samples) == pytest.approx(np.exp(-1.0))
 
 
 def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
