@@ -16,6 +16,7 @@ from reliab.assessment.rebuilt_error import (
     WatchedMode,
     WholeStructure,
     equilibrium,
+    modes_of_structure,
     watched_modes,
 )
 from reliab.structures import CoupledPartition
@@ -49,14 +50,7 @@ class LoopCoefficients:
             carry=np.eye(1),
             equilibrium=equilibrium(structure, 1.0)[:, np.newaxis],
             share=at_rest,
-            modes=watched_modes(
-                structure.mass,
-                structure.damping,
-                structure.stiffness,
-                structure.interface[:, np.newaxis],
-                np.array([[structure.specimen_stiffness]]),
-                step,
-            ),
+            modes=modes_of_structure(structure, step),
         )
 
     @classmethod

@@ -66,6 +66,19 @@ _STUCK_SHARE = 0.01  # of its largest motion, where the value never repeated for
 _FEWEST_STUCK = 8  # samples that repeat a value
 _LONGER = 4  # times the longest repetition before
 _FEWEST_PER_PERIOD = 10.0
+_OF_ENERGY = {
+    "MEMORY": MEMORY,
+    "INDEPENDENT": INDEPENDENT,
+    "FALSE_ALARMS": FALSE_ALARMS,
+    "FOLLOWS": FOLLOWS,
+    "LARGE_MOTION": LARGE_MOTION,
+    "GRANTED": GRANTED,
+    "CHANCE": CHANCE,
+    "UNSURE": UNSURE,
+    "SINGULAR": SINGULAR,
+    "SLOWEST": SLOWEST,
+}
+"""Numbers of the alarm of the energy."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,16 +177,6 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "STEP": monitor.time_step,
         "SENSOR_SCALE": monitor.sensor_scale,
         "THRESHOLD": monitor.threshold,
-        "MEMORY": MEMORY,
-        "INDEPENDENT": INDEPENDENT,
-        "FALSE_ALARMS": FALSE_ALARMS,
-        "FOLLOWS": FOLLOWS,
-        "LARGE_MOTION": LARGE_MOTION,
-        "GRANTED": GRANTED,
-        "CHANCE": CHANCE,
-        "UNSURE": UNSURE,
-        "SINGULAR": SINGULAR,
-        "SLOWEST": SLOWEST,
         "CALM": CALM,
         "SHRINKS": SHRINKS,
         "LOST_IN_NOISE": LOST_IN_NOISE,
@@ -198,7 +201,7 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
     return {
         **{name: f"{value}u" for name, value in whole.items()},
         "METRIC_IS_RMS": str(int(monitor.metric is Metric.RMS)),
-        **{name: _real(value) for name, value in real.items()},
+        **{name: _real(value) for name, value in (real | _OF_ENERGY).items()},
         **_numbers_of_specimen(monitor),
     }
 

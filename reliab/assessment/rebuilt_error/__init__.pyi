@@ -44,6 +44,11 @@ from .stability_indicator import (
 )
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
-from .watched_modes import MEMORY as MEMORY, WatchedMode as WatchedMode, watched_modes as watched_modes
+from .watched_modes import (
+    MEMORY as MEMORY,
+    WatchedMode as WatchedMode,
+    modes_of_structure as modes_of_structure,
+    watched_modes as watched_modes,
+)
 from .whole_structure import WholeStructure as WholeStructure
 from .widenings import Widening as Widening

@@ -38,7 +38,7 @@ from reliab.assessment.rebuilt_error.stretches import (
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.watched_modes import watched_modes
+from reliab.assessment.rebuilt_error.watched_modes import modes_of_structure
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
@@ -126,16 +126,7 @@ class Monitor:
             sensor_offset or 0.0,
             None if self._model is None else self._model.test,
         )
-        self._energy = LoopEnergy(
-            watched_modes(
-                self.structure.mass,
-                self.structure.damping,
-                self.structure.stiffness,
-                self.structure.interface[:, np.newaxis],
-                np.array([[self.structure.specimen_stiffness]]),
-                time_step,
-            )
-        )
+        self._energy = LoopEnergy(modes_of_structure(self.structure, time_step))
         self._asked = self._rest = 0
         self._before: ErrorSoFar | None = None
         self._result: ErrorSoFar | RebuiltError | None = None

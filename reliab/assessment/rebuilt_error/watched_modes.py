@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 
 MEMORY = 3.0
 """Periods of a mode after which its window has forgotten all but 1/e."""
@@ -91,7 +92,7 @@ class WatchedMode:
         tangent = np.tan(0.5 * self.circular_frequency * self.time_step)
         whole = 1.0 + tangent / WIDTH + tangent**2
         last = 1.0 - tangent / WIDTH + tangent**2
-        return np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole
+        return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole)
 
 
 def watched_modes(
@@ -119,3 +120,15 @@ def watched_modes(
     count = min(_MODES_FOR_EACH_ACTUATOR * interface.shape[1], max(int(takes_part.sum()), 1))
     places = np.argsort(delays, kind="stable")[:count]
     return tuple(WatchedMode(modes=modes, place=int(place), time_step=time_step) for place in places)
+
+
+def modes_of_structure(structure: WholeStructure, time_step: float) -> tuple[WatchedMode, ...]:
+    """Return the modes to watch of a structure with one interface; `time_step` [s]."""
+    return watched_modes(
+        structure.mass,
+        structure.damping,
+        structure.stiffness,
+        structure.interface[:, np.newaxis],
+        np.array([[structure.specimen_stiffness]]),
+        time_step,
+    )

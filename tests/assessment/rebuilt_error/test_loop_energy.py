@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from reliab.assessment.rebuilt_error import Monitor, WholeStructure, watched_modes
+from reliab.assessment.rebuilt_error import Monitor, WholeStructure, modes_of_structure
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
 
 STEP = 1.0 / 512.0
@@ -19,14 +19,7 @@ FRAME = WholeStructure(
 
 
 def modes():
-    return watched_modes(
-        FRAME.mass,
-        FRAME.damping,
-        FRAME.stiffness,
-        FRAME.interface[:, np.newaxis],
-        np.array([[FRAME.specimen_stiffness]]),
-        STEP,
-    )
+    return modes_of_structure(FRAME, STEP)
 
 
 def loop(delay, seconds=12.0, seed=1):

@@ -8,7 +8,8 @@ import scipy
 
 from reliab.assessment.rebuilt_error import Monitor, Tolerances, rebuild
 from reliab.assessment.rebuilt_error.stability_indicator import EnergyAlarm, Sums, net_damping
-from reliab.assessment.rebuilt_error.watched_modes import watched_modes
+from reliab.assessment.rebuilt_error.watched_modes import modes_of_structure, watched_modes
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
@@ -17,14 +18,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-(MODE,) = watched_modes(
-    np.eye(1),
-    np.array([[2.0 * XI * W0]]),
-    np.array([[W0**2]]),
-    np.ones((1, 1)),
-    np.array([[SHARE * W0**2]]),
-    STEP,
-)
+(MODE,) = modes_of_structure(WholeStructure.of_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 

@@ -8,7 +8,7 @@ import pytest
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.assessment.rebuilt_error.watched_modes import watched_modes
+from reliab.assessment.rebuilt_error.watched_modes import modes_of_structure
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode, whole_structure
 from reliab.structures.structure import Structure
 
@@ -93,15 +93,7 @@ def heavy(mass, frequency, ratio, share):
 @pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
 def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
     """αω₀², and a window that forgets all but 1/e in three periods."""
-    whole = heavy(mass, 1.5, 0.04, 0.6)
-    (mode,) = watched_modes(
-        whole.mass,
-        whole.damping,
-        whole.stiffness,
-        np.ones((1, 1)),
-        np.array([[whole.specimen_stiffness]]),
-        STEP,
-    )
+    (mode,) = modes_of_structure(heavy(mass, 1.5, 0.04, 0.6), STEP)
     assert mode.ratio == pytest.approx(0.04)
     assert mode.stiffness == pytest.approx(0.6 * (2.0 * np.pi * 1.5) ** 2)
     assert mode.samples == pytest.approx(256.0 / 1.5)
