@@ -14,6 +14,7 @@ from reliab.boundary import first_order_ellipse
 from reliab.errors import InputError
 from reliab.motions import load_motions, read_motion
 from reliab.rig import (
+    MEASURED,
     NextTest,
     Plan,
     Prediction,
@@ -81,7 +82,8 @@ def predict_rig(
     date, specimen : str, optional
         When it is performed, after the last test by default, and on what, the last specimen by default.
     covariate : iterable of str, optional
-        Numbers of the next test that all tests have, "current=0.4".
+        Numbers of the next test that all tests have, "current=0.4"; also its peak displacement, velocity and
+        equivalent frequency, "peak_mm=40", "velocity_mm_s=300", "f_eq_hz=1.1".
 
     Returns
     -------
@@ -98,7 +100,7 @@ def predict_rig(
     asked = NextTest(
         date=require_date(date) if date else "",
         specimen=specimen or "",
-        covariates=stated_covariates(covariate or ()),
+        covariates=stated_covariates(covariate or (), MEASURED),
     )
     limit = stated_threshold(threshold)
     if structure is not None:

@@ -150,8 +150,8 @@ def add_to_rig(
     return keeper.keep(files, show)
 
 
-def stated_covariates(texts: Iterable[str]) -> dict[str, float]:
-    """Read covariates as users write them.
+def stated_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> dict[str, float]:
+    """Read covariates as users write them; `measured` are columns of every test that may be among them.
 
     >>> stated_covariates(["current=0.4"])
     {'current': 0.4}
@@ -159,7 +159,7 @@ def stated_covariates(texts: Iterable[str]) -> dict[str, float]:
     covariates: dict[str, float] = {}
     for text in texts:
         name, sign, number = text.partition("=")
-        if not sign or not name.isidentifier() or name in {*COLUMNS, *covariates, *_TAKEN}:
+        if not sign or not name.isidentifier() or name in {*COLUMNS, *_TAKEN} - {*measured} | {*covariates}:
             raise InputError(
                 "A `covariate` must be a new name and a number",
                 value=repr(text),

@@ -7,7 +7,7 @@ from .drift import (
     drift_chart as drift_chart,
     known_effects as known_effects,
 )
-from .memory import NextTest as NextTest
+from .memory import MEASURED as MEASURED, NextTest as NextTest
 from .planning import Plan as Plan, plan_tests as plan_tests
 from .prediction import (
     Prediction as Prediction,

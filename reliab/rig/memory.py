@@ -21,6 +21,9 @@ FEWEST: Final = 3
 MOST: Final = 1000
 """Tests from which a rig is learned; of more, the latest."""
 
+MEASURED: Final = ("peak_mm", "velocity_mm_s", "f_eq_hz")
+"""What every test has of itself, and a user may name as a covariate of the next one."""
+
 _SMALLEST_REMAINDER = 1e-5
 _DAY = 10  # characters of a date
 _FEWEST_DATES = 3
@@ -81,6 +84,7 @@ class Memory:
         """Circumstances of the tests as far as they are known of the next one too."""
         numbers = {name: self.table.numbers(name) for name in coming.covariates or {}}
         for name, values in numbers.items():
+            numbers[name] = _scaled(name, values)
             if not np.isfinite(values).all():
                 raise InputError(
                     "A `covariate` of the next test must be known of all tests",
@@ -88,7 +92,7 @@ class Memory:
                     remedy="Leave it out",
                 )
         if coming.peak is not None:
-            numbers["log peak"] = np.log(np.maximum(self.table.numbers("peak_mm"), 1e-6))
+            numbers["peak_mm"] = _scaled("peak_mm", self.table.numbers("peak_mm"))
         frequencies = self.table.numbers("f")
         if np.isfinite(frequencies).all():
             numbers["log f"] = np.log(frequencies)
@@ -108,9 +112,10 @@ class Memory:
 
     def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
         """Circumstances of the next test."""
-        numbers = {name: np.array([value]) for name, value in (coming.covariates or {}).items()}
+        stated = coming.covariates or {}
+        numbers = {name: _scaled(name, np.array([value])) for name, value in stated.items()}
         if coming.peak is not None:
-            numbers["log peak"] = np.array([np.log(max(coming.peak, 1e-6))])
+            numbers["peak_mm"] = _scaled("peak_mm", np.array([coming.peak]))
         if structure is not None:
             numbers["log f"] = np.array([np.log(structure.frequency)])
         last_day = str(self.days[-1])
@@ -196,3 +201,8 @@ class Memory:
             "delay": float(np.median(self.delay**2)) / b,
             "remainder": float(np.median(np.exp(2.0 * self.log_remainder))) / a,
         }
+
+
+def _scaled(name: str, values: Array) -> Array:
+    """Logarithms of what was measured, other covariates as they are."""
+    return np.log(np.maximum(values, 1e-6)) if name in MEASURED else values

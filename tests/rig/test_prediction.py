@@ -77,6 +77,16 @@ def test_a_table_that_is_far_too_late_for_a_loop_is_predicted_by_the_ellipse():
     assert "diverge" in prediction.basis
 
 
+def test_a_user_names_the_peak_as_a_covariate():
+    """A gain that falls with the logarithm of the peak displacement is carried to the next test's."""
+    peaks = 20.0 * np.exp(np.linspace(0.0, 1.5, 16))
+    tests = [rig_test(n, A=1.0 - 0.01 * np.log(peak / 20.0), peak_mm=peak) for n, peak in enumerate(peaks)]
+    coming = NextTest(covariates={"peak_mm": 60.0})
+    interval = predict_next(rig_table(tests), STRUCTURE, coming, threshold=0.05).intervals["A"]
+    assert interval["median"] == pytest.approx(1.0 - 0.01 * np.log(3.0), abs=5e-4)
+    assert interval["high"] - interval["low"] < 2e-3
+
+
 def test_fewer_than_three_tests_are_refused(table):
     with pytest.raises(InputError, match="at least 3 tests"):
         predict_next(table.only([0, 1]), STRUCTURE, NextTest(), threshold=0.05)

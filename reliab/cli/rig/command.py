@@ -228,7 +228,9 @@ class PredictDemand(OfNextTest):
     ] = None
     covariate: Annotated[
         list[str] | None,
-        typer.Option("--covariate", metavar="NAME=NUMBER...", help="Numbers that all tests have."),
+        typer.Option(
+            "--covariate", metavar="NAME=NUMBER...", help="Numbers that all tests have, peak_mm=40 too."
+        ),
     ] = None
     json_target: JsonTarget = None
 
