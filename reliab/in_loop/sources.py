@@ -16,7 +16,6 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error import (
     CALM,
-    CHANCE,
     CLOSE,
     FALSE_ALARMS,
     FEWEST,
@@ -73,7 +72,6 @@ _OF_ENERGY = {
     "FOLLOWS": FOLLOWS,
     "LARGE_MOTION": LARGE_MOTION,
     "GRANTED": GRANTED,
-    "CHANCE": CHANCE,
     "UNSURE": UNSURE,
     "SINGULAR": SINGULAR,
     "SLOWEST": SLOWEST,

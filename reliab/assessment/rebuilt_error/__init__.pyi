@@ -31,7 +31,6 @@ from .specimen_check import (
 )
 from .spread import HALF_WIDTH as HALF_WIDTH, Estimate as Estimate
 from .stability_indicator import (
-    CHANCE as CHANCE,
     FALSE_ALARMS as FALSE_ALARMS,
     FOLLOWS as FOLLOWS,
     GRANTED as GRANTED,

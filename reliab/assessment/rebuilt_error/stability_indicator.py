@@ -43,12 +43,11 @@ SETTLED = 1.0
 FALSE_ALARMS = 0.01
 """Probability of a false alarm in a test of any length."""
 
-INDEPENDENT = 6.0  # samples in a period of which the errors count as independent, at least
+INDEPENDENT = 8.0  # samples in a period of which the errors count as independent, at least
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
 LARGE_MOTION = 0.5  # of the largest power of the motion so far
 GRANTED = 1.6  # times the play that the smallest error shows
 FOLLOWS = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
-CHANCE = 0.5  # of the standard errors that an alarm needs, by which a piston must follow
 UNSURE = 0.5  # of the command, to which the error must be known
 SINGULAR = 1e-12  # determinant of the scaled moments below which they count as singular
 TURNS = 6  # of the iteration for the pole
@@ -127,7 +126,7 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
         high=ratio + needed * deviation,
         large=power > LARGE_MOTION * sums.power,
         known=bool(needed * chance * units[0] < UNSURE),
-        follows=_follows(scale, residual, CHANCE * needed * chance),
+        follows=_follows(scale, residual, needed * chance),
         play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
         amplitude=amplitude,
         of_play=mode.stiffness / (2.0 * np.pi * mode.circular_frequency**2),

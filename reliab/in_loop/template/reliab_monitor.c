@@ -374,7 +374,7 @@ static fitted fit(const reliab_energy *energy, const mode *of)
 static int follows(const fitted *error, double needed)
 {
     const double *scale = error->scale;
-    const double chance = RELIAB_CHANCE * needed * error->chance;
+    const double chance = needed * error->chance;
     const double in_phase = larger(fabs(scale[0] - error->residual[0] * scale[2]) - chance * scale[2], 0.0);
     const double late = larger((fabs(error->residual[1]) - chance) * scale[2], 0.0);
     return sqrt(in_phase * in_phase + late * late) > RELIAB_FOLLOWS * scale[0];

@@ -51,7 +51,7 @@ def test_net_damping_is_that_of_the_pole_with_the_error(slope):
     assert found.ratio == pytest.approx(XI + 0.5 * SHARE * W0 * slope, abs=2e-3)
     residual = strayed - np.array([a, b]) @ basis
     rough = min((weight[1:] @ np.diff(residual) ** 2) / (weight @ residual**2), 1.0)
-    independent = weight.sum() * max(rough / (4.0 - rough), 6.0 * STEP * FREQUENCY)
+    independent = weight.sum() * max(rough / (4.0 - rough), 8.0 * STEP * FREQUENCY)
     variance = np.linalg.inv((basis * weight) @ basis.T)[1, 1] * rest[0] / independent
     assert found.deviation == pytest.approx(0.5 * SHARE * W0 * np.sqrt(variance), rel=0.02)
 
