@@ -24,6 +24,7 @@ _AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural fre
 _LEAD = 1e-5  # s
 _MISSED = 0.3  # of the force on held-out parts, above which a specimen is not learned
 _BEYOND = 0.1  # of the measured range, by which the exact response may leave it
+_LATE = 5e-4  # s, by which a force may seem late
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 
 
@@ -87,6 +88,13 @@ def of_specimen(specimen: MeasuredSpecimen | None) -> Iterator[Contradiction]:
             "out.",
             remedy="Repeat the test with less actuator error, record the force with less lag, or calibrate a "
             "model of the specimen with `reliab diagnose`.",
+        )
+    if specimen.late > _LATE:
+        yield Contradiction(
+            finding=f"The recorded force seems {significant(MILLI * specimen.late, 2)} ms later than the "
+            "displacement: no specimen that stores and dissipates energy gives such a force.",
+            remedy="Measure the lag of the force against the displacement, and state it: `force_channel` "
+            "lag_ms.",
         )
     if specimen.beyond > _BEYOND:
         yield Contradiction(

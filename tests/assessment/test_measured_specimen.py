@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from reliab import assess
+from reliab.assessment.contradictions import of_specimen
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
 from reliab.assessment.measured_specimen.force_channel import columns_of_channel
@@ -264,6 +265,19 @@ def test_what_stands_between_load_cell_and_specimen_is_taken_away_and_widens(
     assert uncertain.value == pytest.approx(known.value, rel=0.02)
     assert uncertain.high - uncertain.low > 1.1 * (known.high - known.low)
     assert uncertain.low < test.error < uncertain.high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lag", [0.0, 0.002])
+def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> None:
+    test = _simulated("bilinear", 8, force_lag=lag)
+    learned = _judged(test)
+    assert learned.late == pytest.approx(lag, abs=0.2e-3)
+    assert _judged(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
+        0.0, abs=0.2e-3
+    )
+    told = [contradiction.finding for contradiction in of_specimen(learned)]
+    assert told == [] if lag == 0.0 else "ms later than the displacement" in told[0]
 
 
 def test_a_channel_of_force_is_stated_name_by_name() -> None:

@@ -17,6 +17,7 @@ from reliab.assessment.measured_specimen.searching import search_laws
 _REFINEMENTS = (1.15, 1.07, 1.035, 1.017)
 _QUARTERS = 4
 _NOISIER = 1.1  # times the noise that is estimated, which held-out parts may leave
+_BETTER = 0.9  # times what is left unexplained, below which a lag of the force is believed
 _DIGITS = 7  # of the share that a row has in another, to which two rows are alike
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _REFINED = ("plain", "gaps", "smooth", "memory", "all")
@@ -78,6 +79,19 @@ def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpec
         held_out=held_out,
         missed=float(np.sqrt(max(held_out**2 - (_NOISIER * path.noisy) ** 2, 0.0))),
     )
+
+
+def late_by(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> float:
+    """Time by which a force seems late [s]: held-out parts are then predicted better; 0 where they are not.
+
+    `late`: what a unit of lag adds to the force [N/s], shape (n,). No specimen that stores and dissipates
+    gives such a force; one that is early looks like a dashpot, and is not found.
+    """
+    wanted = path.force[:: path.every]
+    seen = path.seen(specimen.elements.along(path.displacement, path.time_step, path.used))
+    rows = np.vstack([seen, late[:: path.every]])
+    better = _held_out(rows, wanted, path.blocks) < _BETTER * specimen.held_out
+    return float(fit(rows, wanted)[-1]) if better else 0.0
 
 
 def _held_out(rows: Array, wanted: Array, blocks: NDArray[np.int64]) -> float:

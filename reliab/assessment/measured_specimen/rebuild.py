@@ -19,7 +19,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, learn_specimen
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
@@ -68,6 +68,7 @@ class MeasuredSpecimen:
     rebuilt: RebuiltError  # The error, its interval and the exact response
     families: tuple[FamilyOfSpecimen, ...]  # Families of elements that learned the specimen, the best first
     force: Array  # Force that the specimen would have had along the exact response [N], shape (n,)
+    late: float  # Time by which the force seems to follow the displacement late, beyond what is stated [s]
     beyond: float  # How far the exact response leaves the range of the measured one, over the range [-]
 
     @property
@@ -206,6 +207,7 @@ def _concluded(
             for specimen, weight, response in zip(learned, test.weights, responses, strict=True)
         ),
         force=np.interp(places, np.arange(thin.command.size), test.force_of(learned[0], reference)),
+        late=late_by(test.path, learned[0], test.added[0]),
         beyond=_beyond(reference, thin.measured),
     )
 
