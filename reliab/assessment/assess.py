@@ -137,10 +137,24 @@ def assess(
         force_channel=force_channel,
         seed=seed,
     )
+    return _examined(recording, question, chosen, motion, assumed, taper)
+
+
+def _examined(
+    recording: Recording,
+    question: Question,
+    chosen: Criterion,
+    motion: Motion | None,
+    assumed: tuple[str, ...],
+    taper: str,
+) -> Assessment:
+    structure = question.structure
     faults = _faults(recording, question, taper)
     clean = repaired(recording, faults)
-    tracking = track(clean, window=taper, seed=seed)
+    tracking = track(clean, window=taper, seed=question.seed)
     judged = _judged(recording, clean, faults, question)
+    turning = examine_turning(judged.error, recording, question)
+    verdict = judged.verdict(_with_any_damping(clean, question) if assumed else ())
     assessment = Assessment(
         recording=recording,
         structure=structure,
@@ -157,8 +171,8 @@ def assess(
         faults=judged.effects,
         equation=judged.equation,
         otherwise_stated=judged.otherwise,
-        verdict=judged.verdict(_with_any_damping(clean, question) if assumed else ()),
-        turning=examine_turning(judged.error, recording, question),
+        verdict=turning.limit(verdict),
+        turning=turning,
         assumed=assumed,
         column_doubts=tuple(of_columns(recording, tracking)),
     )

@@ -108,16 +108,6 @@ def assess_frame(
         threshold, metric = criterion.threshold, Metric(criterion.metric)
     if "scale" in stated:
         recording = replace(recording, measured=recording.measured / stated["scale"].value)
-    require_length(recording, mode.frequency)
-    require_drawable(recording, whole_structure(frame.partition))
-    require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
-    bridged, *_ = without_spikes(recording)
-    faults = find_faults(
-        recording,
-        track(bridged, draws=_FEW_DRAWS),
-        threshold=threshold,
-        experimental_fraction=_share_at_rest(frame.partition),
-    )
     question = Question(
         structure=mode,
         stated=stated,
@@ -128,10 +118,28 @@ def assess_frame(
         seed=0,
         linear_specimen=linear_specimen,
     )
+    return _examined(recording, frame, question, criterion)
+
+
+def _examined(
+    recording: Recording, frame: FrameUnderTest, question: Question, criterion: Criterion | None
+) -> FrameAssessment:
+    mode = question.structure
+    require_length(recording, mode.frequency)
+    require_drawable(recording, whole_structure(frame.partition))
+    require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
+    bridged, *_ = without_spikes(recording)
+    faults = find_faults(
+        recording,
+        track(bridged, draws=_FEW_DRAWS),
+        threshold=question.threshold,
+        experimental_fraction=_share_at_rest(frame.partition),
+    )
     rebuilt = _rebuilding(frame, question)
     error, effects = error_with_faults(recording, faults, rebuilt)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
+    turning = examine_turning(error, recording, question)
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -141,8 +149,8 @@ def assess_frame(
         error=error,
         resolved=_resolved(sound, over_frequency, error),
         faults=effects,
-        verdict=verdict_of_error(error, effects, OwnEquation(), ()),
-        turning=examine_turning(error, recording, question),
+        verdict=turning.limit(verdict_of_error(error, effects, OwnEquation(), ())),
+        turning=turning,
         critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
         criterion=criterion,
         population=None

@@ -1,17 +1,18 @@
 """What was not stated and would turn a verdict, against simulations by another code."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
 from reliab.assessment import assess
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget import Equipment, ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
+from reliab.assessment.verdict import Verdict, Word
 from reliab.assessment.yielding import DUCTILITIES, errors_of_ductilities
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -111,3 +112,27 @@ def test_assess_states_what_would_turn_its_verdict(linear):
     assert content["verdict"] == "reliable"
     assert set(content["would_turn"]) == {"smallest_ductility", "error_if_yielding", "highest_filter_hz"}
     assert any("No force was recorded" in warning for warning in content["warnings"])
+
+
+def test_no_test_is_reliable_that_a_specimen_that_yielded_would_turn():
+    lab = Lab(0.6, 0.05, 1.0, DELAY, (0.98, 0.0, 0.0, 0.0))
+    outcome = run(lab, synthetic_ground(5, 15.0))
+    recording = Recording(command=outcome.command, measured=outcome.measured, time_step=STEP)
+    small = {field.name: 1e-9 for field in fields(Equipment) if field.name != "yielding"}
+    known = replace(ordinary_equipment(), **small)
+    structure = Structure(frequency=0.6, damping_ratio=0.05)
+    found = assess(recording, structure, equipment=known, threshold=0.026)
+    assert found.turning.smallest_ductility is not None
+    assert found.probability > 0.95
+    assert any("had it yielded, for instance" in reason for reason in found.verdict.reasons)
+    linear = assess(recording, structure, equipment=known, threshold=0.026, linear_specimen=True)
+    assert not any("yielded" in reason for reason in linear.verdict.reasons)
+
+
+@pytest.mark.parametrize("word", Word)
+def test_only_a_reliable_verdict_is_limited_by_yielding(word):
+    verdict = Verdict(word=word, reasons=("By its error.",))
+    turning = Turning(smallest_ductility=2.0, error_if_yielding=(0.01, 0.07))
+    expected = Word.UNDECIDED if word is Word.RELIABLE else word
+    assert turning.limit(verdict).word is expected
+    assert Turning(error_if_yielding=(0.01, 0.02)).limit(verdict) is verdict

@@ -27,9 +27,7 @@ from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
-from reliab.effects import Hysteresis
-from reliab.effects.effect import Setting
-from reliab.effects.kernel import call_kernel, pointer_to
+from reliab.effects import Hysteresis, Setting, call_kernel, pointer_to
 
 _CORRECTIONS = 2
 _EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
