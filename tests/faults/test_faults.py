@@ -11,8 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 import h5py
 import pytest
 
-from faults.commands import SAMPLING, WORKS, material, results
-from faults.crashing import Forks, command
+from faults.commands import SAMPLING, WORKS, results
+from faults.crashing import command
 
 INSTANTS = int(os.environ.get("FAULTS", "5"))
 """How often each kind of fault happens to each command."""
@@ -24,20 +24,6 @@ YEAR = 365.25 * 86_400.0
 NOWHERE = dict.fromkeys(
     ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "NUMBA_CACHE_DIR", "MPLCONFIGDIR"), "/proc/nowhere"
 )
-
-
-@pytest.fixture(scope="session")
-def sources(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("sources")
-    material(folder)
-    return folder
-
-
-@pytest.fixture(scope="session")
-def forks():
-    running = Forks()
-    yield running
-    running.close()
 
 
 @pytest.fixture(scope="session")
