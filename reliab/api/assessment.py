@@ -16,6 +16,7 @@ from reliab.api.arguments import (
 )
 from reliab.api.channels import Channels, Test, is_test
 from reliab.api.several_tests import Judge, assess_each, name_of_test
+from reliab.api.stated_structure import exactly_stated, stated_by_model, stated_of_test
 from reliab.assessment import (
     Assessment,
     Assessments,
@@ -34,7 +35,6 @@ from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.motions import Motion, read_motion
 from reliab.progress import Progress, silent
-from reliab.recordings import Recording
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
@@ -51,8 +51,6 @@ _ASSUMED = (
 _BESIDE_SEVERAL = "beside a `structure` with several actuators"
 _LINEAR, _MEASURED = "linear", "measured"
 _SPECIMENS = (_LINEAR, _MEASURED)
-_SAME = 0.01
-"""Relative difference up to which a stated structure is that of a model."""
 
 _NOT_FOR_FRAMES = {
     "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
@@ -356,13 +354,13 @@ class _Terms:
         criterion = self._own_criterion()
         measured = self._specimen_is_measured()
         of_force = self._channel_of_force()
-        numbers = {**({} if structure is None else _exactly(structure)), **self.numbers}
+        numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
         numbers |= stated_of_filters(self.filters)
         equipment = known_equipment(self.equipment, exact=self.exact)
 
         def judge(channels: Channels, test: Test) -> Assessment:
             recording = channels.read(test)
-            stated = _stated(recording, numbers, {} if model is None else _of_model(model))
+            stated = stated_of_test(recording, numbers, {} if model is None else stated_by_model(model))
             assumed = () if "xi" in stated else (_ASSUMED,)
             complete = {
                 "xi": _ASSUMED_DAMPING,
@@ -472,41 +470,3 @@ class _Terms:
             )
 
         return judge
-
-
-def _exactly(structure: Structure) -> dict[str, StatedValue]:
-    return {
-        "f": StatedValue(structure.frequency),
-        "xi": StatedValue(structure.damping_ratio),
-        "alpha": StatedValue(structure.experimental_fraction),
-    }
-
-
-def _of_model(model: UpdatedModel) -> dict[str, StatedValue]:
-    return {} if model.test.structure is None else _exactly(model.test.structure)
-
-
-def _stated(
-    recording: Recording, numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
-) -> dict[str, StatedValue]:
-    """Take what is stated, else what the model or the file's header states; check that they agree."""
-    if "mass" in numbers and recording.force is None:
-        raise unused("mass", "without a column of force")
-    stated = {**recording.stated, **of_model, **numbers}
-    require_positive(stated)
-    if "f" not in stated:
-        raise InputError(
-            "The natural frequency of the structure must be stated",
-            value="no `f`",
-            remedy='Give it in hertz, `f=1` or `f="1±0.01"`; the verdict rests on it',
-            where=recording.name,
-        )
-    for name, value in of_model.items():
-        if abs(stated[name].value / value.value - 1.0) > _SAME:
-            raise InputError(
-                "The structure must be that of the model",
-                value=f"{name} = {stated[name]} against {value}",
-                remedy=f"Leave `{name}` out, or calibrate the model for this structure",
-                where=recording.name,
-            )
-    return stated

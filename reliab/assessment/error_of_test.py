@@ -63,8 +63,8 @@ class Question:
     equipment: Equipment | None  # What is not known where nothing is stated; None: everything is exact
     metric: Metric  # Which error
     threshold: float  # Error of the whole test [-]
-    model: UpdatedModel | None  # Calibrated model of a nonlinear specimen
-    seed: int  # Seed of the draws
+    model: UpdatedModel | None = None  # Calibrated model of a nonlinear specimen
+    seed: int = 0  # Seed of the draws
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
     linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
     force_channel: ForceChannel | None = None  # What is stated of the force of a measured specimen
