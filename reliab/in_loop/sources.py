@@ -255,7 +255,7 @@ def _modes(watched: Sequence[WatchedMode]) -> list[str]:
         f"static const mode WATCHED[{len(watched)}] = {{",
         *(f"    {_mode(mode)}," for mode in watched),
         "};",
-        f"static const char *const REASONS[{len(watched)}] = {{",
+        f"static const char REASONS[{len(watched)}][96] = {{",
         *(f'    "the loop gains energy in its mode of {hertz} Hz and may diverge",' for hertz in frequencies),
         "};",
     ]
