@@ -114,7 +114,7 @@ def _of_specimens(rows: Sequence[Mapping[str, Any]]) -> list[Array]:
     """One indicator for each of the specimens that had most tests, but the first one."""
     names = [str(row.get("specimen") or "") for row in rows]
     usual = sorted(set(names) - set(names[:1]), key=names.count, reverse=True)[:_MOST_SPECIMENS]
-    return [np.array([float(name == one) for name in names]) for one in usual]
+    return [np.array([float(name == specimen) for name in names]) for specimen in usual]
 
 
 def _size(values: Array, since: int, began: int, noticed: int) -> float:

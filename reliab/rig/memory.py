@@ -112,8 +112,8 @@ class Memory:
 
     def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
         """Circumstances of the next test."""
-        stated = coming.covariates or {}
-        numbers = {name: _scaled(name, np.array([value])) for name, value in stated.items()}
+        covariates = (coming.covariates or {}).items()
+        numbers = {name: _scaled(name, np.array([value])) for name, value in covariates}
         if coming.peak is not None:
             numbers["peak_mm"] = _scaled("peak_mm", np.array([coming.peak]))
         if structure is not None:
@@ -169,8 +169,8 @@ class Memory:
     def diverging(self) -> bool:
         """Whether most tests were later than a loop bears: a delay τ takes αAωτ off 2ξ (Horiuchi 1999)."""
         f, xi, alpha = (self.table.numbers(name) for name in ("f", "xi", "alpha"))
-        taken = alpha * self.amplitude * 2.0 * np.pi * f * self.delay / MILLI
-        return bool(np.median(taken - 2.0 * xi) > 0.0)
+        lost = alpha * self.amplitude * 2.0 * np.pi * f * self.delay / MILLI
+        return bool(np.median(lost - 2.0 * xi) > 0.0)
 
     def log_scale(self, structure: Structure) -> float:
         """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""

@@ -87,7 +87,7 @@ class _Watch:
         return self._watched
 
     def _compare(self, place: int) -> None:
-        predicted = self._prediction.of(self._rows[place])
+        predicted = self._prediction.predict(self._rows[place])
         if predicted is None:
             return
         centre, spread, degrees = predicted
@@ -180,7 +180,7 @@ class _Prediction:
         self._scores: list[float] = []
         self.count = 0  # Tests since the level was forgotten
 
-    def of(self, row: Array) -> tuple[float, float, float] | None:
+    def predict(self, row: Array) -> tuple[float, float, float] | None:
         """Centre, spread and degrees of freedom of a test; None where too few are known."""
         if self._degrees < _FEWEST - 1 or self.count == 0:
             return None
