@@ -90,6 +90,13 @@ def test_a_test_left_out_is_predicted_as_if_it_had_never_been():
         assert quantity.left_out[inside] == pytest.approx(residual / np.sqrt(variance))
 
 
+@pytest.mark.parametrize("count", [3, 4, 9])
+def test_few_tests_of_which_most_are_alike_are_not_certain(count):
+    values = np.append(np.full(count - 1, 2.0), 2.5)
+    low, high = learned(values, np.arange(count)).quantiles(NEXT, (0.05, 0.95))[:, 0]
+    assert high - low > 0.5
+
+
 def test_one_test_far_off_does_not_widen_the_shape():
     usual = np.random.default_rng(23).normal(size=30)
     names = np.arange(30).astype(str)

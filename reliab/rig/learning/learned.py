@@ -17,6 +17,7 @@ _DEGREES = (2.5, 4.0, 8.0, 30.0)
 _DRAWS_USED = 20
 _SMALLEST = 1e-9
 _STRAYED = 4.0  # spreads, beyond which a test counts as so far off
+_FEWEST_FOR_ODD, _MOST_ODD = 10, 0.2  # tests, and share of them, that may be odd
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,11 +139,15 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
 def shape_of(residuals: Array, events: NDArray[np.str_]) -> MotionPredictive:
     """Distribution of a further standardised residual, from those of tests whose earthquake was left out.
 
-    One test far off does not widen the fitted shape, which nine of ten follow.
+    One test far off does not widen the fitted shape, which nine of ten follow. Of fewer tests than ten, or
+    where many are far off, nobody can tell which are the odd ones.
     """
     centre = float(np.median(residuals))
     reach = _STRAYED * _median_spread(residuals, centre)
-    return MotionPredictive.fit(np.clip(residuals, centre - reach, centre + reach)[:, None], events)
+    near = np.clip(residuals, centre - reach, centre + reach)
+    if residuals.size >= _FEWEST_FOR_ODD and np.mean(near != residuals) <= _MOST_ODD:
+        residuals = near
+    return MotionPredictive.fit(residuals[:, None], events)
 
 
 def _mean_of_known(scores: Array) -> float | None:
