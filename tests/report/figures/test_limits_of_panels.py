@@ -97,7 +97,7 @@ def test_panels_of_a_rig_hold_its_tests_the_next_one_and_the_threshold():
         changes=(SimpleNamespace(noticed=4),),
     )
     columns = {"rms": error, "peak_mm": np.full(count, 20.0)}
-    rows = [{"reliable": place != 2} for place in range(count)]
+    rows = [{"reliable": place != 2, "peak_mm": 20.0} for place in range(count)]
     table = SimpleNamespace(numbers=columns.__getitem__, rows=rows)
     panels = rig_over_time(table, chart, COMING, 0.08).axes
     reach = np.ptp(np.quantile(gain, [0.01, 0.99]))
