@@ -143,7 +143,7 @@ def frame_of(share):
 def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
     """The error moves the other mode as well, by whose motion it is changed."""
     _, damping, stiffness, interface, specimen = frame_of(0.6)
-    mode = next(one for one in watched_modes(*frame_of(0.6), STEP) if one.place == place)
+    mode = next(one for one in watched_modes(*frame_of(0.6), time_step=STEP) if one.place == place)
     a, b = -0.1, -0.02
     error = interface @ specimen @ interface.T
     whole, coupled = stiffness + a * error, damping + b * error
