@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from faults.commands import DRAWING, WRITING, material, results
+from faults.commands import DRAWING, WRITING, results
 from faults.crashing import command
 from reliab.cli import main, run
 
@@ -15,13 +15,6 @@ PLACES = {
     "ASCII": {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"},
     "two threads": {"OMP_NUM_THREADS": "2", "NUMBA_NUM_THREADS": "2", "PYTHONHASHSEED": "7"},
 }
-
-
-@pytest.fixture(scope="module")
-def sources(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("sources")
-    material(folder)
-    return folder
 
 
 @pytest.fixture(scope="module")
