@@ -11,7 +11,8 @@ interval holds the true error.
 
 `--imperfect`: structure and sensors are not as stated. Frequencies are off by ±2 %, damping ratios by ±15 %,
 the specimen's share by ±1 % (standard deviations), each sensor's scale by ±0.6 % and its clock by up to a
-sample either way; the interval is that of ordinary equipment. Verdicts against 5 % are counted.
+sample of the converter (`--clock`, 1024 Hz) either way; the interval is that of ordinary equipment. Verdicts
+against 5 % are counted.
 """
 
 import argparse
@@ -37,6 +38,7 @@ from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction 
 from reliab.structures import CoupledPartition, Structure  # noqa: E402
 
 RATE = 512.0
+CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE
 LONGEST = 30.0  # s
 LONGEST_LAG = 8e-3  # s, of actuators; shorter until the loop is stable
 THRESHOLD = 0.05
@@ -76,6 +78,7 @@ def tests(
     levels: list[float],
     *,
     imperfect: bool,
+    clock: float,
 ) -> Iterator[dict[str, object]]:
     """Simulate a test and judge it at each level of noise."""
     rng = np.random.default_rng([seed, len(name)])
@@ -91,7 +94,7 @@ def tests(
     strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
     command, measured = kinematics @ run.command, kinematics @ run.measured
-    read = read_by_chance(measured, rng) if imperfect else measured
+    read = read_by_chance(measured, rng, clock) if imperfect else measured
     equipment = ordinary_equipment() if imperfect else None
     lowest = float(partition.natural_frequencies[0])
     mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
@@ -132,10 +135,11 @@ def off_by_chance(partition: CoupledPartition, rng: np.random.Generator) -> Coup
     return partition.scaled(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
 
 
-def read_by_chance(measured: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Readings of sensors whose scales and clocks are not as those of the commands."""
+def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float) -> np.ndarray:
+    """Readings of sensors whose scales and clocks are not as those of the commands; `clock` [Hz]."""
     times = np.arange(measured.shape[1], dtype=float)
-    skews = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))  # samples
+    spaced = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))
+    skews = RATE / clock * spaced  # samples
     scales = 1.0 + 0.006 * rng.standard_normal(len(measured))
     return np.stack(
         [
@@ -171,12 +175,21 @@ def main() -> None:
     parser.add_argument("--decibels", type=float, nargs="+", default=[40.0])
     parser.add_argument("--structures", nargs="+", choices=list(structures()), default=list(structures()))
     parser.add_argument("--imperfect", action="store_true")
+    parser.add_argument("--clock", type=float, default=CLOCK)
     asked = parser.parse_args()
     records = sorted(asked.folder.rglob("*.AT2"))
     rows = []
     for name in asked.structures:
         for seed in range(asked.seed, asked.seed + asked.count):
-            rows += tests(name, *structures()[name], seed, records, asked.decibels, imperfect=asked.imperfect)
+            rows += tests(
+                name,
+                *structures()[name],
+                seed,
+                records,
+                asked.decibels,
+                imperfect=asked.imperfect,
+                clock=asked.clock,
+            )
         state(pd.DataFrame(row for row in rows if row["structure"] == name))
     if len(asked.structures) > 1:
         state(pd.DataFrame(rows))
