@@ -13,6 +13,7 @@ from fuzz.damage import write
 
 from reliab.motions.writing import write_suite
 from reliab.sweep import write_ellipses
+from reliab.unfinished import UNFINISHED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,6 +165,5 @@ def results(folder: Path) -> dict[str, str]:
         if path.is_file()
         and path.suffix != ".lock"
         and path.name != "manifest.json"
-        and not path.name.startswith(".unfinished-")
-        and not any(part.endswith(".unfinished") for part in path.parts)
+        and not any(part.startswith(UNFINISHED) for part in path.relative_to(folder).parts)
     }
