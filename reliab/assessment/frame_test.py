@@ -114,8 +114,6 @@ def assess_frame(
         equipment=equipment,
         metric=metric,
         threshold=threshold,
-        model=None,
-        seed=0,
         linear_specimen=linear_specimen,
     )
     return _examined(recording, frame, question, criterion)

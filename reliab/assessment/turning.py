@@ -20,6 +20,7 @@ from reliab.vocabulary import Metric
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
 """Corners of a filter of second order on one channel [Hz], from the weakest filter that is tried."""
 
+_UNKNOWN = "No force was recorded, and nobody stated that the specimen is linear: had it yielded"
 _YIELDING = "Record the force of the specimen, or state `specimen` as linear if it was."
 
 
@@ -45,9 +46,8 @@ class Turning:
             return verdict
         largest = percent(max(self.error_if_yielding or (0.0,)), decimals=2)
         reason = (
-            "No force was recorded, and nobody stated that the specimen is linear: had it yielded, for "
-            f"instance to a ductility of {significant(self.smallest_ductility)}, the error would lie above "
-            f"the threshold, at most at {largest}."
+            f"{_UNKNOWN}, for instance to a ductility of {significant(self.smallest_ductility)}, the error "
+            f"would lie above the threshold, at most at {largest}."
         )
         return verdict.doubted([reason], [_YIELDING])
 
@@ -65,8 +65,7 @@ class Turning:
                 else f"and a ductility of {significant(self.smallest_ductility)} would turn the verdict"
             )
             yield (
-                "No force was recorded, and nobody stated that the specimen is linear: had it yielded, to a "
-                f"ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
+                f"{_UNKNOWN}, to a ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
                 f"{percent(low, decimals=2)} to {percent(high, decimals=2)}, {turns}."
             )
         if self.highest_filter is not None:

@@ -48,7 +48,7 @@ def _refined(path: MeasuredPath, elements: Elements) -> Elements:
     """Refine the sizes of elements that bear a part."""
     wanted = path.force[:: path.every]
     for ratio in _REFINEMENTS:
-        seen = path.seen(elements.along(path.displacement, path.time_step, path.used))
+        seen = path.responses(elements)
         distinct = _distinct(seen)
         elements = elements.only(distinct).refined(fit(seen[distinct], wanted), ratio, path.largest)
     return elements
@@ -64,7 +64,7 @@ def _distinct(rows: Array) -> NDArray[np.int64]:
 def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpecimen:
     """Fit elements, and predict what had no part in the fit."""
     wanted = path.force[:: path.every]
-    seen = path.seen(elements.along(path.displacement, path.time_step, path.used))
+    seen = path.responses(elements)
     distinct = _distinct(seen)
     elements, seen = elements.only(distinct), seen[distinct]
     coefficients = fit(seen, wanted)
@@ -88,7 +88,7 @@ def late_by(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> float
     gives such a force; one that is early looks like a dashpot, and is not found.
     """
     wanted = path.force[:: path.every]
-    seen = path.seen(specimen.elements.along(path.displacement, path.time_step, path.used))
+    seen = path.responses(specimen.elements)
     rows = np.vstack([seen, late[:: path.every]])
     better = _held_out(rows, wanted, path.blocks) < _BETTER * specimen.held_out
     return float(fit(rows, wanted)[-1]) if better else 0.0

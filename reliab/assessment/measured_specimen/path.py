@@ -8,6 +8,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.assessment.measured_specimen.elements import Elements
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 
 _RIDGE = 1e-8  # of an element's own mean square
@@ -53,6 +54,10 @@ class MeasuredPath:
         """Number of the block of each sample that is fitted."""
         times = np.arange(0, self.displacement.size, self.every) * self.time_step
         return np.asarray(times / self.block, dtype=np.int64)
+
+    def responses(self, elements: Elements) -> Array:
+        """Displacements of elements along the path, as the channels see them, shape (elements, m)."""
+        return self.seen(elements.along(self.displacement, self.time_step, self.used))
 
     def seen(self, rows: Array) -> Array:
         """Pass histories, shape (rows, n), through the filter of the channels, and thin them by `every`."""

@@ -25,7 +25,13 @@ from reliab.assessment.rebuilt_error.channels import checked_histories, stated_s
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, columns_of_reading, draw_unknown
+from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
+    Histories,
+    Unknown,
+    columns_of_reading,
+    draw_unknown,
+)
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
@@ -176,7 +182,6 @@ def _concluded(
     command, thin, learned = histories.command, test.thin, test.learned
     unknown = Unknown(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
     differences = draw_differences(command, read, noise, test.structure.frequency, every, DRAWS, seed)
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     responses = [test.response(specimen) for specimen in learned]
     reference = responses[0]
     places = np.arange(command.size) / every
@@ -189,7 +194,7 @@ def _concluded(
             whole_reference,
             structure=whole_structure(test.structure),
             noise=noise,
-            as_stated=test.spread(few, exact, places, seed, carried=0.0),
+            as_stated=test.spread(few, EXACT, places, seed, carried=0.0),
             spread=test.spread(differences, unknown, places, seed, carried=1.0),
             differences=differences,
             every=every,
@@ -324,10 +329,7 @@ class _Test:
             family: self.learned[family].elements.along(thin.command, step, used)
             for family in np.unique(families).tolist()
         }
-        seen = {
-            family: self.path.seen(self.learned[family].elements.along(thin.measured, step, used))
-            for family in of_command
-        }
+        seen = {family: self.path.responses(self.learned[family].elements) for family in of_command}
         strayed = carried * self.channel.deviations * generator.standard_normal((len(differences), 3))
         added_seen = self.added[:, :: self.path.every]
         for row, difference in enumerate(differences):

@@ -36,7 +36,7 @@ _GAIN = 1e-3  # of the squared misfit, below which a step is the last one
 def search_laws(path: MeasuredPath) -> Elements:
     """Laws of hysteresis with the traits that explain the force best."""
     beside = elements_of_family("laws", path.largest, path.speed)
-    rows = path.seen(beside.along(path.displacement, path.time_step, path.used))
+    rows = path.responses(beside)
     found = [_search(path, kind, traits, rows) for kind, traits in _LAWS.items()]
     return reduce(Elements.beside, found)
 
@@ -59,7 +59,7 @@ def _search(
         return with_traits(kind, values[0] * path.largest, values[1:], path.speed)
 
     def missed(logits: Array) -> Array:
-        row = path.seen(element(logits).along(path.displacement, path.time_step, path.used))
+        row = path.responses(element(logits))
         rows = np.vstack([row, beside])
         left = (wanted - fit(rows, wanted) @ rows) / (unit * np.sqrt(wanted.size))
         return np.concatenate([left, _PRIOR * (logits - begin)])

@@ -25,6 +25,16 @@ def relative_errors(strayed: Array, reference: Array) -> tuple[float, float]:
 
 
 @compiled
+def tally(
+    sums: tuple[float, float, float], strayed: float, exact: float, weight: float, band: Array, sample: int
+) -> tuple[float, float, float]:
+    """Add a sample to the weighted squares of x_m − x_I, its peak and that of x_I, and to the band."""
+    band[0, sample] += strayed
+    band[1, sample] += strayed * strayed
+    return sums[0] + weight * strayed * strayed, max(sums[1], abs(strayed)), max(sums[2], abs(exact))
+
+
+@compiled
 def sweep_draws(
     decay: Array,
     early: Array,
@@ -51,7 +61,7 @@ def sweep_draws(
     scratch = np.empty(state.shape[1])
     for draw in range(draws):
         row = draw % differences.shape[0]
-        total, peak, ideal = 0.0, 0.0, 0.0
+        sums = (0.0, 0.0, 0.0)
         before = 0.0
         held = state[draw]
         for i in range(size):
@@ -65,14 +75,7 @@ def sweep_draws(
             error = feed_through[draw] * now
             for column in range(held.size):
                 error += output[draw, column] * held[column]
-            strayed = error - difference
             weight = 0.5 if i in (0, size - 1) else 1.0
-            total += weight * strayed * strayed
-            peak = max(peak, abs(strayed))
-            ideal = max(ideal, abs(command[i] - error))
-            band[0, i] += strayed
-            band[1, i] += strayed * strayed
-        answer[draw, 0] = total / (size - 1)
-        answer[draw, 1] = peak
-        answer[draw, 2] = ideal
+            sums = tally(sums, error - difference, command[i] - error, weight, band, i)
+        answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
     return answer

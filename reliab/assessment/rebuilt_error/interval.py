@@ -53,6 +53,10 @@ class Unknown:
         return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
 
 
+EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+"""Nothing is uncertain but noise."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histories:
     """Histories from which the error is rebuilt, without the sensor's offset."""

@@ -14,7 +14,7 @@ which is the ground acceleration where model and test agree; the recorded one is
 this is the equation of `rebuild`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +24,7 @@ from reliab.assessment.rebuilt_error.channels import checked_histories, stated_s
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
     LAST,
     Histories,
     Unknown,
@@ -99,7 +100,6 @@ def rebuild_with_specimen(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
     differences = draw_differences(command, read, noise, lowest, every, draws, seed)
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     few = differences[: 2 * _DRAWS_AS_STATED : 2]
     return conclude(
         histories,
@@ -107,10 +107,8 @@ def rebuild_with_specimen(
         reference,
         structure=tangent,
         noise=noise,
-        as_stated=sweep_models([perfect] * len(few), histories, {}, exact, few, every, seed=seed),
-        spread=sweep_models(
-            [perfect] * draws, histories, deviations or {}, unknown, differences, every, seed=seed
-        ),
+        as_stated=sweep_model(perfect, histories, {}, EXACT, few, every, seed=seed),
+        spread=sweep_model(perfect, histories, deviations or {}, unknown, differences, every, seed=seed),
         differences=differences,
         every=every,
         unknown=unknown,
@@ -160,8 +158,8 @@ def reference_of_model(perfect: HybridTest, histories: Histories, *, command: Mo
     return np.asarray(reference, dtype=np.float64)
 
 
-def sweep_models(
-    models: Sequence[HybridTest],
+def sweep_model(
+    model: HybridTest,
     histories: Histories,
     deviations: Mapping[str, float],
     unknown: Unknown,
@@ -170,23 +168,23 @@ def sweep_models(
     *,
     seed: int,
 ) -> Spread:
-    """Draw the error with one model of the specimen, with a perfect actuator, for each of the `differences`.
+    """Draw the error with a model of the specimen, with a perfect actuator, for each of the `differences`.
 
-    `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the models' parameters.
+    `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the model's parameters.
     """
     thin = histories.thinned(every)
     command = Motion3.through(thin.command, thin.time_step)
     velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
-    nominal = _statistics(thin.measured, reference_of_model(models[0], thin, command=command))
-    fine = _statistics(histories.measured, reference_of_model(models[0], histories))
+    nominal = _statistics(thin.measured, reference_of_model(model, thin, command=command))
+    fine = _statistics(histories.measured, reference_of_model(model, histories))
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
     stated = unknown.deviations()
     drawn, _ = draw_unknown(unknown, len(differences), seed)
     columns = columns_of_reading(thin, drawn)
     added = [drawn[name][:, np.newaxis] * columns[name] for name in LAST if name in drawn]
-    for row, (model, difference) in enumerate(zip(models, differences, strict=True)):
+    for row, difference in enumerate(differences):
         changed = _drawn(
             model, deviations, stated["frequency"], float(drawn["damping_ratio"][row]), generator
         )

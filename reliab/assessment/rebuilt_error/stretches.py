@@ -19,7 +19,14 @@ from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import FEWEST_SWEPT, Histories, Unknown, samples_in_step, sweep
+from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
+    FEWEST_SWEPT,
+    Histories,
+    Unknown,
+    samples_in_step,
+    sweep,
+)
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
@@ -129,12 +136,11 @@ def draw_error(
     def swept(unknown: Unknown, differences: Array, draws: int, before: Swept | None) -> Swept:
         return sweep(histories, structure, unknown, differences, every, draws=draws, seed=seed, before=before)
 
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     error = ErrorSoFar(
         noise=noise,
         start=start,
         unknown=unknown,
-        stated=swept(exact, differences[::2], draws // 2, None if before is None else before.stated),
+        stated=swept(EXACT, differences[::2], draws // 2, None if before is None else before.stated),
         swept=swept(unknown, differences, draws, None if before is None else before.swept),
     )
     return error, Drawn(histories=histories, differences=differences, every=every)

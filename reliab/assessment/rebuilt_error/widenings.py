@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, sweep
+from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown, sweep
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.vocabulary import Metric
 
@@ -57,12 +56,11 @@ def widenings(
     parts = [
         _widening(effect, every_one, metric, unknown.deviations()[name]) for name, effect in effects.items()
     ]
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     parts.append(
         Widening(
             name="sensor_noise",
             deviation=0.0,
-            contribution=float(np.std(swept(exact).errors(metric))),
+            contribution=float(np.std(swept(EXACT).errors(metric))),
             width=whole,
             width_without=_width(quiet, metric),
             deviation_for_half=None,

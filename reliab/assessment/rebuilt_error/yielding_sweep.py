@@ -14,7 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.error_statistics import tally
 from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
     Histories,
     Unknown,
     draw_unknown,
@@ -24,13 +26,11 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.recursion import advance
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, call_kernel, pointer_to
 
 _CORRECTIONS = 2
-_EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
 
 
 def yielding_specimen(displacement: float, hardening: float, sharpness: float) -> Hysteresis:
@@ -85,7 +85,7 @@ def errors_if_yielding(
     """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated."""
     draws = len(specimens)
     band = np.zeros((2, histories.command.size))
-    exact = {name: np.zeros(draws) for name in _EXACT.deviations()}
+    exact = {name: np.zeros(draws) for name in EXACT.deviations()}
     difference = histories.difference[np.newaxis]
     return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, band)
 
@@ -155,7 +155,7 @@ def _sweep(
     scratch, motion = np.empty(state.shape[1]), np.zeros(3)
     for draw in range(draws):
         row = draw % differences.shape[0]
-        total, peak, ideal = 0.0, 0.0, 0.0
+        sums = (0.0, 0.0, 0.0)
         before, slip_before, slip = 0.0, 0.0, 0.0
         held, slipped = state[draw], np.zeros(state.shape[1])
         of_test, of_response, tried = np.zeros(4), np.zeros(4), np.zeros(4)
@@ -183,16 +183,9 @@ def _sweep(
             for column in range(held.size):
                 slipped[column] += late[draw, column] * slip * min(i, 1)  # the first sample begins the test
             before, slip_before = now, slip
-            strayed = error - difference
             weight = 0.5 if i in (0, size - 1) else 1.0
-            total += weight * strayed * strayed
-            peak = max(peak, abs(strayed))
-            ideal = max(ideal, abs(command[i] - error))
-            band[0, i] += strayed
-            band[1, i] += strayed * strayed
-        answer[draw, 0] = total / (size - 1)
-        answer[draw, 1] = peak
-        answer[draw, 2] = ideal
+            sums = tally(sums, error - difference, command[i] - error, weight, band, i)
+        answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
     return answer
 
 

@@ -10,7 +10,7 @@ from reliab.assessment.rebuilt_error import Tolerances, WholeStructure, rebuild,
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.force_form import combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.interval import Unknown
-from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, sweep_models, tangent_structure
+from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, sweep_model, tangent_structure
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
 from reliab.assessment.rebuilt_error.whole_structure import first_mode, whole_structure
@@ -231,7 +231,7 @@ def test_what_lies_between_simulated_samples_counts(outcome):
     fine = rebuild_with_specimen(*given, model(), draws=2)
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     rows = fine.histories.difference[::40][np.newaxis]
-    coarse = sweep_models([model()], fine.histories, {}, exact, rows, 40, seed=1)
+    coarse = sweep_model(model(), fine.histories, {}, exact, rows, 40, seed=1)
     error = fine.histories.measured - fine.reference
     peak = np.abs(fine.reference).max()
     assert coarse.rms == pytest.approx([np.sqrt(mean_square(error)) / peak], rel=1e-9)
