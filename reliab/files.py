@@ -177,6 +177,23 @@ def refuse_unwritable(rule: str, *, where: object, remedy: str = "Name another")
         raise InputError(rule, value=error.strerror, remedy=remedy, where=str(where)) from error
 
 
+def require_ending(path: str | Path, *endings: str) -> None:
+    """Refuse a file to write whose name does not end as its kind does; a pipe or a device has no kind.
+
+    >>> require_ending("verdict.doc", ".pdf")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: The name of a file must end in .pdf; found verdict.doc. Write verdict.pdf.
+    """
+    place = Path(path)
+    if place.suffix.lower() not in endings and not (place.exists() and not place.is_file()):
+        raise InputError(
+            f"The name of a file must end in {' or '.join(endings)}",
+            value=place.name,
+            remedy=f"Write {place.stem or 'result'}{endings[0]}",
+        )
+
+
 def write_json_file(content: object, path: str | Path) -> None:
     """Write plain values as JSON, whole or not at all."""
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)

@@ -18,7 +18,7 @@ from reliab.assessment import (
 )
 from reliab.encodings import as_cell
 from reliab.errors import InputError
-from reliab.files import refuse_unwritable, written_whole
+from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ def file_report(
     InputError
         If the file cannot be written.
     """
+    require_ending(report, ".pdf")
     from reliab.report import write_pdf
     from reliab.report.kinds.assessment import (
         assessment_report,
@@ -122,6 +123,7 @@ def write_ranking(comparison: Comparison, out: str | Path) -> None:
 
 def _write_table(rows: "pd.DataFrame", out: str | Path) -> None:
     """Write a table of tests, whose file names are no formulas for a spreadsheet."""
+    require_ending(out, ".csv")
     with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
         rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
@@ -168,6 +170,7 @@ def draw_comparison(comparison: Comparison, figure: str | Path) -> None:
 
 def _draw(drawn: "Figure", figure: str | Path) -> None:
     """Write a figure to a file."""
+    require_ending(figure, ".svg", ".png", ".pdf")
     from reliab.report import picture
 
     try:
@@ -199,17 +202,11 @@ def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment
     """
     if isinstance(assessment, FrameAssessment | CoupledAssessment):
         raise unused("corrected", "beside the `structure` of a frame")
-    kind = Path(out).suffix.lower()
-    if kind not in {".csv", ".nc"}:
-        raise InputError(
-            "A corrected response is written as CSV or NetCDF",
-            value=str(out),
-            remedy="Name a file that ends with .csv or .nc",
-        )
+    require_ending(out, ".csv", ".nc")
     response = corrected_response(assessment)
     rule = "The file of the corrected response must be writable"
     with refuse_unwritable(rule, where=out), written_whole(out) as file:
-        if kind == ".csv":
-            response.to_dataframe().to_csv(file)
-        else:
+        if Path(out).suffix.lower() == ".nc":
             file.write_bytes(response.to_netcdf(engine="h5netcdf"))
+        else:
+            response.to_dataframe().to_csv(file)

@@ -16,7 +16,7 @@ from reliab.criterion import (
     summarise,
 )
 from reliab.errors import IncompleteError
-from reliab.files import refuse_unwritable, written_whole
+from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.shipped import shipped
 from reliab.significant import percent
 from reliab.sweep import (
@@ -121,5 +121,6 @@ def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]
 
 def write_criterion(criterion: Criterion, out: str | Path) -> None:
     """Write a criterion to a file, whole or not at all."""
+    require_ending(out, ".json")
     with refuse_unwritable("The criterion's file must be writable", where=out), written_whole(out) as file:
         file.write_text(criterion.to_json(), encoding="utf-8")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from reliab.api.arguments import Quantity, require_positive, stated_values
-from reliab.files import refuse_unwritable
+from reliab.files import refuse_unwritable, require_ending
 from reliab.recordings import (
     About,
     Histories,
@@ -108,6 +108,9 @@ def record(
     InputError
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
+    for place, ending in ((out, ".nc"), (csv, ".csv")):
+        if place is not None:
+            require_ending(place, ending)
     path = or_shipped(Path(source), "datasets", "test.csv")
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)

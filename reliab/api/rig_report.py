@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.api.arguments import Quantity, stated_threshold, stated_values
 from reliab.errors import InputError
+from reliab.files import require_ending
 from reliab.rig import NextTest, Plan, RigFolder, plan_tests, predict_next
 from reliab.structures import Structure
 
@@ -48,6 +49,7 @@ def report_rig(
     InputError
         If there are fewer than three tests, an argument cannot be used, or the file cannot be written.
     """
+    require_ending(out, ".pdf")
     from reliab.report import write_pdf
     from reliab.report.kinds.rig import rig_report
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.files import refuse_unwritable, written_whole
+from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.rig import RigFolder, RigTable
 
 
@@ -119,6 +119,7 @@ def export_rig(rig: str | Path, out: str | Path) -> int:
     InputError
         If the file cannot be written.
     """
+    require_ending(out, ".csv")
     table = RigFolder.opened(rig).table()
     with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
         file.write_text(table.to_csv(), encoding="utf-8", errors="backslashreplace")

@@ -9,7 +9,7 @@ import typer
 from reliab.cli.assess import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
 from reliab.cli.demand import takes
-from reliab.cli.options import JsonTarget, ReadsTests
+from reliab.cli.options import JsonTarget, ReadsTests, written_as
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT
@@ -41,10 +41,18 @@ class CompareDemand(JudgesTests, ReadsTests):
     ] = None
     figure: Annotated[
         Path | None,
-        typer.Option("--figure", metavar="FILE.svg|png|pdf", help="Chart of the ranked errors."),
+        typer.Option(
+            "--figure",
+            metavar="FILE.svg|png|pdf",
+            callback=written_as(".svg", ".png", ".pdf"),
+            help="Chart of the ranked errors.",
+        ),
     ] = None
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.csv", help="Write the ranking as a table.")
+        Path | None,
+        typer.Option(
+            "--out", metavar="FILE.csv", callback=written_as(".csv"), help="Write the ranking as a table."
+        ),
     ] = None
     json_target: JsonTarget = None
 

@@ -20,6 +20,7 @@ from reliab.cli.options import (
     Sets,
     Thresholds,
     WindowName,
+    written_as,
 )
 from reliab.cli.output import console, progress_bar, table, write_json
 
@@ -69,7 +70,12 @@ class EllipsesDemand(Demand):
     ] = False
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.nc", help="Keep the ellipses for `reliab criterion`."),
+        typer.Option(
+            "--out",
+            metavar="FILE.nc",
+            callback=written_as(".nc"),
+            help="Keep the ellipses for `reliab criterion`.",
+        ),
     ] = None
     json_target: JsonTarget = None
 

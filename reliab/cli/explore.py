@@ -8,7 +8,7 @@ import typer
 
 from reliab.cli.completion import metrics, results
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import JsonTarget
+from reliab.cli.options import JsonTarget, written_as
 from reliab.cli.output import console, write_json
 
 _MEGABYTE = 1e6
@@ -18,9 +18,10 @@ _MEGABYTE = 1e6
 class ExploreDemand(Demand):
     """Options of `reliab explore`, arguments of `reliab.write_explorer`."""
 
-    out: Annotated[Path, typer.Option("--out", metavar="FILE.html", help="The page to write.")] = Path(
-        "criterion.html"
-    )
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE.html", callback=written_as(".html"), help="The page to write."),
+    ] = Path("criterion.html")
     ellipses: Annotated[
         Path,
         typer.Option(

@@ -1,5 +1,6 @@
 """Options that several commands share, so that one name means one thing everywhere."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -9,6 +10,7 @@ import typer
 
 from reliab.cli.completion import metrics, papers, results, suites
 from reliab.cli.demand import Demand
+from reliab.files import require_ending
 
 if TYPE_CHECKING:
     from reliab.report import Setting
@@ -30,6 +32,19 @@ Sets = Annotated[
         help="Sets of a catalogue; the set held_out is left out unless you name it.",
     ),
 ]
+
+
+def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
+    """Refuse a file to write whose name ends otherwise, before anything is computed for it."""
+
+    def check(path: Path | None) -> Path | None:
+        if path is not None:
+            require_ending(path, *endings)
+        return path
+
+    return check
+
+
 Results = Annotated[
     Path | None,
     typer.Option(

@@ -30,7 +30,7 @@ from reliab.criterion import (
     scope_of,
 )
 from reliab.errors import InputError
-from reliab.files import refuse_unwritable, written_whole
+from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.recordings import LENGTHS, TIMES, UNITS, page_words
 from reliab.sweep import at_share, share_of
 from reliab.version import __version__
@@ -97,6 +97,7 @@ def write_page(
     InputError
         If a setting lies outside the range of the ellipses, or the file cannot be written.
     """
+    require_ending(path, ".html")
     content = render(pack(ellipses), settings or Settings(), source=source)
     with refuse_unwritable("The page must be writable", where=path), written_whole(path) as file:
         file.write_text(content, encoding="utf-8", newline="\n")

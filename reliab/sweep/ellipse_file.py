@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import refuse_unwritable
+from reliab.files import refuse_unwritable, require_ending
 from reliab.indices import Window
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
@@ -34,6 +34,7 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
+    require_ending(path, ".nc")
     encoding = {
         str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": _chunks(variable)}
         for name, variable in ellipses.data_vars.items()

@@ -117,3 +117,29 @@ def test_what_the_system_refuses_is_one_sentence(monkeypatch, capsys):
     monkeypatch.setattr("reliab.api.motions.write_suite", write_suite)
     assert run(["motions", "synthesize", "--count", "2", "--out", "suite"]) == 2
     assert capsys.readouterr().err == "Error: /locked/suite: Permission denied\n"
+
+
+ENDINGS = {
+    "assess sample_test --f 1 --xi 0.02 --report": ".pdf",
+    "assess sample_test --f 1 --xi 0.02 --out": ".csv",
+    "assess sample_test --f 1 --xi 0.02 --corrected": ".csv or .nc",
+    "assess --design --f 1 --xi 0.02 --figure": ".svg or .png or .pdf",
+    "compare sample_test sample_test --f 1 --xi 0.02 --out": ".csv",
+    "compare sample_test sample_test --f 1 --xi 0.02 --figure": ".svg or .png or .pdf",
+    "criterion --ellipses real_suite --f 1 --xi 0.02 --out": ".json",
+    "ellipses --motions synthetic --f 1 --xi 0.02 --out": ".nc",
+    "explore --out": ".html",
+    "record sample_test --csv": ".csv",
+    "rig export no_rig --out": ".csv",
+    "rig report no_rig --out": ".pdf",
+}
+
+
+@pytest.mark.parametrize("command", ENDINGS)
+def test_a_file_is_not_written_under_the_ending_of_another_kind(command, tmp_path, capsys):
+    file = tmp_path / "kept.doc"
+    assert run([*command.split(), str(file)]) == 2
+    heard = capsys.readouterr()
+    assert heard.out == ""
+    assert f"must end in {ENDINGS[command]}; found kept.doc" in " ".join(heard.err.split())
+    assert not file.exists()

@@ -15,6 +15,7 @@ from reliab.cli.options import (
     JsonTarget,
     ReadsTests,
     Reported,
+    written_as,
 )
 from reliab.errors import InputError
 
@@ -37,7 +38,10 @@ class Answered(Demand):
     figure: Annotated[
         Path | None,
         typer.Option(
-            "--figure", metavar="FILE.svg|png|pdf", help="With --design: chart of tolerable errors over f."
+            "--figure",
+            metavar="FILE.svg|png|pdf",
+            callback=written_as(".svg", ".png", ".pdf"),
+            help="With --design: chart of tolerable errors over f.",
         ),
     ] = None
     corrected: Annotated[
@@ -45,6 +49,7 @@ class Answered(Demand):
         typer.Option(
             "--corrected",
             metavar="FILE.csv|nc",
+            callback=written_as(".csv", ".nc"),
             help="Write the response that a perfect actuator would have produced, with its band.",
         ),
     ] = None
@@ -59,13 +64,19 @@ class Answered(Demand):
     report: Annotated[
         Path | None,
         typer.Option(
-            "--report", metavar="FILE.pdf", help="Write a report of two pages to file with the test."
+            "--report",
+            metavar="FILE.pdf",
+            callback=written_as(".pdf"),
+            help="Write a report of two pages to file with the test.",
         ),
     ] = None
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", metavar="FILE.csv", help="Write the verdicts as a table, one row for each test."
+            "--out",
+            metavar="FILE.csv",
+            callback=written_as(".csv"),
+            help="Write the verdicts as a table, one row for each test.",
         ),
     ] = None
     details: Annotated[

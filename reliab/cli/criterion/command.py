@@ -22,6 +22,7 @@ from reliab.cli.options import (
     StructureFile,
     Thresholds,
     WindowIfGiven,
+    written_as,
 )
 
 
@@ -159,7 +160,13 @@ class CriterionDemand(Demand):
         ),
     ] = None
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.json", help="Write the criterion for later use.")
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE.json",
+            callback=written_as(".json"),
+            help="Write the criterion for later use.",
+        ),
     ] = None
     list_all: Annotated[
         bool, typer.Option("--list", help="Name all methods, laws and distributions, with what each means.")

@@ -24,6 +24,7 @@ from reliab.cli.options import (
     StatedShare,
     StructureFile,
     TakenAsExact,
+    written_as,
 )
 from reliab.cli.output import write_json
 from reliab.errors import InputError
@@ -112,7 +113,9 @@ class ExportDemand(Demand):
     """Options of `reliab rig export`, arguments of `reliab.api.export_rig`."""
 
     rig: Rig
-    out: Annotated[Path, typer.Option("--out", metavar="FILE.csv", help="The table as CSV.")]
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE.csv", callback=written_as(".csv"), help="The table as CSV.")
+    ]
     json_target: JsonTarget = None
 
 
@@ -302,7 +305,9 @@ class RigReportDemand(Reported):
     """Options of `reliab rig report`, arguments of `reliab.api.report_rig`."""
 
     rig: Rig
-    out: Annotated[Path, typer.Option("--out", metavar="FILE.pdf", help="The report.")]
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE.pdf", callback=written_as(".pdf"), help="The report.")
+    ]
     f: Annotated[
         str | None, typer.Option("--f", metavar="HZ", help="Natural frequency; that of the last test.")
     ] = None
