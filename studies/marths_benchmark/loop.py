@@ -42,14 +42,13 @@ def run_test(
     `ground`: scaled acceleration at 1024 Hz [m/s²], shape (n,).
     """
     parts, step = substructures(), 1.0 / RATE
-    newmark = _newmark()
     noise = np.zeros(ground.size)
     if seed is not None:
         noise = np.sqrt(NOISE) * np.random.default_rng([seed, 41]).standard_normal(ground.size)
     numerator, denominator = filter_coefficients()
     histories = np.zeros((12, ground.size))
     march(
-        *newmark,
+        *newmark(),
         np.ascontiguousarray(ground),
         (parts.specimen_stiffness, parts.specimen_damping / step, parts.specimen_mass / step**2),
         np.array([X[0], THETA[0], NEIGHBOUR]),
@@ -83,7 +82,7 @@ def run_perfect(ground: Array) -> MultiAxialRun:
     parts, step = substructures(), 1.0 / RATE
     histories = np.zeros((len(_SHOWN), ground.size))
     _march_perfect(
-        *_newmark(),
+        *newmark(),
         np.ascontiguousarray(ground),
         (parts.specimen_stiffness, parts.specimen_damping / step, parts.specimen_mass / step**2),
         np.array([X[0], THETA[0], NEIGHBOUR]),
@@ -104,7 +103,8 @@ def reference(ground: Array) -> Array:
 
 
 @cache
-def _newmark() -> tuple[Array, Array, Array, Array]:
+def newmark() -> tuple[Array, Array, Array, Array]:
+    """K₊⁻¹, K₊⁻¹K₀, K₊⁻¹K₋ and K₊⁻¹Mι of the computer's part."""
     parts = substructures()
     later, now, before, load = _coefficients(
         parts.numerical_mass, parts.numerical_damping, parts.numerical_stiffness

@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error import rebuild_coupled
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 
@@ -17,7 +16,8 @@ from .controllers import PERFECT, find_controller
 from .criteria import NAMES, criteria
 from .loop import MultiAxialRun, reference, run_perfect, run_test
 from .plant import NOMINAL, CoupledPlant, drawn_plants, nominal_plant
-from .structure import RATE, SCALE, benchmark_partition, to_node
+from .rebuilding import rebuilt_error
+from .structure import RATE, SCALE, to_node
 
 DEGREES: Final = ("x", "theta")
 
@@ -111,9 +111,7 @@ def _errors(run: MultiAxialRun, perfect: MultiAxialRun, draws: int) -> dict[str,
     ideal = to_node(perfect.target)
     strayed = to_node(run.true) - ideal
     true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
-    rebuilt = rebuild_coupled(
-        to_node(run.target), to_node(run.measured), 1.0 / RATE, benchmark_partition(), draws=draws
-    )
+    rebuilt = rebuilt_error(run.target, run.measured, draws)
     return {
         name: {
             "true": float(value),

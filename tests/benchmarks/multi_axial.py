@@ -1,12 +1,13 @@
 """Errors of uncertain runs of the multi-axial benchmark, rebuilt from sensors with a stated noise.
 
-    python tests/benchmarks/multi_axial.py RECORDS --seed S --plants N --decibels 40
+    python tests/benchmarks/multi_axial.py RECORDS --seed S --plants N --decibels 40 [--table FILE.csv]
 
 The benchmark's own noise, which both sensors share, is 27 to 38 dB below x and absent in θ. Here runs have
 none; each sensor's is added afterwards, independent, so many decibels below the RMS of its displacement. Each
 plant meets one record with every controller. Printed by controller and displacement: rebuilt over true RMS^R,
 how often it is within 2 %, how often the 90 % interval holds the true error, the largest deviation without
-noise.
+noise, of its RMS. The rows of a plant are added to the table as soon as they are known, and plants that stand
+there already are not run again.
 """
 
 import argparse
@@ -21,15 +22,16 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).res
 
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 
-from reliab.assessment.coupled_error import rebuild_coupled  # noqa: E402
 from studies.marths_benchmark.controllers import CONTROLLERS, find_controller  # noqa: E402
 from studies.marths_benchmark.loop import run_perfect, run_test  # noqa: E402
 from studies.marths_benchmark.plant import CoupledPlant, drawn_plants  # noqa: E402
-from studies.marths_benchmark.structure import RATE, SCALE, benchmark_partition, to_node  # noqa: E402
+from studies.marths_benchmark.rebuilding import rebuilt_error  # noqa: E402
+from studies.marths_benchmark.structure import RATE, SCALE, to_node  # noqa: E402
 
 LONGEST = 40.0  # s
 THRESHOLD = 0.05
 LOST = 10.0  # times the motion with perfect actuators
+DRAWS, FEW_DRAWS = 64, 2
 
 
 def judged(
@@ -45,15 +47,11 @@ def judged(
         strayed = to_node(run.true) - ideal
         true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
         white = rng.standard_normal(run.true.shape) * run.true.std(axis=1, keepdims=True)
-        readings = (run.true + 10.0 ** (-decibels / 20.0) * white, run.true)
-        noisy, clean = (
-            rebuild_coupled(
-                to_node(run.target), to_node(read), 1.0 / RATE, benchmark_partition(), draws=draws
-            )
-            for read, draws in zip(readings, (64, 16), strict=True)
-        )
+        noisy = rebuilt_error(run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS)
+        clean = rebuilt_error(run.target, run.true, FEW_DRAWS)
         for found, exact, error in zip(noisy.degrees, clean.degrees, true, strict=True):
             yield {
+                "plant": plant.name,
                 "controller": name,
                 "displacement": found.name,
                 "true": error,
@@ -73,14 +71,21 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--plants", type=int, default=10)
     parser.add_argument("--decibels", type=float, default=40.0)
+    parser.add_argument("--table", type=Path)
     asked = parser.parse_args()
     records = sorted(asked.folder.rglob("*.AT2"))
-    rows: list[dict[str, object]] = []
+    kept = asked.table is not None and asked.table.exists()
+    tables = [pd.read_csv(asked.table, dtype={"plant": str})] if kept else []
+    known = set(tables[0]["plant"]) if kept else set()
     for number, plant in enumerate(drawn_plants(asked.plants, asked.seed)):
+        if plant.name in known:
+            continue
         rng = np.random.default_rng([asked.seed, number])
         ground = SCALE * read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
-        rows += judged(plant, ground, asked.decibels, rng)
-    table = pd.DataFrame(rows)
+        tables.append(pd.DataFrame(judged(plant, ground, asked.decibels, rng)))
+        if asked.table is not None:
+            tables[-1].to_csv(asked.table, mode="a", index=False, header=not asked.table.exists())
+    table = pd.concat(tables)
     table = table[table["judged"]]
     columns = {
         "true": "median",
@@ -91,7 +96,7 @@ def main() -> None:
         "false_safe": "sum",
     }
     of = table.groupby(["controller", "displacement"], sort=False)
-    print(of.agg(columns).assign(errors=of.size()).to_string(float_format="{:.4f}".format))
+    print(of.agg(columns).assign(errors=of.size()).to_string(float_format="{:.4g}".format))
     print(
         f"{len(table)} errors: within 2 % {table['near'].mean():.1%}, held {table['held'].mean():.1%}, "
         f"false-safe {table['false_safe'].sum()}"

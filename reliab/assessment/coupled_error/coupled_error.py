@@ -151,7 +151,7 @@ class CoupledError:
     @cached_property
     def parts(self) -> CoupledParts:
         """The error divided by actuator and by cause."""
-        return divide(self.histories, self.structure)
+        return divide(self.histories)
 
     def widenings(self, metric: Metric) -> dict[str, float]:
         """Return the standard deviation of the governing error that each unknown causes [-], largest first.
@@ -194,8 +194,8 @@ def conclude(
     loose: Array,
 ) -> CoupledError:
     """Combine histories and draws into errors of every interface displacement."""
-    recursion = CoupledRecursion.of_partition(structure, histories.time_step)
-    reference = histories.carry @ histories.command - histories.respond(recursion, histories.fed_back)
+    response = histories.respond(histories.recursion, histories.fed_back)
+    reference = histories.carry @ histories.command - response
     strayed = histories.carry @ raw - reference
     degrees = []
     for place, name in enumerate(partition.names):

@@ -19,6 +19,7 @@ class CoupledHistories:
     feedback_lag: float  # s
     time_step: float  # s
     standing: Array  # At the interface [m], shape (p,)
+    recursion: CoupledRecursion  # Of the ideal test from sample to sample
 
     @property
     def difference(self) -> Array:

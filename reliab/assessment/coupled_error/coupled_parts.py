@@ -14,9 +14,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
-from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.rebuilt_error.parts import Part, part_of
-from reliab.structures import CoupledPartition
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 
@@ -47,12 +45,12 @@ class CoupledParts:
         return min(parts, key=lambda name: parts[name].remaining_rms)
 
 
-def divide(histories: CoupledHistories, structure: CoupledPartition) -> CoupledParts:
+def divide(histories: CoupledHistories) -> CoupledParts:
     """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
     velocity = np.gradient(command, step, axis=1)
     gain, delay = _followed(command, velocity, measured)
-    recursion = CoupledRecursion.of_partition(structure, step)
+    recursion = histories.recursion
     parts = {
         name: recursion.respond(difference) - difference
         for name, difference in _differences(histories, velocity, gain, delay)

@@ -75,13 +75,15 @@ def rebuild_coupled(
     to_interface: Array | None = None,
     feedback_lag: float = 0.0,
     tolerances: Tolerances | None = None,
+    recursion: CoupledRecursion | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> CoupledError:
     """Rebuild the error of every interface displacement of a test.
 
     `command`, `measured` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`: interface
-    displacements of unit displacements of the actuators [-], shape (p, p), the identity by default.
+    displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
+    `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default.
 
     Two actuators of which one moves 1 % too little:
 
@@ -108,6 +110,7 @@ def rebuild_coupled(
         feedback_lag=feedback_lag,
         time_step=time_step,
         standing=carry @ channels.standing,
+        recursion=recursion or CoupledRecursion.of_partition(structure, time_step),
     )
     tolerances = tolerances or Tolerances()
     unknown = Unknowns.of_test(
@@ -197,8 +200,7 @@ class _Sweep:
         coarse = CoupledRecursion.of_partition(self.structure, self.every * histories.time_step)
         response = histories.respond(coarse, difference[:, :: self.every] + late)
         few = _statistics(response - difference[:, :: self.every], command - response)
-        fine = CoupledRecursion.of_partition(self.structure, histories.time_step)
-        response = histories.respond(fine, histories.fed_back)
+        response = histories.respond(histories.recursion, histories.fed_back)
         every = _statistics(response - difference, histories.carry @ histories.command - response)
         return np.divide(every, few, out=np.ones_like(few), where=few > 0.0)
 

@@ -7,6 +7,7 @@ from reliab_studies.marths_benchmark.controllers import CONTROLLERS, find_contro
 from reliab_studies.marths_benchmark.criteria import criteria
 from reliab_studies.marths_benchmark.loop import reference, run_perfect, run_test
 from reliab_studies.marths_benchmark.plant import drawn_plants, nominal_plant
+from reliab_studies.marths_benchmark.rebuilding import own_recursion, rebuilt_error
 from reliab_studies.marths_benchmark.structure import (
     RATE,
     SCALE,
@@ -90,6 +91,29 @@ def test_controllers_are_named():
     assert [find_controller(name).name for name in CONTROLLERS] == list(CONTROLLERS)
     with pytest.raises(InputError, match="must be one of none"):
         find_controller("perfection")
+
+
+def errors_of_uncertain_plant(ground, name):
+    run = run_test(ground, drawn_plants(1, 11)[0], find_controller(name), seed=None)
+    ideal = to_node(run_perfect(ground).target)
+    return run, to_node(run.true) - ideal, np.abs(ideal).max(axis=1)
+
+
+def test_the_error_follows_from_the_displacements_to_rounding():
+    time = np.arange(6.0 * RATE) / RATE
+    ground = np.sin(2.0 * np.pi * 2.2 * time) * np.minimum(time, 1.0) + 0.3 * np.sin(79.0 * time)
+    run, strayed, _ = errors_of_uncertain_plant(ground, "none")
+    difference = to_node(run.target) - to_node(run.true)
+    found = own_recursion().respond(difference) - difference
+    np.testing.assert_allclose(found, strayed, rtol=0.0, atol=1e-9 * np.abs(strayed).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_without_noise_the_rebuilt_error_is_the_true_one(ground, name):
+    run, strayed, peak = errors_of_uncertain_plant(ground, name)
+    found = [degree.rms.value for degree in rebuilt_error(run.target, run.true, 2).degrees]
+    np.testing.assert_allclose(found, np.sqrt(np.mean(strayed**2, axis=1)) / peak, rtol=1e-4)
 
 
 @pytest.mark.slow
