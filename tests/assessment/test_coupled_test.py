@@ -196,6 +196,7 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
         assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt)]
 
 
+@pytest.mark.slow
 def test_actuators_that_move_alike_keep_gains_near_one():
     partition, actuators = described(node)
     time = np.arange(0.0, 30.0, STEP)

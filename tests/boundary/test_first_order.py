@@ -82,6 +82,7 @@ def test_free_vibration_after_a_pulse_has_half_of_its_energy_in_the_error():
     assert share == pytest.approx(0.5, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_steady_response_to_noise_has_half_of_its_energy_in_the_error():
     """The stationary limit, over 2,000 s of white noise."""
     noise = Excitation(acceleration=np.random.default_rng(3).standard_normal(100_000), time_step=0.02)

@@ -75,6 +75,7 @@ def test_the_table_says_what_error_window_and_limits_mean():
         assert words in shown
 
 
+@pytest.mark.slow
 def test_a_printed_law_says_how_many_real_motions_keep_it():
     for law, least, most in (("guo_2017_18", 0.05, 0.20), ("guo_2017_12", 0.90, 1.0)):
         found = answer("--law", law)
@@ -312,6 +313,7 @@ def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     assert found["laws"] == []
 
 
+@pytest.mark.slow
 def test_laws_are_compared_over_structures(ellipses_of_twelve):
     arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
     arguments = (*arguments, "--confidence", 0.8)

@@ -148,6 +148,7 @@ def test_several_actuators_that_would_diverge_are_said_to(records, tmp_path):
     assert answer("--motions", records, "--structure", tmp_path / "two.toml")["rig"]["stable"] is False
 
 
+@pytest.mark.slow
 def test_criteria_of_several_shares_stand_beside_their_law(records):
     shares = ("--alpha", "1", "--alpha", "0.1")
     given = ("--motions", records, "--f", "1", "--xi", "0.02", "--alpha", "0.5")

@@ -94,8 +94,9 @@ def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, diagno
         assert abs(estimate.value - truth) < 4.0 * estimate.sd
 
 
-def test_answer_has_the_keys_of_the_format_and_is_json(diagnosis_of):
-    content = diagnosis_of("rig_a").to_dict()
+@pytest.mark.parametrize("name", [pytest.param("rig_a", marks=pytest.mark.slow), "rig_b", "rig_c"])
+def test_answer_has_the_keys_of_the_format_and_is_json(diagnosis_of, name):
+    content = diagnosis_of(name).to_dict()
     assert set(content) >= KEYS
     assert set(content["gap"]) >= {
         "held_out", "channel", "nrmse_before", "nrmse_after", "noise_floor", "closed_fraction",
@@ -147,6 +148,7 @@ def test_two_blocks_of_a_real_rig_are_named(shared_folder):
     assert not any(effect.on_bounds for effect in found.effects)
 
 
+@pytest.mark.slow
 def test_residuals_by_file_are_those_of_the_gap(diagnosis_of):
     found = diagnosis_of("rig_a")
     block = next(one for one in found.blocks if one.effects)

@@ -93,6 +93,7 @@ def test_the_truth_lies_within_four_standard_deviations(damped):
     assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
 
 
+@pytest.mark.slow
 def test_a_conjugate_posterior_is_met_exactly():
     """Residual y − x with y = 3 and a standard normal prior of x: normal about 1.5, variance 1/2."""
     surface = LikelihoodSurface(
@@ -143,6 +144,7 @@ def assert_values_come_back(posterior, name, values):
         assert abs(entry["value"] - truth) < 4.0 * entry["sd"]
 
 
+@pytest.mark.slow
 def test_the_surface_agrees_with_simulations_where_the_data_are_good(rubbing):
     assert rubbing[2].agreement > 0.99
     assert_values_come_back(rubbing[2], "coulomb_friction", FRICTION)

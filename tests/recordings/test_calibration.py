@@ -118,6 +118,7 @@ def test_steps_of_an_actuator_give_scale_and_hysteresis_but_no_skew():
     assert abs(measured.hysteresis.value - truth.hysteresis) < 3.0 * measured.hysteresis.deviation
 
 
+@pytest.mark.slow
 def test_an_actuator_that_never_rests_and_lags_by_its_own_motion_is_refused():
     def actuator(time, command):
         omega = 2.0 * np.pi * 12.0

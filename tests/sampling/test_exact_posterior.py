@@ -22,6 +22,7 @@ def error_of_share(share, effective_size):
     return np.sqrt(share * (1.0 - share) / effective_size)
 
 
+@pytest.mark.slow
 def test_quantiles_of_the_mean_are_exact_within_monte_carlo_error(posteriors):
     sampled, exact = posteriors
     found = (sampled.flat[:, :1] <= exact.mean_quantile(SHARES)).mean(axis=0)

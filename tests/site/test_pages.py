@@ -64,6 +64,7 @@ def test_the_cluster_on_a_page_is_the_one_that_the_readme_s_test_starts():
     assert without_port[0][: len(block)] == without_port[-1]
 
 
+@pytest.mark.slow
 def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
     """Its files as the page prints them, laid out as `pip install` lays them out."""
     page = (SITE / "guides" / "plugins.md").read_text(encoding="utf-8")

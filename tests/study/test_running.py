@@ -172,6 +172,7 @@ def test_what_a_link_in_a_run_folder_names_is_not_written(tmp_path, small_study,
     assert elsewhere.read_text(encoding="utf-8") == "a file that is not the run's"
 
 
+@pytest.mark.slow
 def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
     stored = small_study.motions.model_copy(update={"sources": None, "results": "real_suite"})
     structures = small_study.structures.model_copy(update={"f": (7.0,)})

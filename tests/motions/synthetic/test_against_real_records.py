@@ -27,6 +27,7 @@ def distributions(real_motions_folder: Path) -> tuple[NDArray[np.float64], NDArr
     return _logarithms(load_motions(real_motions_folder)), _logarithms(synthetic_suite(count=400))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("row", "ratio"),
     [(0, 0.85), (1, 1.1), (2, 1.3), (3, 0.65)],

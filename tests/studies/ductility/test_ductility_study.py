@@ -87,6 +87,7 @@ def test_a_folder_without_results_is_refused(tmp_path):
         KIND.stages(study_of(motions={"results": str(tmp_path)}), quietly)
 
 
+@pytest.mark.slow
 def test_a_study_of_few_motions_simulates_and_states_no_limit(tmp_path):
     times = np.arange(0.0, 6.0, 0.02)
     shaking = np.sin(2.0 * np.pi * times) * np.exp(-0.5 * times)

@@ -104,6 +104,7 @@ def test_errata_are_named(table):
     assert "N m²" in table.loc[("Table 5", "EA"), "finding"]
 
 
+@pytest.mark.slow
 def test_one_value_for_the_a_of_equation_15(with_shipped_ellipses):
     numbers = with_shipped_ellipses["from_records"]
     assert numbers["Equation (15)", "a"] == pytest.approx(5.25e-5, rel=2e-3)

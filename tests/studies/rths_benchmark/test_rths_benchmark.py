@@ -68,6 +68,7 @@ def test_bad_requests_are_refused(wrong):
         BenchmarkRequest(**wrong)
 
 
+@pytest.mark.slow
 def test_partitioned_tests_are_drawn_run_and_predicted():
     # A and d over frequency are told by a motion of many frequencies only.
     tests = draw_tests(list(load_motions("synthetic")[:1]), 4, seed=1)

@@ -36,6 +36,7 @@ def sizes(criterion):
     return np.log(np.stack(criterion.limits(*GRID)))
 
 
+@pytest.mark.slow
 def test_limits_are_near_those_of_each_structure_alone(ellipses, fit):
     found = fit.criterion(0.95, joint=False)
     alone = derive_criterion(ellipses, method=Predictive(), joint=False, **ERROR)

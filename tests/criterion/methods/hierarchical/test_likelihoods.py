@@ -112,6 +112,7 @@ def vars_of(model):
     return {name: getattr(model, name) for name in names}
 
 
+@pytest.mark.slow
 def test_simulated_motions_have_the_covariance_of_the_model():
     model = model_on(2, 3)
     theta = np.array([each.mean for each in model.parameters])
