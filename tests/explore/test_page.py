@@ -3,10 +3,12 @@
 import base64
 import re
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import reliab.explore
 from reliab.cli import run
 from reliab.criterion import protect_over_lengths
 from reliab.errors import InputError
@@ -114,3 +116,25 @@ def test_command_writes_the_page_and_says_where(small, tmp_path, capsys):
     assert run([*explore, str(tmp_path / "missing" / "page.html")]) == 2
     assert run([*explore, str(tmp_path / "page.html"), "--f", "5"]) == 2
     assert run(["explore", "--ellipses", str(tmp_path / "none.nc"), "--out", str(tmp_path / "p.html")]) == 2
+
+
+def palettes():
+    """Colours of the page by name: of a light and of a dark screen."""
+    style = (Path(reliab.explore.__file__).parent / "web" / "style.css").read_text(encoding="utf-8")
+    blocks = re.findall(r":root \{(.*?)\}", style, re.DOTALL)
+    return [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", block)) for block in blocks]
+
+
+def luminance(colour):
+    """Relative luminance of a colour by the Web Content Accessibility Guidelines."""
+    shares = np.array([int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+@pytest.mark.parametrize("palette", palettes(), ids=["light", "dark"])
+@pytest.mark.parametrize("ground", ["paper", "card", "tinted", "field", "drop"])
+@pytest.mark.parametrize("text", ["ink", "soft", "red"])
+def test_what_is_written_stands_out_from_its_ground(palette, ground, text):
+    dark, bright = sorted((luminance(palette[ground]), luminance(palette[text])))
+    assert (bright + 0.05) / (dark + 0.05) >= 4.5  # level AA

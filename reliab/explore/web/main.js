@@ -20,7 +20,7 @@ const panel = new TestPanel(data.words, data.ellipses.lengths, () => refresh());
 prepareControls(ellipses, data.settings, () => refresh());
 field("provenance").textContent = data.provenance;
 field("share-hint").textContent = `The tolerable region is that of α = ${ellipses.share}: with a smaller share it is ` +
-  "on the safe side. `reliab assess` takes the share set here.";
+  "on the safe side. reliab assess takes the share set here.";
 field("keep").addEventListener("click", keep);
 field("compared").addEventListener("input", () => refresh());
 listenToPlane(field("plane"));
