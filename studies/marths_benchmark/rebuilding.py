@@ -67,6 +67,7 @@ def own_recursion() -> CoupledRecursion:
         feed_through=np.zeros((2, 2)),
         static=np.linalg.solve(np.eye(len(rows)) - transition, late),
         free=np.zeros((2, len(rows), 2)),
+        smooth=False,
     )
 
 

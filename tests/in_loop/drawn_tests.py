@@ -1,6 +1,6 @@
 """Drawn tests of every kind that a monitor in a loop is made for, with the errors that Python computes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -162,8 +162,11 @@ def of_frame(seed, rate):
 
 
 def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None):
-    """Errors by degree of freedom as `assess` computes them, without taking noise away."""
-    recursion = CoupledRecursion.of_partition(partition.with_masses, 1.0 / rate)
+    """Errors by degree of freedom as `assess` computes them, without taking noise away.
+
+    In a loop the next sample is not known, and readings are joined by straight lines.
+    """
+    recursion = replace(CoupledRecursion.of_partition(partition.with_masses, 1.0 / rate), smooth=False)
     felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
     state = None if standing is None else recursion.static @ carry @ standing
     return recursion.respond(carry @ (command - felt), state) - carry @ (command - measured)

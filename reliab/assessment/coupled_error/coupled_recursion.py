@@ -7,6 +7,9 @@ With τ = x_c − x_m, a vector, e = x_c − x_I obeys ::
 Nothing is differentiated: with D = M⁻¹ΓM_e, w = e − Dτ and q the sum of what stands under no derivative ::
 
     w' = M⁻¹(q − C w + (ΓC_e − C D)τ),   q' = −K w + (ΓK_e − K D)τ
+
+Straight lines between the samples of a smooth τ lack (ωh)²/12 of it, 0.6 % where a period has 24 samples.
+That much of its bend, (τ₊ − 2τ + τ₋)/12, is added to the samples that they join.
 """
 
 from dataclasses import dataclass
@@ -31,6 +34,7 @@ class CoupledRecursion:
     feed_through: Array  # Q, shape (p, p)
     static: Array  # State per constant τ under which the structure stands still, shape (2n, p)
     free: Array  # State per displacement and per velocity of the interface, shape (2, 2n, p)
+    smooth: bool = True  # Whether τ is smooth between samples; else it is what a computer steps with
 
     @classmethod
     def of_partition(cls, partition: CoupledPartition, time_step: float) -> "CoupledRecursion":
@@ -63,17 +67,20 @@ class CoupledRecursion:
         """Interface displacements e for a history of τ [m], both of shape (p, n)."""
         start = np.zeros(self.transition.shape[0]) if state is None else state
         inputs = np.ascontiguousarray(differences.T)
-        return np.asarray(
-            _march(
-                self.transition, self.early, self.late, self.output, self.feed_through, inputs, start.copy()
-            ).T
-        )
+        joined = _joined(inputs) if self.smooth else inputs
+        moved = _march(self.transition, self.early, self.late, self.output, joined, start.copy())
+        return np.asarray((moved + inputs @ self.feed_through.T).T)
+
+
+def _joined(inputs: Array) -> Array:
+    """Return samples whose straight connections move a structure as a smooth history does, shape (n, p)."""
+    joined = inputs.copy()
+    joined[1:-1] -= np.diff(inputs, 2, axis=0) / 12.0
+    return joined
 
 
 @compiled
-def _march(
-    transition: Array, early: Array, late: Array, output: Array, feed: Array, inputs: Array, state: Array
-) -> Array:
+def _march(transition: Array, early: Array, late: Array, output: Array, inputs: Array, state: Array) -> Array:
     samples, channels = inputs.shape
     order = state.size
     moved = np.empty(order)
@@ -91,8 +98,6 @@ def _march(
                 state[i] = moved[i]
         for i in range(channels):
             total = 0.0
-            for j in range(channels):
-                total += feed[i, j] * inputs[k, j]
             for j in range(order):
                 total += output[i, j] * state[j]
             answer[k, i] = total
