@@ -209,6 +209,8 @@ class Effect(ABC):
         replacement of that effect.
     limiting_cases : tuple of type, optional
         Simpler effects that this one resembles at an end of its parameters' ranges.
+    members : tuple of type, optional
+        Effects that this one is composed of, under whose names a diagnosis reports it.
     """
 
     name: ClassVar[str]
@@ -220,6 +222,7 @@ class Effect(ABC):
     position: ClassVar[str] = ""
     refines: ClassVar["type[Effect] | None"] = None
     limiting_cases: ClassVar["tuple[type[Effect], ...]"] = ()
+    members: ClassVar["tuple[type[Effect], ...]"] = ()
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

@@ -16,6 +16,7 @@ from reliab.effects.first_order_lag import FirstOrderLag
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.gap import Gap
 from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.hysteresis_with_play import HysteresisWithPlay
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
@@ -56,6 +57,7 @@ _SHIPPED: tuple[type[Effect], ...] = (
     PowerLawDamping,
     Hysteresis,
     DegradingHysteresis,
+    HysteresisWithPlay,
     AddedMass,
     Gap,
     ExcitationScale,

@@ -217,6 +217,58 @@ def wire_rope(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mappin
     return forces, {"stiffness_n_per_m": spring + float(stiffnesses.sum())}
 
 
+@numba.njit(cache=False)
+def _bouc_wen(x: Array, yields: float, beta: float, n: float) -> Array:
+    """Wen (1976) over the yield force, by a quarter of a step of Euler's method."""
+    z = np.zeros(x.size)
+    for k in range(1, x.size):
+        now, part = z[k - 1], 0.25 * (x[k] - x[k - 1]) / yields
+        for _ in range(4):
+            now += part - beta * abs(part) * abs(now) ** (n - 1.0) * now - (1.0 - beta) * part * abs(now) ** n
+        z[k] = now
+    return z
+
+
+def magnetic_damper(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
+    """Model a magneto-rheological damper: Bouc–Wen beside a fluid whose force is a power of the velocity."""
+    peak = max(float(np.abs(x).max()) for x in motions)
+    speed = max(float(np.abs(np.gradient(x, STEP)).max()) for x in motions)
+    force, yields = random.uniform(5e2, 2e3), random.uniform(0.02, 0.1) * peak
+    spring, beta = random.uniform(0.0, 0.3) * force / peak, random.uniform(0.5, 0.9)
+    n, power = random.uniform(1.2, 2.5), random.uniform(0.35, 1.8)
+    fluid = random.uniform(0.4, 1.2) * force
+    forces = []
+    for x in motions:
+        v = np.gradient(x, STEP) / speed
+        flow = np.sign(v) * np.abs(v) ** power
+        forces.append(spring * x + force * _bouc_wen(x, yields, beta, n) + fluid * flow)
+    return forces, {"stiffness_n_per_m": 0.0}
+
+
+@numba.njit(cache=False)
+def _slider_behind_clearance(
+    x: Array, width: float, stiffness: float, forward: float, backward: float
+) -> Array:
+    """Pin with clearance that carries no force, an elastic brace, a joint that slides in two directions."""
+    forces, slid = np.zeros(x.size), x[0]
+    for k in range(x.size):
+        pin = min(max(slid, x[k] - 0.5 * width), x[k] + 0.5 * width)
+        forces[k] = min(max(stiffness * (pin - slid), -backward), forward)
+        slid = pin - forces[k] / stiffness
+    return forces
+
+
+def damper_with_clearance(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
+    """Model a friction damper, unlike in its two directions, whose pins come free when it is unloaded."""
+    peak = max(float(np.abs(x).max()) for x in motions)
+    slip, width = random.uniform(2e3, 1e4), random.uniform(0.03, 0.12) * peak
+    stiffness, unlike = slip / (random.uniform(0.01, 0.08) * peak), random.uniform(-0.2, 0.2)
+    sides = (1.0 + unlike) * slip, (1.0 - unlike) * slip
+    return [_slider_behind_clearance(x, width, stiffness, *sides) for x in motions], {
+        "stiffness_n_per_m": 0.0
+    }
+
+
 # ----------------------------------------------------------------------------------------------- actuators
 
 
@@ -320,6 +372,7 @@ _LAG = frozenset({"first_order_lag", "second_order_dynamics"})
 _YIELDS = frozenset({"hysteresis", "degrading_hysteresis"})
 _DRY = frozenset({"coulomb_friction", "hysteresis"})
 _OFFSETS = frozenset({"sensor_bias", "force_bias"})
+_FLOWS = frozenset({"viscous_damping", "quadratic_damping", "power_law_damping"})
 
 MACHINES: Mapping[str, Machine] = {
     "steel_brace": Machine(answer=steel_brace, dominant=(_YIELDS,)),
@@ -344,6 +397,10 @@ MACHINES: Mapping[str, Machine] = {
     ),
     "bumpers": Machine(answer=bumpers, dominant=(frozenset({"gap", "cubic_stiffness"}),), unknown=True),
     "wire_rope": Machine(answer=wire_rope, dominant=(frozenset({"hysteresis"}),)),
+    "magnetic_damper": Machine(answer=magnetic_damper, dominant=(frozenset({"hysteresis"}), _FLOWS)),
+    "damper_with_clearance": Machine(
+        answer=damper_with_clearance, dominant=(_DRY, frozenset({"series_play", "gap"}))
+    ),
     "hydraulic_servo": Machine(
         answer=hydraulic_servo, dominant=(_LAG,), accepted=frozenset({"backlash"}), actuator=True
     ),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from benchmarks.blind_evaluation import foretold
 from scipy import signal
 
 from reliab.discrepancy import Verdict, diagnose, read_campaign
@@ -11,6 +12,7 @@ STIFFNESS = 4.0e4
 YIELD = 0.4  # of the largest displacement
 BETA, EXPONENT = 0.5, 2.0
 LARGEST = 0.02
+STEP_UNIT = STIFFNESS * 0.1 * LARGEST  # about the force's RMS
 PARTS = 20
 
 
@@ -50,14 +52,16 @@ def sliding(moved, share, turn=0.01):
     return STIFFNESS * (moved + share * YIELD * LARGEST * turned)
 
 
-def written(folder, specimen, force):
-    """Write a campaign of displacements and forces with half a per cent of noise."""
+def written(folder, specimen, force, *, noise=0.005, steps=0.0):
+    """Write a campaign of displacements and forces with noise, and a force in steps of a part of its RMS."""
     rng = np.random.default_rng(11)
     say = f'name = "specimen"\n[specimen]\n{specimen}\n[sampling]\nrate_hz = {RATE}\n'
     for k in range(TESTS):
         moved = motion(rng)
         channels = (moved, force(moved))
-        noisy = [each + 0.005 * each.std() * rng.standard_normal(each.size) for each in channels]
+        noisy = [each + noise * each.std() * rng.standard_normal(each.size) for each in channels]
+        if steps > 0.0:
+            noisy[1] = np.round(noisy[1] / (steps * STEP_UNIT)) * steps * STEP_UNIT
         columns = np.column_stack([np.arange(moved.size) / RATE, *noisy])
         header = "time_s,measured_m,force_n"
         np.savetxt(folder / f"{k}.csv", columns, delimiter=",", header=header, comments="")
@@ -121,3 +125,40 @@ def test_a_line_counts_when_it_is_not_far_below_the_noise(tmp_path, share, verdi
 
     found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).to_dict()
     assert found["verdict"] == verdict
+
+
+def behind_play(moved, slip=(900.0, 600.0), stiffness=1.0e6, play=0.08 * LARGEST):
+    """Sliding joint on an elastic brace whose pins have clearance: no force while it is crossed [N]."""
+    slid, forces = 0.0, []
+    for x in moved.tolist():
+        pushed = max(x - 0.5 * play - slid, 0.0) + min(x + 0.5 * play - slid, 0.0)
+        force = min(max(stiffness * pushed, -slip[1]), slip[0])
+        slid += pushed - force / stiffness
+        forces.append(force)
+    return np.array(forces)
+
+
+@pytest.mark.slow
+def test_a_sliding_damper_whose_pins_have_play_is_named_by_both(tmp_path):
+    """Before, it was a hysteresis that degrades, without any degradation."""
+    found = diagnose(written(tmp_path, "", behind_play)).to_dict()
+    hysteresis, play = found["effects"]
+    assert (hysteresis["name"], play["name"]) == ("hysteresis", "series_play")
+    assert {hysteresis["member_of"], play["member_of"]} == {"hysteresis_with_play"}
+    assert play["parameters"]["width_m"]["value"] == pytest.approx(0.08 * LARGEST, rel=0.03)
+    assert hysteresis["parameters"]["force_n"]["value"] == pytest.approx(750.0, rel=0.03)
+    assert hysteresis["parameters"]["asymmetry"]["value"] == pytest.approx(0.2, abs=0.03)
+    assert play["held_out_nrmse_without"] > 3.0 * play["held_out_nrmse_with"]
+    assert found["verdict"] == "named"
+
+
+@pytest.mark.slow
+def test_the_error_on_a_further_test_counts_what_the_converter_adds(tmp_path):
+    """What is known of the steps of a converter is taken off the tests that are fitted, not off a new one."""
+    stated = f"stiffness_n_per_m = {STIFFNESS}"
+    found = diagnose(written(tmp_path, stated, lambda moved: STIFFNESS * moved, noise=1e-4, steps=0.2))
+    (block,) = found.blocks
+    assert found.verdict is Verdict.NO_MISSING_EFFECT
+    assert block.problem.conversion
+    (row,) = foretold(block)
+    assert row["covers"]

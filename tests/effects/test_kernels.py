@@ -100,6 +100,33 @@ def test_a_spring_loses_a_share_of_the_stiffness_that_the_hysteresis_brings(name
     np.testing.assert_allclose(whole - less, 0.6 * 10.0 * PATH / 0.3, rtol=1e-9)
 
 
+def behind_play(path, **parameters):
+    return stepped("hysteresis_with_play", [[x, 0.0, 0.0] for x in path], **SHAPE, **parameters)[0]
+
+
+def test_a_hysteresis_behind_vanishing_play_is_a_hysteresis():
+    fine = np.interp(np.linspace(0.0, 39.0, 4000), np.arange(40), PATH)
+    alone = stepped("hysteresis", [[x, 0.0, 0.0] for x in fine], **SHAPE)[0]
+    np.testing.assert_allclose(behind_play(fine, width_m=1e-9), alone, atol=2e-3)
+
+
+def test_play_carries_no_force_and_is_crossed_before_the_other_side_is_loaded():
+    """A sharp hysteresis of 10 N and 0.3 m: half of the play, load, relief, all of the play, load."""
+    path = [0.0, 0.1, 0.4, 1.0, 0.7, 0.5, 0.45, -0.15, -0.5]
+    sharp = {"force_n": 10.0, "displacement_m": 0.3, "gamma": 0.5, "exponent": 40.0, "width_m": 0.2}
+    fine = np.interp(np.linspace(0.0, len(path) - 1.0, 8001), np.arange(len(path)), path)
+    force = stepped("hysteresis_with_play", [[x, 0.0, 0.0] for x in fine], **sharp)[0][::1000]
+    np.testing.assert_allclose(force, [0.0, 0.0, 10.0, 10.0, 0.0, 0.0, -10.0 / 6.0, -10.0, -10.0], atol=0.5)
+
+
+def test_one_direction_yields_later_with_the_same_stiffness():
+    path = np.concatenate([np.linspace(0.0, 3.0, 300), np.linspace(3.0, -3.0, 600)])
+    force = behind_play(path, width_m=0.2, asymmetry=0.25)
+    assert force.max() == pytest.approx(12.5, rel=1e-3)
+    assert force.min() == pytest.approx(-7.5, rel=1e-3)
+    assert np.diff(force).max() == pytest.approx(10.0 / 0.3 * 0.01, rel=0.02)
+
+
 @pytest.mark.parametrize("losses", [{}, {"strength_loss": 0.3, "stiffness_loss": 0.2}, {"slip": 0.5}])
 def test_long_steps_of_a_hysteresis_are_divided(losses):
     """Force and dissipated energy of steps of several yield displacements are those of small ones."""

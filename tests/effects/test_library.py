@@ -29,6 +29,7 @@ NAMES = {
     *("backlash", "stroke_saturation", "sensor_bias", "sensor_drift", "rectified_sensor", "force_bias"),
     *("cubic_stiffness", "quadratic_stiffness", "coulomb_friction", "directional_friction"),
     *("viscous_damping", "quadratic_damping", "power_law_damping", "hysteresis", "degrading_hysteresis"),
+    "hysteresis_with_play",
     *("added_mass", "gap", "series_play", "excitation_scale", "time_step_error", "integration_error"),
 }
 """Names that model files and diagnoses of users hold; none of them may change."""
@@ -104,6 +105,7 @@ def test_scales_of_parameters_have_the_dimension_of_their_units(name):
         ("hysteresis", "lost_share", 1.0),
         ("degrading_hysteresis", "lost_share", 1.0),
         ("directional_friction", "asymmetry", 1.0),
+        ("hysteresis_with_play", "lost_share", 1.0),
     ],
 )
 def test_a_share_is_at_most_the_whole(name, parameter, most):

@@ -216,6 +216,7 @@ def effects(kind, peak, stiffness, frequency):
         "power_law_damping": {"coefficient": 0.05 * force / speed**0.4, "exponent": 0.4},
         "hysteresis": yields,
         "degrading_hysteresis": {**yields, "stiffness_loss": 0.02, "strength_loss": 0.02, "slip": 0.5},
+        "hysteresis_with_play": {**yields, "width_m": 0.05 * peak, "asymmetry": 0.2},
         "added_mass": {"mass_kg": 0.1 * stiffness / frequency**2},
         "gap": {"gap_m": 0.1 * peak},
     }

@@ -6,12 +6,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, acts, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
-from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.fitting.space import ModelSpace, further_parameters
 from reliab.discrepancy.terms import ClockOffset, is_outside
 from reliab.effects import Effect, library
 from reliab.signals import NoiseModel
@@ -155,7 +156,7 @@ class Search:
         if self.problem.flat:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
             of_the_whole = gained > least * self._energy(self.null, candidate.noise)
-            simple = not unknown and all(len(kind.parameters) <= _SIMPLE for kind in added)
+            simple = not unknown and all(_further(kind, smaller) <= _SIMPLE for kind in added)
             of_what_is_left = MATERIAL if of_the_whole else BESIDE
             large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
             share = beside if smaller.space.effects else MATERIAL
@@ -231,8 +232,12 @@ class Search:
         return [self.fitted[key] for key in keys if key in self.fitted]
 
     def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
-        """Energy that a model leaves, whitened by a given noise."""
-        rows = self.problem.whitened(candidate.space, candidate.coordinates, noise)
+        """Energy that a fitted model leaves, whitened by a given noise."""
+        return self._left(candidate.space, candidate.coordinates, noise)
+
+    def _left(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> float:
+        """Energy that a model leaves at given coordinates, whitened by a given noise."""
+        rows = self.problem.whitened(space, coordinates, noise)
         return float(rows @ rows)
 
     def without(self, candidate: Fit, kind: type[Effect]) -> Fit:
@@ -428,17 +433,19 @@ class Search:
     def refine(self) -> None:
         """Try, in the place of every effect of the best model, its special forms."""
         for kind in self.best.space.effects:
+            best = self.best
             for special in library().values():
                 if special.refines is kind:
-                    self._refine(self.best, kind, special)
+                    self._refine(best, kind, special)
 
     def _refine(self, best: Fit, kind: type[Effect], special: type[Effect]) -> None:
         if kind not in best.space.effects:
             return
         others = tuple(effect for effect in best.space.effects if effect is not kind)
         space = ModelSpace(best.space.block, (*others, special))
-        start = space.in_place_of(best.space, best.coordinates, kind, special)
-        refined_fit = refined(self.problem, fit(self.problem, space, [start], best.noise))
+        inherited, *fresh = space.in_place_of(best.space, best.coordinates, kind, special)
+        starts = [inherited, *sorted(fresh, key=lambda start: self._left(space, start, best.noise))[:1]]
+        refined_fit = refined(self.problem, fit(self.problem, space, starts, best.noise))
         if self._matters(refined_fit, best):
             self.keep(refined_fit)
 
@@ -487,3 +494,11 @@ class Search:
                 break
             best = challenger
         return best
+
+
+def _further(kind: type[Effect], smaller: Fit) -> int:
+    """Parameters that an effect brings beside those of the simpler one that a smaller model holds."""
+    simple = kind.refines
+    if simple is None or simple not in smaller.space.effects:
+        return len(kind.parameters)
+    return len(further_parameters(kind, simple))

@@ -151,16 +151,29 @@ class ModelSpace:
 
     def in_place_of(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
-    ) -> Array:
-        """Coordinates in which a special form stands in an effect's place, from those with the effect."""
+    ) -> list[Array]:
+        """Coordinates in which a special form stands in an effect's place, from those with the effect.
+
+        A composition may be far from its first member alone: it starts from its own values, too, with the
+        member's first parameter, its size.
+        """
         values = dict(zip(base._keys, base.values(coordinates).tolist(), strict=True))  # noqa: SLF001 - the same class
-        fresh = dict(zip(self._keys, self.values(self._start(0)).tolist(), strict=True))
         inherited = {
             key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
         }
+        kept = [inherited]
+        if special.members:
+            size = f"{special.name}.{special.parameters[0].name}"
+            own = [key for key in inherited if key.startswith(f"{special.name}.") and key != size]
+            others = {key: value for key, value in inherited.items() if key not in own}
+            kept += [others] * max(len(parameter.starts) for parameter in further_parameters(special, kind))
         lower, upper = self.bounds
-        start = self.coordinates(np.array([inherited.get(key, fresh[key]) for key in self._keys]))
-        return np.clip(start, lower + 1e-9, upper - 1e-9)
+        starts = []
+        for k, stated in enumerate(kept):
+            fresh = dict(zip(self._keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True))
+            start = self.coordinates(np.array([stated.get(key, fresh[key]) for key in self._keys]))
+            starts.append(np.clip(start, lower + 1e-9, upper - 1e-9))
+        return starts
 
     def on_bounds(self, coordinates: Array) -> tuple[str, ...]:
         """Names of the parameters of effects that lie on a bound which is no physical limit."""
@@ -200,3 +213,8 @@ class ModelSpace:
             start = parameter.starts[min(k, len(parameter.starts) - 1)]
             starts.append(start - parameter.neutral if parameter.signed else np.log(start))
         return np.asarray((np.array(starts) - mean) / spread)
+
+
+def further_parameters(special: type[Effect], simple: type[Effect]) -> list[Parameter]:
+    """Parameters of a special form that the simpler effect does not have."""
+    return [parameter for parameter in special.parameters if parameter not in simple.parameters]

@@ -59,8 +59,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     after = residuals(proof, best)
     proved = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
-    sure = [naming.missing(kind) for kind in inside if kind in sure_effects]
-    doubted = [naming.missing(kind) for kind in inside if kind in doubtful]
+    sure = [one for kind in inside if kind in sure_effects for one in naming.members(kind)]
+    doubted = [one for kind in inside if kind in doubtful for one in naming.members(kind)]
     unknown = unexplained(judged, best, proved, None if noise else _located(problem, best, judged))
     return BlockDiagnosis(
         block=problem.block,
@@ -80,8 +80,15 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best),
-        further=expected_error(search.error(best)),
+        further=expected_error(_as_recorded(search, best)),
     )
+
+
+def _as_recorded(search: Search, best: Fit) -> LeftOut:
+    """Error of a model on each left-out test with all that the converter adds, as a further test has it."""
+    if not search.problem.conversion:
+        return search.error(best)
+    return left_out(replace(search.problem, conversion={}), best)
 
 
 def _judged_by_noise(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
@@ -137,6 +144,19 @@ class _Naming:
         if others:
             missing = replace(missing, estimates=widened(missing.estimates, others))
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
+
+    def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
+        """State an effect of the library, or the members of a composition."""
+        stated = self.missing(effect).by_member
+        simple = effect.refines
+        if len(stated) == 1 or simple is None:
+            return stated
+        names = frozenset(self.best.space.names) - {str(effect.name)} | {str(simple.name)}
+        alone = self.search.fitted.get(names)
+        return tuple(
+            one if one.member is simple or alone is None else replace(one, error_without=self._error(alone))
+            for one in stated
+        )
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""

@@ -113,6 +113,8 @@ class MissingEffect:
         that of the signal.
     on_bounds : tuple of str
         Parameters that lie on a bound of their range, so that their values and deviations mean little.
+    member : type of Effect, optional
+        Member of a composition as which it is reported.
     """
 
     effect: type[Effect]
@@ -122,11 +124,31 @@ class MissingEffect:
     error_with: float
     error_without: float
     on_bounds: tuple[str, ...] = ()
+    member: type[Effect] | None = None
 
     @property
     def name(self) -> str:
         """Name of the effect."""
-        return self.effect.label()
+        return (self.member or self.effect).label()
+
+    @property
+    def by_member(self) -> "tuple[MissingEffect, ...]":
+        """The effect, or each member of a composition with its parameters, the first with what is left."""
+        members = self.effect.members
+        owners = {
+            estimate.name: next((m for m in members if estimate.name in _names(m)), members[0])
+            for estimate in self.estimates
+            if members
+        }
+        return tuple(
+            replace(
+                self,
+                member=member,
+                estimates=tuple(e for e in self.estimates if owners[e.name] is member),
+                on_bounds=tuple(name for name in self.on_bounds if owners[name] is member),
+            )
+            for member in members
+        ) or (self,)
 
     @property
     def remark(self) -> str:
@@ -146,6 +168,7 @@ class MissingEffect:
             "held_out_nrmse_without": self.error_without,
             "parameters_on_bounds": list(self.on_bounds),
             **({"position": self.effect.position} if self.effect.position else {}),
+            **({"member_of": str(self.effect.name)} if self.member else {}),
         }
 
 
@@ -187,6 +210,10 @@ def remark(name: str, probability: float, rival: tuple[str, float] | None) -> st
         f"({percent(rival[1], decimals=0)}). "
         f"{telling_test(name, rival[0])}."
     )
+
+
+def _names(effect: type[Effect]) -> set[str]:
+    return {parameter.name for parameter in effect.parameters}
 
 
 def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
