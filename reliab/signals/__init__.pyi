@@ -6,6 +6,7 @@ from .converter import (
 from .convolution import convolved as convolved, correlated as correlated
 from .cubic_path import CubicPath as CubicPath
 from .filters import (
+    REACH as REACH,
     butterworth_delay as butterworth_delay,
     butterworth_poles as butterworth_poles,
     low_pass as low_pass,

@@ -10,7 +10,8 @@ from reliab.signals.convolution import convolved
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 _RIPPLE = 60.0  # dB
 _BETA = 0.1102 * (_RIPPLE - 8.7)  # Kaiser's (1974) for a ripple above 50 dB
-_REACH = 0.2  # share of a history that a filter may be long
+REACH = 0.2
+"""Share of a history that a filter may reach to one side."""
 
 
 def low_pass(edge: float, rate: float) -> Array:
@@ -50,7 +51,7 @@ def smoothed(values: Array, coefficients: Array) -> Array:
     True
     """
     reach = coefficients.size // 2
-    if reach == 0 or reach > _REACH * values.size:
+    if reach == 0 or reach > REACH * values.size:
         return values
     before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
     after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]

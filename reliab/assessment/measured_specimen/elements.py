@@ -375,7 +375,11 @@ _TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
 _POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
 _POWERS_OF_MULLINS = (0.5, 1.0, 2.0, 4.0)
 
+LINEAR: Final = "linear"
+"""The family of a spring and a dashpot."""
+
 FAMILIES: Final[Mapping[str, str]] = {
+    LINEAR: "a spring and a dashpot",
     "plain": "elastic-plastic springs, hardening and dashpots",
     "gaps": "the plain ones and gaps",
     "smooth": "the plain ones and smooth hysteresis",
@@ -389,6 +393,8 @@ FAMILIES: Final[Mapping[str, str]] = {
 
 def elements_of_family(name: str, displacement: float, speed: float) -> Elements:
     """Elements of a family for the largest displacement [m] and speed [m/s] of a test."""
+    if name == LINEAR:
+        return _elements(list(_linear(displacement)), speed)
     if name == "laws":
         return _elements(list(_beside_laws(displacement)), speed)
     rows = list(_plain(displacement))
@@ -415,14 +421,18 @@ def with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Element
     )
 
 
-def _beside_laws(displacement: float) -> Iterator[tuple[int, float, float]]:
+def _linear(displacement: float) -> Iterator[tuple[int, float, float]]:
     yield Kind.ELASTIC_PLASTIC, _LINEAR * displacement, 0.0
+    yield Kind.DASHPOT, displacement, 1.0
     for sign in (1.0, -1.0):
         yield Kind.CONSTANT, sign * displacement, 0.0
+
+
+def _beside_laws(displacement: float) -> Iterator[tuple[int, float, float]]:
+    yield from _linear(displacement)
     for kind in (Kind.CUBIC, Kind.QUINTIC):
         yield kind, displacement, 0.0
-    for power in (0.35, 1.0):
-        yield Kind.DASHPOT, displacement, power
+    yield Kind.DASHPOT, displacement, 0.35
     for time in (0.03, 0.3):
         yield Kind.MAXWELL, time, 0.0
 

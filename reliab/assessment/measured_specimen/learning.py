@@ -2,15 +2,18 @@
 
 Coefficients are found by non-negative least squares over the smoothed force, elements whose size bears a part
 are refined step by step, and four quarters of the test, made of short blocks, are predicted from the others.
+Families weigh the more the better they predict; where a spring and a dashpot predict as well as any other,
+the specimen is linear: others could only follow the noise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.measured_specimen.elements import FAMILIES, Elements, elements_of_family
+from reliab.assessment.measured_specimen.elements import FAMILIES, LINEAR, Elements, elements_of_family
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.measured_specimen.searching import search_laws
 
@@ -19,6 +22,8 @@ _QUARTERS = 4
 _NOISIER = 1.1  # times the noise that is estimated, which held-out parts may leave
 _BETTER = 0.9  # times what is left unexplained, below which a lag of the force is believed
 _DIGITS = 7  # of the share that a row has in another, to which two rows are alike
+_AS_WELL = 1.01  # times what the best family leaves unexplained, up to which a specimen is linear
+_PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _REFINED = ("plain", "gaps", "smooth", "memory", "all")
 
@@ -33,20 +38,35 @@ class LearnedSpecimen:
     held_out: float  # RMS of what held-out parts of the force leave unexplained, over that of the force [-]
     missed: float  # The same without what noise explains [-]
 
+    @property
+    def linear(self) -> bool:
+        """Whether it is a spring and a dashpot."""
+        return self.family == LINEAR
+
 
 def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
-    """Learn a specimen with every family of elements; the best comes first."""
+    """Learn a specimen with every family of elements; the best comes first, or the linear one if it is."""
     laws = search_laws(path)
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
     elements |= {family: _refined(path, elements[family]) for family in _REFINED}
     elements |= {"laws": elements["laws"].beside(laws), "everything": elements["all"].beside(laws)}
     found = [_learned(path, family, elements[family]) for family in FAMILIES]
-    return sorted(found, key=lambda specimen: specimen.held_out)
+    as_well = max(_AS_WELL * min(one.held_out for one in found), _LEAST_PART)
+    return sorted(found, key=lambda one: (not one.linear or one.held_out > as_well, one.held_out))
+
+
+def weights_of(learned: Sequence[LearnedSpecimen]) -> Array:
+    """Share of each family, shape (families,)."""
+    if learned[0].linear:
+        return np.eye(len(learned))[0]
+    missed = np.array([specimen.held_out for specimen in learned])
+    shares = (np.maximum(missed, np.finfo(float).tiny) / missed.min()) ** -_PREFERENCE
+    return np.asarray(shares / shares.sum())
 
 
 def _refined(path: MeasuredPath, elements: Elements) -> Elements:
     """Refine the sizes of elements that bear a part."""
-    wanted = path.force[:: path.every]
+    wanted = path.wanted
     for ratio in _REFINEMENTS:
         seen = path.responses(elements)
         distinct = _distinct(seen)
@@ -63,7 +83,7 @@ def _distinct(rows: Array) -> NDArray[np.int64]:
 
 def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpecimen:
     """Fit elements, and predict what had no part in the fit."""
-    wanted = path.force[:: path.every]
+    wanted = path.wanted
     seen = path.responses(elements)
     distinct = _distinct(seen)
     elements, seen = elements.only(distinct), seen[distinct]
@@ -87,9 +107,9 @@ def late_by(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> float
     `late`: what a unit of lag adds to the force [N/s], shape (n,). No specimen that stores and dissipates
     gives such a force; one that is early looks like a dashpot, and is not found.
     """
-    wanted = path.force[:: path.every]
+    wanted = path.wanted
     seen = path.responses(specimen.elements)
-    rows = np.vstack([seen, late[:: path.every]])
+    rows = np.vstack([seen, path.thinned(late)])
     better = _held_out(rows, wanted, path.blocks) < _BETTER * specimen.held_out
     return float(fit(rows, wanted)[-1]) if better else 0.0
 

@@ -1,4 +1,8 @@
-"""What a test shows of its specimen, and coefficients of elements that fit it."""
+"""What a test shows of its specimen, and coefficients of elements that fit it.
+
+Force and elements pass one filter. Near the ends of a test, where it reaches beyond what was recorded, they
+are not compared: how a history goes on there is a guess, and differs between the two.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +14,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import Elements
 from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.signals import REACH
 
 _RIDGE = 1e-8  # of an element's own mean square
 _UNEXCITED = 1e-4  # of the most excited element, below which one bears next to nothing
@@ -50,9 +55,24 @@ class MeasuredPath:
         return max(int(1.0 / (_PER_BAND * self.noise.band * self.time_step)), 1)
 
     @property
+    def reach(self) -> int:
+        """Number of samples at either end that the filter sees only one side of."""
+        reach = self.noise.filter.size // 2
+        return reach if reach <= REACH * self.displacement.size else 0
+
+    @cached_property
+    def wanted(self) -> Array:
+        """Force that elements should have, as the channels see it [N], shape (m,)."""
+        return self.thinned(self.force)
+
+    def thinned(self, history: Array) -> Array:
+        """Keep the samples of histories, shape (…, n), that are compared, shape (…, m)."""
+        return np.ascontiguousarray(history[..., self.reach : history.shape[-1] - self.reach : self.every])
+
+    @property
     def blocks(self) -> NDArray[np.int64]:
-        """Number of the block of each sample that is fitted."""
-        times = np.arange(0, self.displacement.size, self.every) * self.time_step
+        """Number of the block of each sample that is fitted, shape (m,)."""
+        times = np.arange(self.wanted.size) * self.every * self.time_step
         return np.asarray(times / self.block, dtype=np.int64)
 
     def responses(self, elements: Elements) -> Array:
@@ -60,17 +80,15 @@ class MeasuredPath:
         return self.seen(elements.along(self.displacement, self.time_step, self.used))
 
     def seen(self, rows: Array) -> Array:
-        """Pass histories, shape (rows, n), through the filter of the channels, and thin them by `every`."""
-        taps, thin = self.noise.filter, self.every
-        reach = taps.size // 2
-        if reach == 0 or reach >= rows.shape[1]:
-            return np.ascontiguousarray(rows[:, ::thin])
-        before = 2.0 * rows[:, :1] - rows[:, reach:0:-1]
-        after = 2.0 * rows[:, -1:] - rows[:, -2 : -reach - 2 : -1]
-        idle = np.zeros((rows.shape[0], -2 * reach % thin))
-        passed = scipy.signal.upfirdn(taps, np.hstack([idle, before, rows, after]), down=thin, axis=1)
-        first = (idle.shape[1] + 2 * reach) // thin
-        return np.asarray(passed[:, first : first - (-rows.shape[1] // thin)])
+        """Histories, shape (rows, n), as the channels see them, shape (rows, m)."""
+        if self.reach == 0:
+            return self.thinned(rows)
+        ahead = -2 * self.reach % self.every  # zeros that put the first whole sum on a sample that is kept
+        passed = scipy.signal.upfirdn(
+            self.noise.filter, np.pad(rows, ((0, 0), (ahead, 0))), down=self.every, axis=1
+        )
+        first = (ahead + 2 * self.reach) // self.every
+        return np.asarray(passed[:, first : first + self.wanted.size])
 
 
 def fit(rows: Array, wanted: Array, weights: Array | None = None) -> Array:

@@ -10,6 +10,8 @@ representation of f misses on both cancels. Five families of elements learn f fr
 behind the interval take a family by how well it predicts held-out parts of the force, fit it to blocks of the
 test with random weights, and multiply the force by which the actuator's own error acts, f[x_m] − f[x_c], by
 1 + (0.002 + κ h) z: h is what the family misses of held-out parts beyond their noise, z is standard normal.
+A specimen that a spring and a dashpot explain as well as any family is linear, and its draws are those of a
+stated linear specimen whose stiffness and damping are the test's own: 1 + κ h z, and h is mostly zero.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +21,12 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, late_by, learn_specimen
+from reliab.assessment.measured_specimen.learning import (
+    LearnedSpecimen,
+    late_by,
+    learn_specimen,
+    weights_of,
+)
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
@@ -45,13 +52,15 @@ from reliab.threads import one_thread
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
 
-_DRAWS_AS_STATED = 16  # of noise and specimen alone, behind the value
+DRAWS_OF_LINEAR = 256
+"""The same where the specimen is linear, as many as of a stated one."""
+
+_AS_STATED = 4  # draws of which one is of noise and specimen alone, behind the value
 _LEAST_RATE = 256.0  # samples in a second, and in a period, that are simulated
 _PER_PERIOD = 100.0
 _LEAST = 0.05  # of a positive value: a draw goes no lower
-_PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
-_ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed
+_ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed, unless it is linear
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
@@ -181,12 +190,13 @@ def _concluded(
     """Draw what is not known, and put the error together; `read` [m]."""
     command, thin, learned = histories.command, test.thin, test.learned
     unknown = Unknown(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
-    differences = draw_differences(command, read, noise, test.structure.frequency, every, DRAWS, seed)
+    draws = DRAWS_OF_LINEAR if learned[0].linear else DRAWS
+    differences = draw_differences(command, read, noise, test.structure.frequency, every, draws, seed)
     responses = [test.response(specimen) for specimen in learned]
     reference = responses[0]
     places = np.arange(command.size) / every
     whole_reference = command - np.interp(places, np.arange(thin.command.size), thin.command - reference)
-    few = differences[: 2 * _DRAWS_AS_STATED : 2]
+    few = differences[: 2 * draws // _AS_STATED : 2]
     return MeasuredSpecimen(
         rebuilt=conclude(
             histories,
@@ -209,7 +219,7 @@ def _concluded(
                 held_out=specimen.held_out,
                 rms=relative_errors(thin.measured - response, response)[0],
             )
-            for specimen, weight, response in zip(learned, test.weights, responses, strict=True)
+            for specimen, weight, response in zip(learned, weights_of(learned), responses, strict=True)
         ),
         force=np.interp(places, np.arange(thin.command.size), test.force_of(learned[0], reference)),
         late=late_by(test.path, learned[0], test.added[0]),
@@ -242,13 +252,6 @@ class _Test:
     channel: ForceChannel
     added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, n)
     learned: tuple[LearnedSpecimen, ...]
-
-    @property
-    def weights(self) -> Array:
-        """Share of the draws of each family."""
-        missed = np.array([specimen.held_out for specimen in self.learned])
-        shares = (np.maximum(missed, np.finfo(float).tiny) / missed.min()) ** -_PREFERENCE
-        return np.asarray(shares / shares.sum())
 
     def numerical(self, frequency: float, damping_ratio: float, share: float) -> tuple[float, float, float]:
         """Mass, damping and stiffness of the numerical substructure, each stated value times a factor."""
@@ -323,15 +326,15 @@ class _Test:
         drawn, _ = draw_unknown(unknown, len(differences), seed)
         columns = columns_of_reading(thin, drawn)
         added = [drawn[name][:, np.newaxis] * column for name, column in columns.items() if name in drawn]
-        blocks, wanted = self.path.blocks, self.path.force[:: self.path.every]
-        families = generator.choice(len(self.learned), size=len(differences), p=self.weights)
+        blocks, wanted = self.path.blocks, self.path.wanted
+        families = generator.choice(len(self.learned), size=len(differences), p=weights_of(self.learned))
         of_command = {
             family: self.learned[family].elements.along(thin.command, step, used)
             for family in np.unique(families).tolist()
         }
         seen = {family: self.path.responses(self.learned[family].elements) for family in of_command}
         strayed = carried * self.channel.deviations * generator.standard_normal((len(differences), 3))
-        added_seen = self.added[:, :: self.path.every]
+        added_seen = self.path.thinned(self.added)
         for row, difference in enumerate(differences):
             measured = thin.command - difference - sum((share[row] for share in added), np.zeros(()))
             specimen = self.learned[families[row]]
@@ -339,7 +342,7 @@ class _Test:
             weights = generator.exponential(size=blocks[-1] + 1)[blocks]
             coefficients = fit(seen[int(families[row])], wanted - strayed[row] @ added_seen, weights)
             felt, commanded = coefficients @ rows, coefficients @ of_command[int(families[row])]
-            missed = carried * (_CARRIED * specimen.missed + _ALWAYS)
+            missed = carried * (_CARRIED * specimen.missed + (0.0 if specimen.linear else _ALWAYS))
             factor = max(1.0 + missed * generator.standard_normal(), _LEAST)
             felt = self._recorded(
                 commanded + factor * (felt - commanded), measured, self.channel.values + strayed[row]
