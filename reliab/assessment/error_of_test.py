@@ -21,6 +21,7 @@ from reliab.assessment.budget import (
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error import (
     Estimate,
+    Part,
     Parts,
     RebuiltError,
     Tolerances,
@@ -184,12 +185,16 @@ class ErrorOfTest:
     @cached_property
     def parts(self) -> Parts:
         """Parts of the error: amplitude, delay, neither, and a late force."""
-        return self.rebuilt.parts()
+        return (self.specimen or self.rebuilt).parts()
+
+    def part_of_tracking(self, followed: Array) -> Part:
+        """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
+        return (self.specimen or self.rebuilt).part_of_tracking(followed)
 
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
-        own = self.rebuilt.widenings(self.metric)
+        own = (self.specimen or self.rebuilt).widenings(self.metric)
         if self.if_linear is None:
             return own
         share = self.sizes["yielding"].deviation
@@ -273,11 +278,21 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=with_learned(sizes, rebuilt),
+        sizes=with_learned(sizes, rebuilt) | _sizes_of_force(specimen),
         specimen=specimen,
         modelled=question.model is not None,
     )
     return that_may_have_yielded(error, question.yielding(recording))
+
+
+def _sizes_of_force(specimen: MeasuredSpecimen | None) -> dict[str, Size]:
+    """Sizes of what is stated of mass and force of a measured specimen."""
+    deviations = {} if specimen is None else specimen.test.deviations_of_force
+    return {
+        name: Size(deviation=deviation, source=Source.STATED)
+        for name, deviation in deviations.items()
+        if deviation and name != "specimen"
+    }
 
 
 def that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
@@ -321,13 +336,14 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
             remedy="Record the force that was fed back, and state `mass` in kilograms",
             where=recording.name,
         )
+    mass = question.stated["mass"]
     return rebuild_with_force(
         recording.command,
         measured,
         recording.force,
         recording.time_step,
-        question.structure,
-        question.stated["mass"].value,
+        whole_structure(question.structure).in_kilograms(mass.value),
+        mass_deviation=mass.deviation / mass.value,
         feedback_lag=question.feedback_lag,
         force_channel=question.force_channel,
         resolution=question.resolution,

@@ -181,7 +181,7 @@ def _resolved(
 ) -> Part | None:
     if over_frequency is None:
         return None
-    return error.rebuilt.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
+    return error.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
 
 
 def _rebuilding(

@@ -15,7 +15,10 @@ from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, 
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
 from reliab.assessment.measured_specimen.force_channel import columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, REVERSAL_TRAITS, SMOOTH_TRAITS
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.measured_specimen.path import MeasuredPath
+from reliab.assessment.rebuilt_error import WholeStructure, rebuild
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.cli import run
 from reliab.errors import InputError
 from reliab.structures import Structure
@@ -191,8 +194,36 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
     felt = coefficients @ elements.along(growing, _STEP, _STILL)
-    response = elements.respond(coefficients, growing, felt, _STEP, _STILL, (1.0, 0.2, 5.0))
+    computed = WholeStructure.of_structure(Structure(frequency=0.4, damping_ratio=0.04))
+    numerical = Recursion.of_force(computed, _STEP)
+    response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
     assert response == pytest.approx(growing, abs=1e-9)
+
+
+def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
+    """The oracle is the recursion of the whole structure from x_c − x_m, which holds no element."""
+    whole = WholeStructure.of_structure(
+        Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6)
+    )
+    spring = _one(Kind.ELASTIC_PLASTIC, 1e9)
+    late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
+    stiffness = np.array([whole.specimen_stiffness])
+    felt = stiffness @ spring.along(late, _STEP, _STILL)
+    numerical = Recursion.of_force(whole.without_specimen, _STEP)
+    response = spring.respond(stiffness, _SINE, felt, _STEP, _STILL, numerical)
+    expected = _SINE - respond(Recursion.of_displacement(whole, _STEP), _SINE - late)[0]
+    assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
+
+
+def test_elements_are_seen_as_the_channels_are() -> None:
+    """Filtered at the full rate and then thinned, without the ends that the filter sees one side of."""
+    noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
+    path = MeasuredPath(displacement=_SINE, force=_SINE, time_step=_STEP, noise=noise, block=4.0, noisy=0.01)
+    rows = np.stack([_SINE, _SINE**3])
+    expected = np.stack([noise.smooth(row) for row in rows])
+    assert path.reach > path.every > 1
+    assert path.seen(rows) == pytest.approx(path.thinned(expected), abs=1e-12)
+    assert path.blocks.size == path.wanted.size == path.seen(rows).shape[1]
 
 
 def _load() -> np.ndarray:
@@ -211,16 +242,17 @@ def _simulated(family: str, seed: int, **of_force: float) -> Any:
     return test
 
 
-def _structure(test: Any) -> Structure:
-    return Structure(
+def _structure(test: Any) -> WholeStructure:
+    stated = Structure(
         frequency=test.loop.frequency,
         damping_ratio=test.loop.damping_ratio,
         experimental_fraction=test.loop.share,
     )
+    return WholeStructure.of_structure(stated)
 
 
 def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
-    return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), 1.0, **stated)
+    return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), **stated)
 
 
 @pytest.mark.slow
@@ -238,10 +270,36 @@ def test_errors_of_families_of_specimens_are_found(family: str) -> None:
 @pytest.mark.slow
 def test_a_linear_specimen_loses_nothing() -> None:
     test = _simulated("linear", 5)
-    stated = rebuild(test.command, test.measured, _STEP, _structure(test)).rms
-    learned = _judged(test).rebuilt.rms
-    assert learned.value == pytest.approx(stated.value, rel=0.02)
-    assert learned.high - learned.low < 1.3 * (stated.high - stated.low) + 0.02 * stated.value
+    stated = rebuild(test.command, test.measured, _STEP, _structure(test))
+    learned = _judged(test)
+    size, rms = learned.rebuilt.rms, stated.rms
+    assert learned.families[0].name == "linear"
+    assert learned.families[0].weight == 1.0
+    assert size.value == pytest.approx(rms.value, rel=0.01)
+    assert 0.75 * (rms.high - rms.low) < size.high - size.low < 1.3 * (rms.high - rms.low)
+    for name, part in stated.parts().by_name.items():
+        assert learned.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
+    """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
+    test = _simulated("bilinear", 8)
+    learned = _judged(test, mass_deviation=0.03, feedback_lag=0.001)
+    parts = learned.parts().by_name
+    whole = learned.rebuilt.histories.measured - learned.rebuilt.reference
+    peak = np.abs(whole).max()
+    assert sum(part.history for part in parts.values()) == pytest.approx(whole, abs=1e-6 * peak)
+    assert set(parts) == {"amplitude", "delay", "neither", "fed_back_force"}
+    moved = learned.part_of_tracking(learned.rebuilt.histories.measured)
+    late = parts["fed_back_force"].history
+    assert moved.history + late == pytest.approx(whole, abs=0.01 * peak)
+    contributions = {one.name: one.contribution for one in learned.widenings()}
+    assert {"specimen", "sensor_noise", "mass"} <= set(contributions)
+    known = _judged(test, feedback_lag=0.001).rebuilt.rms
+    size = learned.rebuilt.rms
+    assert contributions["mass"] > 0.0
+    assert size.high - size.low > known.high - known.low
 
 
 @pytest.mark.slow

@@ -143,6 +143,37 @@ _QUANTITIES = {
         factor=0.0,
         remedy="Record the force of the specimen, or state it as linear where it stayed so.",
     ),
+    "specimen": _Quantity(
+        name="what the force shows of the specimen",
+        unit="%",
+        factor=PERCENT,
+        remedy="Repeat the test with less actuator error or a better force sensor, or calibrate a model of "
+        "the specimen with `reliab diagnose`.",
+    ),
+    "mass": _Quantity(
+        name="mass of the structure",
+        unit="%",
+        factor=PERCENT,
+        remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
+    ),
+    "force_lag": _Quantity(
+        name="lag of the force behind the displacement",
+        unit="ms",
+        factor=MILLI,
+        remedy="Measure by how much the force is recorded late, and state it.",
+    ),
+    "attached_mass": _Quantity(
+        name="mass between load cell and specimen",
+        unit="kg",
+        factor=1.0,
+        remedy="Weigh what is mounted between load cell and specimen, and state it.",
+    ),
+    "load_path_friction": _Quantity(
+        name="friction in the load path",
+        unit="N",
+        factor=1.0,
+        remedy="Measure the friction of the load path without a specimen, and state it.",
+    ),
     "initial_state": _Quantity(
         name="motion before the record",
         unit="mm",

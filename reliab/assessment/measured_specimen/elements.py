@@ -30,6 +30,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     smooth_pinched,
     towards_peaks,
 )
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
@@ -229,16 +230,23 @@ def _respond(
     felt: Array,
     step: float,
     used: Array,
-    numerical: Array,
+    decay: Array,
+    early: Array,
+    late: Array,
+    output: Array,
 ) -> Array:
     """Exact response [m]; see `Elements.respond`."""
-    mass, damping, stiffness = numerical[0], numerical[1], numerical[2]
     states = np.zeros((kinds.size, _STATES))
     answer = np.empty(command.size)
-    strayed, strayed_before, before, earlier = 0.0, 0.0, 0.0, 0.0
-    ahead = mass / step**2 + damping / (2.0 * step)
+    held, scratch = np.zeros(early.size), np.zeros(early.size)
+    wrong, wrong_before, before, earlier = 0.0, 0.0, 0.0, 0.0
     for i in range(command.size):
-        now = command[i] - strayed
+        foreseen = 2.0 * wrong - wrong_before if i > 1 else wrong
+        if i > 0:
+            advance(decay, early, late, wrong, foreseen, held, scratch)
+        now = command[i]
+        for row in range(held.size):
+            now -= output[row] * held[row]
         velocity = _velocity(now, before, earlier, step, i)
         force = 0.0
         for element in range(kinds.size):
@@ -258,9 +266,9 @@ def _respond(
             )
         answer[i] = now
         earlier, before = before, now
-        inertia = mass * (2.0 * strayed - strayed_before) / step**2 + damping * strayed_before / (2.0 * step)
-        strayed_before = strayed
-        strayed = (inertia - stiffness * strayed - felt[i] + force) / ahead
+        wrong_before, wrong = wrong, force - felt[i]
+        if i > 0:
+            held += late * (wrong - foreseen)
     return answer
 
 
@@ -286,18 +294,13 @@ class Elements:
         )
 
     def respond(
-        self,
-        coefficients: Array,
-        command: Array,
-        felt: Array,
-        step: float,
-        used: Array,
-        numerical: tuple[float, float, float],
+        self, coefficients: Array, command: Array, felt: Array, step: float, used: Array, numerical: Recursion
     ) -> Array:
         """Response that a perfect actuator would have given [m], shape (n,).
 
-        m g'' + c g' + k g = f[y] − f[x_m], y = x_c − g, by central differences; `felt` is f[x_m] [N],
-        `numerical` m [kg], c [N s/m] and k [N/m].
+        M g'' + C g' + K g = γ (f[y] − f[x_m]), y = x_c − γᵀg, with the force at the end of each step foreseen
+        along a straight line, and put right once it is known. `felt` is f[x_m] [N], `numerical` the recursion
+        of the numerical substructure from force to γᵀg.
         """
         return np.asarray(
             _respond(
@@ -311,7 +314,10 @@ class Elements:
                 felt,
                 step,
                 used,
-                np.array(numerical),
+                numerical.decay,
+                numerical.early,
+                numerical.late,
+                numerical.output[0],
             )
         )
 

@@ -63,11 +63,12 @@ class MeasuredPath:
     @cached_property
     def wanted(self) -> Array:
         """Force that elements should have, as the channels see it [N], shape (m,)."""
-        return self.thinned(self.force)
+        return np.asarray(self.thinned(self.force))
 
     def thinned(self, history: Array) -> Array:
         """Keep the samples of histories, shape (…, n), that are compared, shape (…, m)."""
-        return np.ascontiguousarray(history[..., self.reach : history.shape[-1] - self.reach : self.every])
+        inner = slice(self.reach, history.shape[-1] - self.reach, self.every)
+        return np.ascontiguousarray(history[..., inner])
 
     @property
     def blocks(self) -> NDArray[np.int64]:

@@ -74,6 +74,21 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
     """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
     recursion = Recursion.of_displacement(structure, step)
+    gain, delay, differences = follow(command, measured, step)
+    pieces = {
+        name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
+    }
+    still = np.zeros(command.size)
+    pieces[NEITHER] += respond(recursion, still, equilibrium(structure, histories.standing))[0]
+    late = histories.fed_back - histories.difference
+    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
+        pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
+    whole = np.sum(list(pieces.values()), axis=0)
+    return parts_of(gain, delay, pieces, float(np.abs(measured - whole).max()))
+
+
+def follow(command: Array, measured: Array, step: float) -> tuple[float, float, dict[str, Array]]:
+    """Fit gain [-] and delay [s] to command and measured displacement [m], and divide their difference."""
     velocity = np.gradient(command, step)
     basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
     scale = np.abs(basis).max(axis=1)
@@ -84,19 +99,15 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
         DELAY: delay * velocity,
         NEITHER: gain * command - delay * velocity - measured,
     }
-    pieces = {
-        name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
-    }
-    still = np.zeros(command.size)
-    pieces[NEITHER] += respond(recursion, still, equilibrium(structure, histories.standing))[0]
-    late = histories.fed_back - histories.difference
-    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
-        pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
+    return float(gain), float(delay), differences
+
+
+def parts_of(gain: float, delay: float, pieces: dict[str, Array], ideal_peak: float) -> Parts:
+    """Sizes of pieces [m] that add up to an error; `delay` [s], `ideal_peak` of the exact response [m]."""
     whole = np.sum(list(pieces.values()), axis=0)
-    ideal_peak = float(np.abs(measured - whole).max())
     return Parts(
-        gain=float(gain),
-        delay=float(delay),
+        gain=gain,
+        delay=delay,
         by_name={name: part_of(piece, whole, ideal_peak) for name, piece in pieces.items()},
     )
 

@@ -103,6 +103,40 @@ class WholeStructure:
             specimen_mass=self.specimen_mass * share,
         )
 
+    def in_kilograms(self, mass: float) -> "WholeStructure":
+        """Structure of a single degree of freedom, per unit mass, with a mass [kg]."""
+        if not (np.isfinite(mass) and mass > 0.0):
+            raise InputError("The mass of the structure must be positive", value=f"{mass} kg")
+        return replace(
+            self,
+            mass=mass * self.mass,
+            damping=mass * self.damping,
+            stiffness=mass * self.stiffness,
+            specimen_stiffness=mass * self.specimen_stiffness,
+            specimen_damping=mass * self.specimen_damping,
+            specimen_mass=mass * self.specimen_mass,
+        )
+
+    @property
+    def without_specimen(self) -> "WholeStructure":
+        """Numerical substructure: what the computer simulates of the structure."""
+        at_interface = np.outer(self.interface, self.interface)
+        return replace(
+            self,
+            mass=self.mass - self.specimen_mass * at_interface,
+            damping=self.damping - self.specimen_damping * at_interface,
+            stiffness=self.stiffness - self.specimen_stiffness * at_interface,
+            specimen_stiffness=0.0,
+            specimen_damping=0.0,
+            specimen_mass=0.0,
+        )
+
+    @property
+    def share_at_rest(self) -> float:
+        """Share of a constant force at the interface that the specimen bears, k_e γᵀK⁻¹γ [-]."""
+        moved = np.linalg.solve(self.stiffness, self.interface)
+        return float(self.specimen_stiffness * (self.interface @ moved))
+
     def receptance(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Displacements of all degrees of freedom under a unit force at the interface.
 

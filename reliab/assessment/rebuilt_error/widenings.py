@@ -5,7 +5,7 @@ draws themselves, y = y₀ + Σ aᵢuᵢ + bᵢuᵢ² by least squares, and give
 were known better.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,22 +51,38 @@ def widenings(
     every_one = swept(unknown)
     quiet = swept(unknown, differences.mean(axis=0, keepdims=True))
     drawn, _ = draw_unknown(unknown, draws, seed)
-    effects = _effects(every_one.errors(metric) ** 2, {name: u for name, u in drawn.items() if u.any()})
-    whole = _width(every_one, metric)
-    parts = [
-        _widening(effect, every_one, metric, unknown.deviations()[name]) for name, effect in effects.items()
-    ]
-    parts.append(
-        Widening(
-            name="sensor_noise",
-            deviation=0.0,
-            contribution=float(np.std(swept(EXACT).errors(metric))),
-            width=whole,
-            width_without=_width(quiet, metric),
-            deviation_for_half=None,
-        )
-    )
+    parts = widenings_of_draws(every_one, drawn, unknown.deviations(), metric)
+    of_noise = widening_alone("sensor_noise", every_one, swept(EXACT), metric)
+    parts.append(replace(of_noise, width_without=_width(quiet, metric)))
     return tuple(sorted(parts, key=lambda part: -part.contribution))
+
+
+def widenings_of_draws(
+    spread: Spread, drawn: Mapping[str, Array], deviations: Mapping[str, float], metric: Metric
+) -> list[Widening]:
+    """Find what each quantity contributes to draws; those that are not drawn contribute nothing."""
+    effects = _effects(spread.errors(metric) ** 2, {name: u for name, u in drawn.items() if u.any()})
+    return [_widening(effect, spread, metric, deviations[name]) for name, effect in effects.items()]
+
+
+def widening_alone(
+    name: str, spread: Spread, alone: Spread, metric: Metric, deviation: float = 0.0
+) -> Widening:
+    """Say what a quantity contributes of which there are draws that hold nothing else.
+
+    Without it the interval is taken to be as much narrower as its share of the variance says.
+    """
+    contribution, every_one = (float(np.std(draws.errors(metric))) for draws in (alone, spread))
+    left = max(1.0 - (contribution / every_one) ** 2, 0.0) if every_one > 0.0 else 0.0
+    whole = _width(spread, metric)
+    return Widening(
+        name=name,
+        deviation=deviation,
+        contribution=contribution,
+        width=whole,
+        width_without=whole * float(np.sqrt(left)),
+        deviation_for_half=None,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
