@@ -16,7 +16,7 @@ from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import CoupledRecording
 from reliab.significant import percent, percent_with_interval
 from reliab.simulation.frames import CoupledFrame
-from reliab.structures import CoupledLimit
+from reliab.structures import CoupledLimit, part_and_number
 from reliab.vocabulary import MILLI, Metric
 
 CAUSES_IN_WORDS = {
@@ -55,6 +55,8 @@ class CoupledAssessment:
         Where the test would become unstable.
     limit_of_gains : bool
         Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
+    doubt_of_skew : str
+        That converters as slow as the recording shift its channels by more than is assumed; empty where not.
     """
 
     recording: CoupledRecording
@@ -67,6 +69,7 @@ class CoupledAssessment:
     verdict: Verdict
     limit: CoupledLimit
     limit_of_gains: bool = True
+    doubt_of_skew: str = ""
 
     @property
     def reliable(self) -> bool:
@@ -103,6 +106,8 @@ class CoupledAssessment:
                 "The actuators' gains cannot be told apart by this motion: the stability margin is that of "
                 "actuators without gain errors."
             )
+        if self.doubt_of_skew:
+            sentences.append(self.doubt_of_skew)
         if self.stability_margin < 0.0:
             sentences.append(
                 "The measured delay is longer than the critical delay: the structure or the channels are "
@@ -267,7 +272,7 @@ def budget_of_several(
     items = []
     for name, contribution in error.widenings(metric).items():
         quantity, _, number = name.rpartition("_")
-        of_sensor = number.isdecimal()
+        of_sensor = number.isdecimal() and part_and_number(name) is None
         known = quantity if of_sensor else name
         known = "initial_state" if known.startswith("initial") else known
         items.append(

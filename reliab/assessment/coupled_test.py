@@ -78,6 +78,7 @@ def assess_coupled(
         faults=faults,
         sizes=sizes,
         verdict=_verdict(error, metric, threshold, sizes, faults),
+        doubt_of_skew="" if equipment is None else equipment.doubt_of_skew(recording.time_step),
         **_limit(frame.partition, gains),
     )
 

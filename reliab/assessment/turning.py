@@ -35,6 +35,8 @@ class Turning:
     error_if_yielding: tuple[float, float] | None = None
     # Highest of `CORNERS` with which it does, on command or measured displacement alone [Hz]
     highest_filter: float | None = None
+    # That converters as slow as the recording shift its channels by more than is assumed; empty where not
+    doubt_of_skew: str = ""
 
     def limit(self, verdict: Verdict) -> Verdict:
         """Return a verdict that is not "reliable" where a specimen that yielded would not have been.
@@ -73,6 +75,8 @@ class Turning:
                 "Filters of the two channels were not stated: one of second order at "
                 f"{significant(self.highest_filter)} Hz or lower on one channel alone would turn the verdict."
             )
+        if self.doubt_of_skew:
+            yield self.doubt_of_skew
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""
@@ -95,6 +99,7 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
         smallest_ductility=None if yielding is None else _first(yielding, error),
         error_if_yielding=None if yielding is None else (min(yielding.values()), max(yielding.values())),
         highest_filter=_first(filters, error),
+        doubt_of_skew="" if "skew" in question.stated else question.equipment.doubt_of_skew(recording.time_step),
     )
 
 

@@ -11,6 +11,12 @@ from .partition import (
     floor_interface as floor_interface,
     with_specimen as with_specimen,
 )
+from .parts_of_structure import (
+    PARTS as PARTS,
+    is_part as is_part,
+    part_and_number as part_and_number,
+    with_parts as with_parts,
+)
 from .stability import (
     longest_lead as longest_lead,
     refuse_long_leads as refuse_long_leads,

@@ -11,6 +11,7 @@ out (Guyan 1965, AIAA Journal 3, 380), else it takes a mass that moves by itself
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,6 +28,7 @@ from reliab.structures.frames.frame import (
     square_matrix,
 )
 from reliab.structures.partition import Partition
+from reliab.structures.parts_of_structure import with_parts
 
 _NO_MASS = 1e-12  # of the largest mass
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
@@ -264,6 +266,26 @@ class CoupledPartition:
         """
         shares = np.diag(np.linalg.solve(carry, self.static_transfer @ carry))
         return np.asarray(np.clip(shares, _LEAST_SHARE, 1.0))
+
+    def with_parts(self, changes: Mapping[str, float]) -> "CoupledPartition":
+        """Structure whose floors, storeys, modes or specimen are off by relative changes."""
+        of_modes = any(name.startswith("mode") for name in changes)
+        whole, more = self.with_masses if of_modes else self, changes.get("specimen_stiffness", 0.0)
+        matrices = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
+        specimen = whole.specimen_mass, whole.specimen_damping, whole.specimen_stiffness
+        mass, damping, stiffness = (
+            matrix + more * whole.interface @ part @ whole.interface.T
+            for matrix, part in zip(matrices, specimen, strict=True)
+        )
+        return replace(
+            whole,
+            mass=mass,
+            damping=damping,
+            stiffness=stiffness,
+            specimen_stiffness=whole.specimen_stiffness * (1.0 + more),
+            specimen_damping=whole.specimen_damping * (1.0 + more),
+            specimen_mass=whole.specimen_mass * (1.0 + more),
+        )
 
     def scaled(self, *, frequency: float, damping_ratio: float, share: float) -> "CoupledPartition":
         """Structure with all frequencies, damping ratios and the specimen multiplied by factors."""

@@ -6,6 +6,7 @@ from typing import Any
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.structures import PARTS, part_and_number
 from reliab.vocabulary import MILLI, PERCENT
 
 
@@ -174,6 +175,48 @@ _QUANTITIES = {
         factor=1.0,
         remedy="Measure the friction of the load path without a specimen, and state it.",
     ),
+    "damping": _Quantity(
+        name="damping matrix",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the damping of the structure by a free vibration, and state its deviation.",
+    ),
+    "specimen_stiffness": _Quantity(
+        name="specimen",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the specimen's stiffness, and state its deviation.",
+    ),
+    "floor_mass": _Quantity(
+        name="mass of floor",
+        unit="%",
+        factor=PERCENT,
+        remedy="Weigh the floors, and state the deviation of their masses.",
+    ),
+    "storey_stiffness": _Quantity(
+        name="stiffness of storey",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the stiffness of the storeys, or natural frequencies, and state their deviations.",
+    ),
+    "storey_damping": _Quantity(
+        name="damping of storey",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the damping of the storeys, or of the modes, and state its deviations.",
+    ),
+    "mode_frequency": _Quantity(
+        name="natural frequency of mode",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the natural frequencies by a free vibration, and state their deviations.",
+    ),
+    "mode_damping_ratio": _Quantity(
+        name="damping ratio of mode",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the damping ratios by a free vibration, and state their deviations.",
+    ),
     "initial_state": _Quantity(
         name="motion before the record",
         unit="mm",
@@ -200,13 +243,22 @@ def budget_item(
     name: str, deviation: float, contribution: float, sizes: Mapping[str, Size], *, actuator: str = ""
 ) -> BudgetItem:
     """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
-    quantity, size = _QUANTITIES[name], sizes.get(name)
+    part, size = part_and_number(name), sizes.get(name)
+    quantity = _QUANTITIES[name if part is None else part[0]]
     return BudgetItem(
         name=f"{name}_{actuator}" if actuator else name,
-        quantity=f"{quantity.name} of actuator {actuator}" if actuator else quantity.name,
+        quantity=_quantity_in_words(name, quantity, actuator),
         size=quantity.factor * deviation if quantity.factor else None,
         unit=quantity.unit,
         source=Source.LEARNED if size is None else size.source,
         contribution=contribution,
         remedy=quantity.remedy,
     )
+
+
+def _quantity_in_words(name: str, quantity: _Quantity, actuator: str) -> str:
+    if (part := part_and_number(name)) is not None:
+        return f"{quantity.name} {part[1]}"
+    if name in PARTS:
+        return f"{quantity.name} 1, and of all others alike"
+    return f"{quantity.name} of actuator {actuator}" if actuator else quantity.name

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from reliab.described_files import parse_toml, read_toml
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.vocabulary import MILLI
 
 _RULE = "A laboratory's sizes are a TOML file of numbers that are not negative"
@@ -51,6 +52,17 @@ class Equipment:
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""
         return min(self.skew_samples * time_step, self.skew_ms / MILLI)
+
+    def doubt_of_skew(self, time_step: float) -> str:
+        """Say that converters as slow as a recording shift its channels by more than is assumed; else empty."""
+        if self.skew(time_step) == self.skew_samples * time_step:
+            return ""
+        return (
+            f"The recording has {significant(1.0 / time_step, 3)} samples a second, and no `skew` of its channels "
+            f"was stated: {significant(self.skew_ms, 2)} ms is assumed, one standard deviation. Converters that "
+            f"ran no faster may have shifted them by up to {significant(MILLI * time_step, 2)} ms: state the "
+            "skew of such a rig, or `skew_ms` in its `equipment`."
+        )
 
 
 @cache

@@ -10,7 +10,7 @@ from reliab.assessment.budget.equipment import Equipment
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.structures import Structure, is_part
 from reliab.vocabulary import MILLI
 
 
@@ -43,6 +43,15 @@ _ABSOLUTE = {  # stated in milliseconds
 }
 _OF_HYSTERESIS = 0.2  # of a hysteresis that is stated without its deviation, as a calibration gives it
 _LARGEST_ASSUMED = 0.99
+_OF_PARTS = {  # what is not assumed of the whole where parts of the structure are stated
+    "damping": "damping_ratio",
+    "floor_mass": "frequency",
+    "storey_stiffness": "frequency",
+    "storey_damping": "damping_ratio",
+    "mode_frequency": "frequency",
+    "mode_damping_ratio": "damping_ratio",
+    "specimen_stiffness": "experimental_fraction",
+}
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
 
 
@@ -80,17 +89,22 @@ def sizes_of_unknown(
 
 
 def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
-    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e."""
+    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e.
+
+    Where parts of the structure are stated, nothing is assumed of the whole beside them.
+    """
     tolerances = frame.tolerances
+    parts = tolerances.of_parts(frame.partition.interface.shape[0])
     deviations = {
         "frequency": tolerances.of_frequency,
         "damping_ratio": tolerances.damping_ratio,
-        "experimental_fraction": tolerances.specimen_stiffness,
+        "experimental_fraction": tolerances.of_specimen_alone,
     }
+    stated = {_OF_PARTS[name.rstrip("_0123456789")] for name in parts}
     return {
         name: Size(deviation=deviation, source=Source.STATED)
-        for name, deviation in deviations.items()
-        if deviation
+        for name, deviation in {**deviations, **parts}.items()
+        if deviation or name in stated
     }
 
 
@@ -102,7 +116,9 @@ def _deviation_stated(sizes: Mapping[str, Size]) -> float:
 
 def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     """Put sizes into the form in which the error is drawn."""
-    return Tolerances(**{name: size.deviation for name, size in sizes.items()})
+    deviations = {name: size.deviation for name, size in sizes.items()}
+    of_parts = {name: deviations.pop(name) for name in sizes if is_part(name)}
+    return Tolerances(**deviations, of_parts=of_parts)
 
 
 def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:

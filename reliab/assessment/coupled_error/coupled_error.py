@@ -12,12 +12,12 @@ from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
 from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import normal_points
+from reliab.assessment.rebuilt_error.interval import normal_points, relative_ratios
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import CoupledPartition
+from reliab.structures import CoupledPartition, is_part
 from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
@@ -52,6 +52,7 @@ class Unknowns:
             deviations[f"sensor_offset_{number}"] = float(np.hypot(stated["sensor_offset"], starts[0, place]))
             deviations[f"initial_displacement_{number}"] = float(starts[1, place])
             deviations[f"initial_velocity_{number}"] = float(starts[1, place])
+        deviations |= tolerances.of_parts
         drawn = {name: value for name, value in deviations.items() if value > 0.0}
         return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())), own_frequency=own_frequency)
 
@@ -62,6 +63,9 @@ class Unknowns:
         if self.own_frequency is not None:
             place = self.names.index("frequency")
             drawn[place] = self.own_frequency.drawn(points[place])
+        for place, name in enumerate(self.names):
+            if is_part(name) and "damping" in name:
+                drawn[place] = relative_ratios(drawn[place], float(self.deviations[place]))
         return drawn
 
     def lags(self, command: Array) -> Array:

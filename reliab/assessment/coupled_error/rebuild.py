@@ -26,7 +26,7 @@ from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures import CoupledPartition
+from reliab.structures import CoupledPartition, is_part
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -99,7 +99,8 @@ def rebuild_coupled(
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
     band = channels.noises[0].band
-    structure = partition.below(_ABOVE_BAND * max(band, float(partition.natural_frequencies[0])))
+    highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
+    structure = partition.below(highest)
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
     differences = _draw(channels, structure, every, draws, seed)
@@ -119,7 +120,9 @@ def rebuild_coupled(
         partition.degrees,
         learn_frequency(histories, structure, tolerances.frequency),
     )
-    sweep = _Sweep(histories=histories, structure=structure, every=every, seed=seed)
+    sweep = _Sweep(
+        histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
+    )
     exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
     return conclude(
         partition=partition,
@@ -140,7 +143,9 @@ class _Sweep:
     """Errors of many draws of what is not known."""
 
     histories: CoupledHistories
-    structure: CoupledPartition
+    partition: CoupledPartition  # As stated
+    structure: CoupledPartition  # Without modes above the highest frequency [Hz]
+    highest: float
     every: int
     seed: int
 
@@ -186,9 +191,13 @@ class _Sweep:
     def _recursion(self, drawn: dict[str, float], stated: CoupledRecursion, step: float) -> CoupledRecursion:
         names = ("frequency", "damping_ratio", "experimental_fraction")
         f, ratio, share = (max(1.0 + drawn.get(name, 0.0), _LEAST) for name in names)
-        if f == ratio == share == 1.0:
+        parts = {name: change for name, change in drawn.items() if is_part(name)}
+        if f == ratio == share == 1.0 and not parts:
             return stated
-        changed = self.structure.scaled(frequency=f, damping_ratio=ratio, share=share)
+        if "damping" in parts:  # a damping matrix that is stated does not change with the frequency
+            ratio /= f
+        structure = self.partition.with_parts(parts).below(self.highest) if parts else self.structure
+        changed = structure.scaled(frequency=f, damping_ratio=ratio, share=share)
         return CoupledRecursion.of_partition(changed, step)
 
     @cached_property

@@ -21,6 +21,7 @@ from reliab.assessment.rebuilt_error.sobol import sobol_points
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
+from reliab.structures import is_part
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
 LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
@@ -49,7 +50,7 @@ class Unknown:
             stated["frequency"] = self.own_frequency.deviation
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         # last and only where they are not zero, so that the draws of all others stay the same without them
-        added = {name: stated.pop(name) for name in LAST}
+        added = {**{name: stated.pop(name) for name in LAST}, **self.tolerances.of_parts}
         return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
 
 
@@ -146,7 +147,9 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
     if unknown.own_frequency is not None:
         drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
-    drawn["damping_ratio"] = _relative_ratios(drawn["damping_ratio"], deviations["damping_ratio"])
+    for name in drawn:
+        if name == "damping_ratio" or (is_part(name) and "damping" in name):
+            drawn[name] = relative_ratios(drawn[name], deviations[name])
     if "lagging_hysteresis" in drawn:
         drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
     for name in _OPEN:
@@ -155,7 +158,7 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     return drawn, points[-1]
 
 
-def _relative_ratios(drawn: Array, deviation: float) -> Array:
+def relative_ratios(drawn: Array, deviation: float) -> Array:
     """Damping ratios over the stated one, less one: the normal draws as logarithms of larger tails.
 
     A damping ratio is known by a factor, and its deviation to a third of itself: Student's t with four
@@ -191,8 +194,12 @@ def states_at_first_sample(
     states = np.zeros((velocity.size + 2, still.size))
     states[:-2, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
     states[:-2, shape.size :] = w0 * velocity[:, np.newaxis] * shape
-    softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
-    states[:-2] += softer[:, np.newaxis] * still
+    if standing and any(is_part(name) for name in drawn):
+        each = structures_of_draws(structure, drawn)
+        states[:-2] += [equilibrium(one, standing) / one.specimen_stiffness for one in each]
+    else:
+        softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
+        states[:-2] += softer[:, np.newaxis] * still
     states[-2:] = still
     return states
 
@@ -256,10 +263,9 @@ def _swept(
 
 def recursion_of_draws(structure: WholeStructure, drawn: dict[str, Array], step: float) -> Recursion:
     """Recursions of the draws; where none of the structure's parameters is drawn all are the same."""
-    factors = [
-        np.maximum(1.0 + drawn[name], _LEAST)
-        for name in ("frequency", "damping_ratio", "experimental_fraction")
-    ]
+    factors = factors_of_draws(drawn)
+    if any(is_part(name) for name in drawn):
+        return Recursion.of_structures(structures_of_draws(structure, drawn), step)
     if any((factor != 1.0).any() for factor in factors):
         f, xi, share = factors
         return Recursion.of_scaled(structure, step, frequency=f, damping_ratio=xi, share=share)
@@ -271,3 +277,22 @@ def recursion_of_draws(structure: WholeStructure, drawn: dict[str, Array], step:
         output=np.stack([same.output[0]] * draws),
         feed_through=np.full(draws, same.feed_through[0]),
     )
+
+
+def factors_of_draws(drawn: dict[str, Array]) -> list[Array]:
+    """Factors of frequencies, damping ratios and the specimen's share, each shape (draws,)."""
+    names = ("frequency", "damping_ratio", "experimental_fraction")
+    f, ratio, share = (np.maximum(1.0 + drawn[name], _LEAST) for name in names)
+    # a damping matrix that is stated does not change with the frequency
+    return [f, ratio / f if "damping" in drawn else ratio, share]
+
+
+def structures_of_draws(structure: WholeStructure, drawn: dict[str, Array]) -> list[WholeStructure]:
+    """Structure of each draw."""
+    parts = {name: values for name, values in drawn.items() if is_part(name)}
+    return [
+        structure.with_parts({name: float(values[draw]) for name, values in parts.items()}).scaled(
+            frequency=float(f), damping_ratio=float(ratio), share=float(share)
+        )
+        for draw, (f, ratio, share) in enumerate(zip(*factors_of_draws(drawn), strict=True))
+    ]

@@ -13,6 +13,7 @@ The error of the displacement form is e = k_e z + c_e z' + m_e z'', that of the 
 is differentiated: z'' follows from the equation of motion.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,6 +108,18 @@ class Recursion:
         rows += late_mass[:, None, None] * a[:, size:]
         return cls._held(
             a, b, time_step, structure.interface @ rows, late_mass * float(structure.interface @ moved)
+        )
+
+    @classmethod
+    def of_structures(cls, structures: Sequence[WholeStructure], time_step: float) -> "Recursion":
+        """Recursions of `of_displacement` for structures that differ by more than factors; `time_step` [s]."""
+        each = [cls.of_displacement(structure, time_step) for structure in structures]
+        return cls(
+            decay=np.stack([one.decay for one in each]),
+            early=np.stack([one.early for one in each]),
+            late=np.stack([one.late for one in each]),
+            output=np.stack([one.output[0] for one in each]),
+            feed_through=np.stack([one.feed_through[0] for one in each]),
         )
 
     @property

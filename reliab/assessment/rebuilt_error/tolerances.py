@@ -1,7 +1,8 @@
 """Standard deviations of stated values."""
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 
 from reliab.errors import InputError
 
@@ -36,6 +37,8 @@ class Tolerances:
     # Delay of a filter of the measured channel [s] of which nobody knows whether the command passed it too:
     # taken away in every second draw
     open_filter: float = 0.0
+    # Of parts of the structure, relative [-]: see `reliab.structures.parts_of_structure`
+    of_parts: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, value in self.items():
@@ -52,8 +55,9 @@ class Tolerances:
                 )
 
     def items(self) -> list[tuple[str, float]]:
-        """Names and values in order."""
-        return [(field.name, float(getattr(self, field.name))) for field in fields(self)]
+        """Names and values in order, without those of parts."""
+        names = (one.name for one in fields(self) if one.name != "of_parts")
+        return [(name, float(getattr(self, name))) for name in names]
 
 
 _RELATIVE = (

@@ -1,5 +1,6 @@
 """The whole structure for the equation of the error: matrices, the interface, and the linear specimen."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.structures import Partition, Structure
+from reliab.structures import Partition, Structure, with_parts
 
 _MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
@@ -136,6 +137,21 @@ class WholeStructure:
         """Share of a constant force at the interface that the specimen bears, k_e γᵀK⁻¹γ [-]."""
         moved = np.linalg.solve(self.stiffness, self.interface)
         return float(self.specimen_stiffness * (self.interface @ moved))
+
+    def with_parts(self, changes: Mapping[str, float]) -> "WholeStructure":
+        """Structure whose floors, storeys, modes or specimen are off by relative changes."""
+        mass, damping, stiffness = with_parts(self.mass, self.damping, self.stiffness, changes)
+        more = changes.get("specimen_stiffness", 0.0)
+        at_interface = more * np.outer(self.interface, self.interface)
+        return replace(
+            self,
+            mass=mass + self.specimen_mass * at_interface,
+            damping=damping + self.specimen_damping * at_interface,
+            stiffness=stiffness + self.specimen_stiffness * at_interface,
+            specimen_stiffness=self.specimen_stiffness * (1.0 + more),
+            specimen_damping=self.specimen_damping * (1.0 + more),
+            specimen_mass=self.specimen_mass * (1.0 + more),
+        )
 
     def receptance(self, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Displacements of all degrees of freedom under a unit force at the interface.

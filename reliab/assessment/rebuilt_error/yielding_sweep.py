@@ -102,8 +102,8 @@ def _swept(
     recursion = recursion_of_draws(structure, drawn, thin.time_step)
     size = structure.interface.size
     stiffness = structure.specimen_stiffness * np.ones(len(specimens))
-    for name, power in (("frequency", 2), ("experimental_fraction", 1)):
-        stiffness *= np.maximum(1.0 + drawn[name], 0.0) ** power
+    for name, power in (("frequency", 2), ("experimental_fraction", 1), ("specimen_stiffness", 1)):
+        stiffness *= np.maximum(1.0 + drawn.get(name, 0.0), 0.0) ** power
     columns, shifts = inputs_of_reading(thin, drawn)
     setting = Setting(step=thin.time_step)
     return np.asarray(

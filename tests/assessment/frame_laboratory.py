@@ -1,0 +1,130 @@
+"""Tests of linear frames with one actuator, simulated by code that shares nothing with the product.
+
+A frame M, C, K is tested through one interface γ: its specimen k_e, c_e, m_e stands in the laboratory, and all
+else is computed. The actuator is of second order. The loop is one linear system, which `scipy.signal` steps
+exactly for a ground motion that is a straight line between samples.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Matrices:
+    """The whole frame, specimen included, and the specimen alone."""
+
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    interface: np.ndarray
+    influence: np.ndarray
+    specimen: tuple[float, float, float]  # k_e [N/m], c_e [N·s/m], m_e [kg]
+
+    def with_storeys(self, name: str, factors: np.ndarray) -> "Matrices":
+        """Shear frame whose storeys are as stiff, or as damped, as these factors say.
+
+        Springs between the floors are read off the matrix: what is below its diagonal, and what is left.
+        """
+        matrix = getattr(self, name)
+        return replace(self, **{name: shear(storeys_of(matrix) * factors)})
+
+    def with_specimen(self, factor: float) -> "Matrices":
+        """Specimen stronger by a factor; the computer's part stays as it is."""
+        more = np.outer(self.interface, self.interface) * (factor - 1.0)
+        k, c, m = self.specimen
+        return replace(
+            self,
+            mass=self.mass + m * more,
+            damping=self.damping + c * more,
+            stiffness=self.stiffness + k * more,
+            specimen=(k * factor, c * factor, m * factor),
+        )
+
+    def with_modes(self, frequencies: np.ndarray, ratios: np.ndarray) -> "Matrices":
+        """Frame whose modes have other frequencies and damping ratios by factors, and the same shapes."""
+        squares, shapes = scipy.linalg.eigh(self.stiffness, self.mass)
+        back = self.mass @ shapes
+        omega = np.sqrt(squares)
+        xi = np.diag(shapes.T @ self.damping @ shapes) / (2.0 * omega)
+        return replace(
+            self,
+            damping=back @ np.diag(2.0 * xi * omega * ratios * frequencies) @ back.T,
+            stiffness=back @ np.diag(squares * frequencies**2) @ back.T,
+        )
+
+
+def storeys_of(matrix: np.ndarray) -> np.ndarray:
+    """Springs or dashpots of the storeys of a shear frame, from the ground up."""
+    above = -np.diag(matrix, 1)
+    return np.diag(matrix) - np.append(above, 0.0)
+
+
+def shear(storeys: np.ndarray) -> np.ndarray:
+    """Matrix of a shear frame with these springs or dashpots."""
+    return np.diag(storeys + np.append(storeys[1:], 0.0)) - np.diag(storeys[1:], 1) - np.diag(storeys[1:], -1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outcome:
+    """What was recorded, and what an actuator without error would have made of it."""
+
+    command: np.ndarray  # x_c [m], shape (n,)
+    measured: np.ndarray  # x_m [m], shape (n,)
+    floors: np.ndarray  # Displacements that the computer had in the test [m], shape (floors, n)
+    ideal: np.ndarray  # Those without an actuator's error [m], shape (floors, n)
+    interface: np.ndarray
+
+    @property
+    def rms(self) -> float:
+        """RMS^R of the measured interface displacement."""
+        return self.error_of(self.measured, self.interface @ self.ideal)
+
+    @staticmethod
+    def error_of(history: np.ndarray, ideal: np.ndarray) -> float:
+        """RMS^R of a response."""
+        return float(np.sqrt(np.mean((history - ideal) ** 2)) / np.abs(ideal).max())
+
+
+def run(
+    frame: Matrices, gain: float, corner: float, ground: np.ndarray, step: float, damping: float = 0.7
+) -> Outcome | None:
+    """Run a test with an actuator of second order [rad/s]; None where the loop is unstable."""
+    n, gamma, (k, c, m) = frame.interface.size, frame.interface, frame.specimen
+    grid = np.outer(gamma, gamma)
+    mass, viscous, stiffness = frame.mass - m * grid, frame.damping - c * grid, frame.stiffness - k * grid
+    # state: x, x', y, y'; y'' = corner² (gain γᵀx − y) − 2 damping corner y'
+    driven = np.concatenate([gain * corner**2 * gamma, np.zeros(n), [-(corner**2), -2.0 * damping * corner]])
+    force = m * driven + np.concatenate([np.zeros(2 * n), [k, c]])
+    solved = np.linalg.solve(mass, np.column_stack([stiffness, viscous, np.outer(gamma, force)]))
+    a = np.zeros((2 * n + 2, 2 * n + 2))
+    a[:n, n : 2 * n] = np.eye(n)
+    a[n : 2 * n] = -solved[:, 2 * n :]
+    a[n : 2 * n, : 2 * n] -= solved[:, : 2 * n]
+    a[2 * n, 2 * n + 1] = 1.0
+    a[2 * n + 1] = driven
+    b = np.zeros((2 * n + 2, 1))
+    b[n : 2 * n, 0] = -np.linalg.solve(mass, frame.mass @ frame.influence)
+    if np.linalg.eigvals(a).real.max() > 0.0:
+        return None
+    whole = np.zeros((2 * n, 2 * n))
+    whole[:n, n:] = np.eye(n)
+    whole[n:] = -np.linalg.solve(frame.mass, np.column_stack([frame.stiffness, frame.damping]))
+    states = _simulated(a, b, ground, step)
+    ideal = _simulated(whole, np.append(np.zeros(n), -frame.influence)[:, np.newaxis], ground, step)[:n]
+    return Outcome(
+        command=gamma @ states[:n],
+        measured=states[2 * n],
+        floors=states[:n],
+        ideal=ideal,
+        interface=gamma,
+    )
+
+
+def _simulated(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) -> np.ndarray:
+    """States under an input that is a straight line between samples, from rest, shape (states, n)."""
+    size = a.shape[0]
+    system = (a, b, np.eye(size), np.zeros((size, 1)))
+    discrete = scipy.signal.cont2discrete(system, step, method="foh")
+    return np.asarray(scipy.signal.dlsim(scipy.signal.dlti(*discrete[:4], dt=step), values)[1]).T

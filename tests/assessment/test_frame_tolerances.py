@@ -1,0 +1,152 @@
+"""Intervals of frames whose matrices are off by what `[tolerances]` state, on tests that are simulated apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from assessment.frame_laboratory import Matrices, run, shear
+
+from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.coupled_test import assess_coupled
+from reliab.assessment.frame_test import assess_frame
+from reliab.recordings import CoupledRecording, Recording
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.structures import CoupledPartition, Partition, Specimen
+from reliab.structures.frames import Frame
+
+RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
+STATED = Matrices(
+    mass=np.diag([2000.0, 1500.0]),
+    damping=shear(np.array([2400.0, 1800.0])),
+    stiffness=shear(np.array([4e5, 3e5])),
+    interface=np.array([1.0, 0.0]),
+    influence=np.ones(2),
+    specimen=(2e5, 0.0, 0.0),
+)
+
+# what is off, what is stated of it, and the names of what is drawn
+CASES = {
+    "stiffness": (
+        replace(STATED, stiffness=1.04 * STATED.stiffness, specimen=(2.08e5, 0.0, 0.0)),
+        {"stiffness": 0.03},
+        {"frequency"},
+    ),
+    "mass": (replace(STATED, mass=1.04 * STATED.mass), {"mass": 0.03}, {"frequency"}),
+    "damping": (replace(STATED, damping=0.75 * STATED.damping), {"damping": 0.2}, {"damping"}),
+    "specimen": (
+        STATED.with_specimen(0.9),
+        {"specimen_stiffness": 0.1, "specimen_changes_structure": True},
+        {"specimen_stiffness"},
+    ),
+    "modes": (
+        STATED.with_modes(np.array([1.02, 0.98]), np.array([0.9, 1.2])),
+        {"mode_frequencies": [0.02, 0.03], "mode_damping_ratios": 0.2},
+        {"mode_frequency_1", "mode_frequency_2", "mode_damping_ratio_1", "mode_damping_ratio_2"},
+    ),
+    "storeys": (
+        STATED.with_storeys("stiffness", np.array([1.08, 0.97])),
+        {"storey_stiffnesses": 0.05},
+        {"storey_stiffness_1", "storey_stiffness_2"},
+    ),
+    "storeys alike": (
+        STATED.with_storeys("stiffness", np.array([1.05, 1.07])),
+        {"storey_stiffnesses": 0.05, "storey_correlation": 0.8},
+        {"storey_stiffness", "storey_stiffness_1", "storey_stiffness_2"},
+    ),
+    "floors": (
+        replace(STATED, mass=STATED.mass * np.array([1.06, 0.94])),
+        {"floor_masses": [0.05, 0.05]},
+        {"floor_mass_1", "floor_mass_2"},
+    ),
+    "dashpots": (
+        STATED.with_storeys("damping", np.array([0.7, 1.2])),
+        {"storey_dampings": 0.25},
+        {"storey_damping_1", "storey_damping_2"},
+    ),
+}
+
+
+def simulated(tested):
+    """Recording of a test of another structure than the stated one, and its true error."""
+    rng = np.random.default_rng(3)
+    time = np.arange(int(DURATION * RATE)) / RATE
+    ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
+    outcome = run(tested, GAIN, CORNER, ground * np.minimum(time / 2.0, 1.0), 1.0 / RATE)
+    noise = 1e-3 * outcome.measured.std() * rng.standard_normal(time.size)
+    return (
+        Recording(command=outcome.command, measured=outcome.measured + noise, time_step=1.0 / RATE, name="one"),
+        outcome.rms,
+    )
+
+
+def frame(**tolerances):
+    """The frame as stated, and how exactly it is known."""
+    whole = Frame(mass=STATED.mass, damping=STATED.damping, stiffness=STATED.stiffness)
+    partition = Partition(frame=whole, interface=STATED.interface, specimen=Specimen(stiffness=2e5))
+    return FrameUnderTest(
+        name="two",
+        partition=partition,
+        output=None,
+        error_of="interface",
+        tolerances=TolerancesTable(**tolerances),
+    )
+
+
+QUICK = ("damping", "modes", "storeys alike")
+
+
+@pytest.mark.parametrize(
+    "case", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
+)
+def test_an_interval_holds_where_tolerances_state_what_is_off(case):
+    tested, stated, names = CASES[case]
+    recording, true = simulated(tested)
+    exact, found = (assess_frame(recording, one) for one in (frame(), frame(**stated)))
+    low, high = exact.error.rebuilt.rms.low, exact.error.rebuilt.rms.high
+    assert not low <= true <= high  # what is off matters
+    assert found.error.rebuilt.rms.low <= true <= found.error.rebuilt.rms.high
+    assert names <= {item.name for item in found.error.budget}
+
+
+def test_parts_replace_what_is_assumed_of_the_whole():
+    recording, _ = simulated(STATED)
+    stated = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
+    budget = assess_frame(recording, frame(**stated), equipment=ordinary_equipment()).to_dict()["budget"]
+    names = {item["name"] for item in budget}
+    assert {"storey_stiffness_1", "storey_damping_2", "sensor_scale"} <= names
+    assert not {"frequency", "damping_ratio"} & names
+
+
+def test_several_actuators_have_the_same_tolerances():
+    tested, stated, names = CASES["storeys"]
+    recording, true = simulated(tested)
+    partition = CoupledPartition(
+        mass=STATED.mass,
+        damping=STATED.damping,
+        stiffness=STATED.stiffness,
+        interface=STATED.interface[:, np.newaxis],
+        specimen_stiffness=np.array([[2e5]]),
+    )
+    several = CoupledRecording(
+        command=recording.command[np.newaxis],
+        measured=recording.measured[np.newaxis],
+        time_step=recording.time_step,
+        actuators=("1",),
+        name="one",
+    )
+    found = assess_coupled(
+        several,
+        CoupledFrame(
+            name="two",
+            partition=partition,
+            kinematics=np.eye(1),
+            channels_at_interface=True,
+            tolerances=TolerancesTable(**stated),
+        ),
+    )
+    size = found.error.degrees[0].rms
+    assert size.low <= true <= size.high
+    assert names <= {item["name"] for item in found.to_dict()["budget"]}
+    quantities = {item["quantity"] for item in found.to_dict()["budget"]}
+    assert "stiffness of storey 2" in quantities

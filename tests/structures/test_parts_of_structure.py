@@ -1,0 +1,113 @@
+"""Tests of structures whose floors, storeys or modes are not as stated."""
+
+import numpy as np
+import pytest
+
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.structures import CoupledPartition, is_part, part_and_number, with_parts
+from reliab.structures.frames import modal_damping, shear_frame
+
+MASSES, STOREYS, RATIOS = [1200.0, 1000.0, 700.0], [9e5, 7e5, 5e5], [0.02, 0.03, 0.05]
+MASS, STIFFNESS = (np.asarray(matrix) for matrix in shear_frame(MASSES, STOREYS))
+DAMPING = np.asarray(modal_damping(MASS, STIFFNESS, RATIOS))
+
+
+def modes_of(mass, damping, stiffness):
+    """Frequencies [rad/s], damping ratios and shapes, each shape with its largest number positive and one."""
+    squares, shapes = np.linalg.eig(np.linalg.solve(mass, stiffness))
+    order = np.argsort(squares)
+    shapes = shapes[:, order] / np.take_along_axis(
+        shapes, np.abs(shapes).argmax(axis=0)[np.newaxis], axis=0
+    )[:, order]
+    omega = np.sqrt(squares[order])
+    modal = np.diag(shapes.T @ mass @ shapes)
+    return omega, np.diag(shapes.T @ damping @ shapes) / (2.0 * omega * modal), shapes
+
+
+def test_a_storey_of_a_shear_frame_is_stiffer():
+    changed = with_parts(MASS, DAMPING, STIFFNESS, {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2})[2]
+    np.testing.assert_allclose(changed, shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1], rtol=1e-12)
+
+
+def test_all_storeys_are_stiffer_alike():
+    changed = with_parts(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
+    np.testing.assert_allclose(changed, 1.1 * STIFFNESS, rtol=1e-12)
+
+
+def test_a_floor_is_heavier():
+    changed = with_parts(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
+    np.testing.assert_allclose(changed, np.diag([1500.0, 1000.0, 700.0]), rtol=1e-12)
+
+
+def test_a_dashpot_of_a_storey_is_stronger():
+    dashpots = shear_frame(MASSES, [900.0, 700.0, 500.0])[1]
+    changed = with_parts(MASS, dashpots, STIFFNESS, {"storey_damping_1": 0.5, "damping": 0.1})[1]
+    np.testing.assert_allclose(changed, 1.1 * shear_frame(MASSES, [1350.0, 700.0, 500.0])[1], rtol=1e-12)
+
+
+def test_damping_that_no_storeys_make_stays_dissipative():
+    changes = {"storey_damping_1": 0.9, "storey_damping_2": -0.9}
+    assert np.linalg.eigvalsh(with_parts(MASS, DAMPING, STIFFNESS, changes)[1]).min() > 0.0
+
+
+def test_modes_have_other_frequencies_and_ratios_and_the_same_shapes():
+    changes = {"mode_frequency_1": 0.05, "mode_damping_ratio_3": 0.4, "mode_damping_ratio_1": -0.1}
+    omega, ratios, shapes = modes_of(MASS, DAMPING, STIFFNESS)
+    found = modes_of(*with_parts(MASS, DAMPING, STIFFNESS, changes))
+    np.testing.assert_allclose(found[0], omega * [1.05, 1.0, 1.0], rtol=1e-10)
+    np.testing.assert_allclose(found[1], ratios * [0.9, 1.0, 1.4], rtol=1e-10)
+    np.testing.assert_allclose(np.abs(found[2]), np.abs(shapes), atol=1e-8)
+
+
+def test_what_is_not_named_stays():
+    for before, after in zip((MASS, DAMPING, STIFFNESS), with_parts(MASS, DAMPING, STIFFNESS, {}), strict=True):
+        assert after is before or (after == before).all()
+
+
+def test_a_stronger_specimen_leaves_what_the_computer_has():
+    interface = np.array([-1.0, 1.0, 0.0])
+    whole = WholeStructure(
+        mass=MASS,
+        damping=DAMPING,
+        stiffness=STIFFNESS,
+        interface=interface,
+        specimen_stiffness=3e5,
+        specimen_damping=20.0,
+        specimen_mass=10.0,
+    )
+    changed = whole.with_parts({"specimen_stiffness": 0.2})
+    grid = np.outer(interface, interface)
+    assert changed.specimen_stiffness == pytest.approx(3.6e5)
+    for name in ("mass", "damping", "stiffness"):
+        of_computer = [
+            getattr(one, name) - getattr(one, f"specimen_{name}") * grid for one in (whole, changed)
+        ]
+        np.testing.assert_allclose(*of_computer, rtol=1e-12)
+
+
+def test_one_actuator_and_several_have_the_same_parts():
+    interface = np.array([1.0, 0.0, 0.0])
+    one = WholeStructure(
+        mass=MASS, damping=DAMPING, stiffness=STIFFNESS, interface=interface, specimen_stiffness=3e5
+    )
+    several = CoupledPartition(
+        mass=MASS,
+        damping=DAMPING,
+        stiffness=STIFFNESS,
+        interface=interface[:, np.newaxis],
+        specimen_stiffness=np.array([[3e5]]),
+    )
+    changes = {"storey_stiffness_1": 0.1, "mode_frequency_2": -0.03, "specimen_stiffness": 0.05, "damping": 0.2}
+    for name in ("mass", "damping", "stiffness"):
+        np.testing.assert_allclose(
+            getattr(one.with_parts(changes), name), getattr(several.with_parts(changes), name), rtol=1e-12
+        )
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("floor_mass_10", ("floor_mass", 10)), ("floor_mass", None), ("time_shift_1", None), ("sensor_scale", None)],
+)
+def test_names_of_parts(name, expected):
+    assert part_and_number(name) == expected
+    assert is_part(name) == name.startswith("floor_mass")
