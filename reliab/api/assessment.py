@@ -53,7 +53,6 @@ _LINEAR, _MEASURED = "linear", "measured"
 _SPECIMENS = (_LINEAR, _MEASURED)
 
 _NOT_FOR_FRAMES = {
-    "motion": "The index of a frame's test is that of a criterion of the frame: give it as `criterion`",
     "model": "The error of a frame's test is rebuilt for a linear specimen",
     "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
 }
@@ -191,7 +190,8 @@ def assess(
     exact : bool, optional
         Whether everything that is stated without a standard deviation is exact, and so are all channels.
     motion : str, pathlib.Path or Motion, optional
-        The test's ground motion, or its file; the index is then judged by the boundary of this motion.
+        The test's ground motion, or its file; the index is then judged by the boundary of this motion, or the
+        errors of a frame's floors and storeys are stated over their own peaks.
     criterion : str, pathlib.Path or Criterion, optional
         The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
     model : str, pathlib.Path or UpdatedModel, optional
@@ -428,6 +428,7 @@ class _Terms:
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)
         criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
+        motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
         of_filters = stated_of_filters(self.filters)
 
         def judge(channels: Channels, test: Test) -> FrameAssessment:
@@ -443,6 +444,7 @@ class _Terms:
                 stated={**stated, **of_filters},
                 equipment=equipment,
                 linear_specimen=self.specimen == _LINEAR,
+                motion=motion,
             )
 
         return judge
@@ -453,7 +455,7 @@ class _Terms:
                 raise unused(name, _BESIDE_SEVERAL)
         if self.filters:
             raise unused("filter", _BESIDE_SEVERAL)
-        for name in ("criterion", "specimen"):
+        for name in ("criterion", "specimen", "motion"):
             if getattr(self, name) is not None:
                 raise unused(name, _BESIDE_SEVERAL)
         require_positive(self.numbers)

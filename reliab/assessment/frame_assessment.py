@@ -9,6 +9,7 @@ import numpy as np
 from reliab.assessment.contradictions import Contradiction, of_stability
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.findings import FaultEffect, capped
+from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.assessment.rebuilt_error import Part
@@ -65,6 +66,8 @@ class FrameAssessment:
         The error of the measured interface displacement, from the test alone.
     resolved : Part or None
         Part of the error that A and d over frequency account for; None where these are.
+    responses : ResponseErrors
+        Errors of all floors and storeys, as the computer had them in the test.
     faults : tuple of FaultEffect
         Faults of the recording and what they do to the error.
     verdict : Verdict
@@ -88,6 +91,7 @@ class FrameAssessment:
     over_frequency: TrackingOverFrequency | None
     error: ErrorOfTest
     resolved: Part | None
+    responses: ResponseErrors
     faults: tuple[FaultEffect, ...]
     verdict: Verdict
     turning: Turning
@@ -137,6 +141,7 @@ class FrameAssessment:
         contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
         sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
         sentences += self.turning.sentences
+        sentences += self.responses.warnings
         if self.over_frequency is None:
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
         return tuple(sentences)
@@ -161,6 +166,7 @@ class FrameAssessment:
             "modes": [_mode(mode) for mode in self.modes],
             "over_frequency": _over_frequency(self),
             "error": _error(error),
+            "responses": self.responses.to_dict(),
             "budget": [item.to_dict() for item in error.budget],
             "would_turn": self.turning.to_dict(),
             "metric": str(error.metric),

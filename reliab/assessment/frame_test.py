@@ -18,6 +18,7 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question, that_may_have
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
 from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
@@ -28,6 +29,7 @@ from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
+from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
@@ -63,6 +65,7 @@ def assess_frame(
     stated: Mapping[str, StatedValue] | None = None,
     equipment: Equipment | None = None,
     linear_specimen: bool = False,
+    motion: Motion | None = None,
 ) -> FrameAssessment:
     """Judge a test of a partitioned frame by the error computed from its displacements.
 
@@ -88,6 +91,9 @@ def assess_frame(
     linear_specimen : bool, optional
         Whether somebody stated that the specimen stayed linear. Where nobody did and no force was recorded,
         it may have yielded, with the probability that `equipment` states.
+    motion : Motion, optional
+        Ground motion of the test, by which the errors of floors and storeys are stated over their own peaks;
+        by default the recorded one, where the test has it.
 
     Returns
     -------
@@ -116,11 +122,15 @@ def assess_frame(
         threshold=threshold,
         linear_specimen=linear_specimen,
     )
-    return _examined(recording, frame, question, criterion)
+    return _examined(recording, frame, question, criterion, motion)
 
 
 def _examined(
-    recording: Recording, frame: FrameUnderTest, question: Question, criterion: Criterion | None
+    recording: Recording,
+    frame: FrameUnderTest,
+    question: Question,
+    criterion: Criterion | None,
+    motion: Motion | None,
 ) -> FrameAssessment:
     mode = question.structure
     require_length(recording, mode.frequency)
@@ -146,6 +156,7 @@ def _examined(
         over_frequency=over_frequency,
         error=error,
         resolved=_resolved(sound, over_frequency, error),
+        responses=errors_of_responses(error.rebuilt, frame.partition, recording, motion),
         faults=effects,
         verdict=turning.limit(verdict_of_error(error, effects, OwnEquation(), ())),
         turning=turning,

@@ -154,7 +154,11 @@ def judged(row: str, name: str, seed: int, records: list[Path]) -> dict[str, obj
         Recording(command=outcome.command, measured=read, time_step=1.0 / RATE, name=name),
         replace(frame, tolerances=tolerances),
         equipment=ordinary_equipment() if stated is None else None,
+        motion=Motion(name=name, acceleration=ground, time_step=1.0 / RATE),
     )
+    of_responses = true_errors(outcome)
+    held = [one.rms.low <= of_responses[one.name] <= one.rms.high for one in found.responses.each]
+    storeys = {key: value for key, value in of_responses.items() if key.startswith("storey")}
     size, word = found.error.rebuilt.rms, str(found.verdict.word)
     true = outcome.rms
     return {
@@ -167,6 +171,19 @@ def judged(row: str, name: str, seed: int, records: list[Path]) -> dict[str, obj
         "bad_accepted": true > THRESHOLD and word == "reliable",
         "good_refused": true < THRESHOLD and word == "not_reliable",
         "undecided": word == "undecided",
+        "responses_held": np.mean(held),
+        "governs": found.responses.governing_storey.name == max(storeys, key=storeys.get),
+    }
+
+
+def true_errors(outcome: Outcome) -> dict[str, float]:
+    """RMS^R of floors and storeys, by the names of the product."""
+    first = np.zeros((1, outcome.ideal.shape[1]))
+    drifts, of_ideal = (np.diff(rows, axis=0, prepend=first) for rows in (outcome.floors, outcome.ideal))
+    return {
+        f"{kind} {place + 1}": outcome.error_of(history, ideal)
+        for kind, rows, exact in (("floor", outcome.floors, outcome.ideal), ("storey", drifts, of_ideal))
+        for place, (history, ideal) in enumerate(zip(rows, exact, strict=True))
     }
 
 
@@ -190,7 +207,8 @@ def main() -> None:
             f"{row:24} {len(of):3} tests ({bad} bad), ratio {middle:.2f} ({low:.2f} to {high:.2f}), held "
             f"{of['held'].mean():.0%} ({ends[0]:.0%} to {ends[1]:.0%}), width over true "
             f"{of['width'].median():.2f}, bad accepted {of['bad_accepted'].sum()}, good refused "
-            f"{of['good_refused'].sum()}, undecided {of['undecided'].mean():.0%}",
+            f"{of['good_refused'].sum()}, undecided {of['undecided'].mean():.0%}; floors and storeys held "
+            f"{of['responses_held'].mean():.0%}, the governing storey named in {of['governs'].mean():.0%}",
             flush=True,
         )
 

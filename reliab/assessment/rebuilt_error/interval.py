@@ -196,7 +196,7 @@ def states_at_first_sample(
     states[:-2, shape.size :] = w0 * velocity[:, np.newaxis] * shape
     if standing and any(is_part(name) for name in drawn):
         each = structures_of_draws(structure, drawn)
-        states[:-2] += [equilibrium(one, standing) / one.specimen_stiffness for one in each]
+        states[:-2] += [equilibrium(one, standing) for one in each]
     else:
         softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
         states[:-2] += softer[:, np.newaxis] * still

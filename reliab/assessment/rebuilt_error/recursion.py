@@ -63,6 +63,17 @@ class Recursion:
         return cls._held(a, b, time_step, chosen @ np.eye(size, 2 * size), np.zeros(chosen.shape[0]))
 
     @classmethod
+    def of_ground(cls, structure: WholeStructure, influence: Array, time_step: float) -> "Recursion":
+        """Recursion from a ground acceleration to all displacements of the undisturbed structure.
+
+        M x'' + C x' + K x = −M ι a_g; `influence`: ι [-], shape (n,); `time_step` [s].
+        """
+        a, _ = _state_space(structure)
+        size = structure.interface.size
+        b = np.concatenate([np.zeros(size), -influence])
+        return cls._held(a, b, time_step, np.eye(size, 2 * size), np.zeros(size))
+
+    @classmethod
     def _held(cls, a: Array, b: Array, step: float, output: Array, feed_through: Array) -> "Recursion":
         order = b.size
         joint = np.zeros((*a.shape[:-2], order + 2, order + 2))

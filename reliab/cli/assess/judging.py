@@ -78,7 +78,8 @@ class JudgesTests(Demand):
         typer.Option(
             "--motion",
             metavar="FILE",
-            help="Ground motion of the test; the index is then judged by the boundary of this motion.",
+            help="Ground motion of the test; the index is then judged by the boundary of this motion, or errors of a "
+            "frame's floors and storeys are stated over their own peaks.",
         ),
     ] = None
     criterion: CriterionFile = None
@@ -130,7 +131,7 @@ class JudgesTests(Demand):
 
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
         "criterion": ("threshold", "confidence", "metric"),
-        "structure": ("f", "xi", "alpha", "mass", "motion", "model", "confidence"),
+        "structure": ("f", "xi", "alpha", "mass", "model", "confidence"),
     }
 
 

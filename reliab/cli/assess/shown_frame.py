@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
-from reliab.significant import percent, significant
+from reliab.significant import percent, percent_with_interval, significant
 
 if TYPE_CHECKING:
     from reliab.assessment import FrameAssessment
@@ -17,7 +17,8 @@ def show_frame(assessment: "FrameAssessment") -> None:
     terminal = console()
     terminal.print(_quantities(content))
     terminal.print(_modes(content))
-    for sentence in _sentences(content):
+    terminal.print(_responses(content))
+    for sentence in (assessment.responses.sentence, *_sentences(content)):
         terminal.print(sentence, markup=False, highlight=False)
     for warning in content["warnings"]:
         terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
@@ -56,6 +57,22 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
             "unknown" if mode["A"] is None else f"{mode['A']:.4f}",
             "unknown" if mode["d_ms"] is None else f"{mode['d_ms']:.3f}",
         )
+    return shown
+
+
+def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    headings = ("response", "RMS, mm", "largest, mm", "RMS^R", "MTE^R")
+    shown = table("Errors of floors and storeys", {"response": "left", **dict.fromkeys(headings[1:], "right")})
+    for one in content["responses"]["each"]:
+        lengths = (
+            f"{size['value']:.3g} ({size['low']:.3g} to {size['high']:.3g})"
+            for size in (one["rms_mm"], one["peak_mm"])
+        )
+        shares = (
+            "unknown" if size is None else percent_with_interval(size["value"], size["low"], size["high"])
+            for size in (one["rms"], one["mte"])
+        )
+        shown.add_row(one["name"], *lengths, *shares)
     return shown
 
 

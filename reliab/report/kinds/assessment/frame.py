@@ -19,7 +19,7 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.significant import percent, significant
+from reliab.significant import percent, percent_with_interval, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
@@ -30,6 +30,7 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
     of_test = assessment.error, assessment.recording
     sections = (
         Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),
+        Section(title="Floors and storeys", blocks=_responses(assessment)),
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
         Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
         Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment)),
@@ -146,6 +147,30 @@ def _modes(assessment: FrameAssessment) -> Table:
         "tracked at their frequencies; empty where the test does not show it.",
         label="tab:modes",
     )
+
+
+def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
+    rows = [
+        (
+            one.name.capitalize(),
+            *(
+                f"{size.value:.3g} ({size.low:.3g} to {size.high:.3g})" for size in (one.rms_mm, one.peak_mm)
+            ),
+            *(
+                MISSING if size is None else percent_with_interval(size.value, size.low, size.high)
+                for size in (one.rms, one.mte)
+            ),
+        )
+        for one in assessment.responses.each
+    ]
+    shown = quantities_table(
+        rows,
+        ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
+        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, the "
+        "largest error first, with 90 % intervals; the specimen is taken as linear.",
+        label="tab:responses",
+    )
+    return (shown, Paragraph(text=assessment.responses.sentence.replace("RMS^R", "RMSᴿ")))
 
 
 def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:

@@ -1,0 +1,131 @@
+"""Errors of floors and storeys, beside those of tests that are simulated apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from assessment.frame_laboratory import Matrices, run, shear
+
+from reliab.assessment.frame_test import assess_frame
+from reliab.motions import Motion
+from reliab.recordings import Recording
+from reliab.report.kinds.assessment import frame_assessment_report
+from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.structures import Partition, Specimen
+from reliab.structures.frames import Frame
+
+RATE, DURATION = 256.0, 20.0
+TESTED = Matrices(
+    mass=np.diag([2000.0, 1500.0]),
+    damping=shear(np.array([2400.0, 1800.0])),
+    stiffness=shear(np.array([4e5, 3e5])),
+    interface=np.array([1.0, 0.0]),
+    influence=np.ones(2),
+    specimen=(2e5, 0.0, 0.0),
+)
+WHOLE = Frame(mass=TESTED.mass, damping=TESTED.damping, stiffness=TESTED.stiffness, names=("low", "top"))
+STATED = FrameUnderTest(
+    name="two",
+    partition=Partition(frame=WHOLE, interface=TESTED.interface, specimen=Specimen(stiffness=2e5)),
+    output=None,
+    error_of="interface",
+)
+
+
+@pytest.fixture(scope="module")
+def test_and_truth():
+    """Recording without noise, its ground motion, and histories in the computer and of the undisturbed frame."""
+    rng = np.random.default_rng(8)
+    time = np.arange(int(DURATION * RATE)) / RATE
+    coarse = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
+    ground = coarse * np.minimum(time / 2.0, 1.0)
+    outcome = run(TESTED, 1.02, 150.0, ground, 1.0 / RATE)
+    recording = Recording(
+        command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, name="one"
+    )
+    return recording, Motion(name="ground", acceleration=ground, time_step=1.0 / RATE), outcome
+
+
+@pytest.fixture(scope="module")
+def found(test_and_truth):
+    """The test with its ground motion."""
+    recording, motion, _ = test_and_truth
+    return assess_frame(recording, STATED, motion=motion)
+
+
+def test_errors_of_floors_and_storeys_are_those_of_the_simulation(found, test_and_truth):
+    floors, ideal = test_and_truth[2].floors, test_and_truth[2].ideal
+    histories = {
+        "floor low": (floors[0], ideal[0]),
+        "floor top": (floors[1], ideal[1]),
+        "storey low": (floors[0], ideal[0]),
+        "storey top": (floors[1] - floors[0], ideal[1] - ideal[0]),
+    }
+    each = {one.name: one for one in found.responses.each}
+    assert each.keys() == histories.keys()
+    for name, (history, exact) in histories.items():
+        strayed, peak = history - exact, np.abs(exact).max()
+        assert each[name].rms_mm.value == pytest.approx(1e3 * np.sqrt(np.mean(strayed**2)), rel=0.01)
+        assert each[name].peak_mm.value == pytest.approx(1e3 * np.abs(strayed).max(), rel=0.01)
+        assert each[name].rms.value == pytest.approx(np.sqrt(np.mean(strayed**2)) / peak, rel=0.01)
+        assert each[name].mte.value == pytest.approx(np.abs(strayed).max() / peak, rel=0.01)
+
+
+def test_the_largest_error_stands_first_and_its_storey_governs(found):
+    sizes = [one.rms.value for one in found.responses.each]
+    assert sizes == sorted(sizes, reverse=True)
+    storeys = {one.name: one.rms.value for one in found.responses.each if one.kind == "storey"}
+    content = found.to_dict()["responses"]
+    assert content["governing_storey"] == max(storeys, key=storeys.get)
+    assert content["governing_storey"] in found.responses.sentence
+    assert content["needs"] is None
+
+
+def test_without_the_ground_motion_errors_are_lengths(test_and_truth, found):
+    alone = assess_frame(test_and_truth[0], STATED).responses
+    assert "need the ground motion" in alone.sentence
+    assert alone.to_dict()["needs"] == alone.sentence
+    with_motion = {one.name: one.rms_mm.value for one in found.responses.each}
+    assert {one.name: one.rms_mm.value for one in alone.each} == pytest.approx(with_motion)
+    assert all(one.rms is None and one.mte is None for one in alone.each)
+
+
+def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, found):
+    recording, motion, _ = test_and_truth
+    with_channel = replace(recording, ground=np.array(motion.acceleration))
+    each = assess_frame(with_channel, STATED).responses.each
+    assert [one.rms.value for one in each] == pytest.approx([one.rms.value for one in found.responses.each])
+
+
+def test_another_ground_motion_is_noticed(test_and_truth, found):
+    recording, motion, _ = test_and_truth
+    half = Motion(name="half", acceleration=0.5 * np.array(motion.acceleration), time_step=motion.time_step)
+    other = assess_frame(recording, STATED, motion=half)
+    assert not found.responses.warnings
+    assert "would be smaller than the test shows, by 50" in " ".join(other.warnings)
+
+
+def test_the_interval_holds_the_errors_of_another_structure_within_tolerances(test_and_truth):
+    rng = np.random.default_rng(8)
+    time = np.arange(int(DURATION * RATE)) / RATE
+    ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
+    tested = TESTED.with_storeys("stiffness", np.array([0.97, 1.03]))
+    outcome = run(tested, 1.01, 200.0, ground, 1.0 / RATE)
+    recording = Recording(command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE)
+    motion = Motion(name="ground", acceleration=ground, time_step=1.0 / RATE)
+    loose = replace(STATED, tolerances=TolerancesTable(storey_stiffnesses=0.05))
+    exact, held = (
+        {one.name: one.rms for one in assess_frame(recording, stated, motion=motion).responses.each}
+        for stated in (STATED, loose)
+    )
+    for name, place in (("floor low", 0), ("floor top", 1)):
+        true = outcome.error_of(outcome.floors[place], outcome.ideal[place])
+        assert not exact[name].low <= true <= exact[name].high
+        assert held[name].low <= true <= held[name].high
+
+
+def test_the_report_lists_them(found):
+    report = frame_assessment_report(found, provenance={})
+    (section,) = [one for one in report.blocks if one.title == "Floors and storeys"]
+    assert len(section.blocks[0].frame) == 4
