@@ -108,7 +108,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
 
 
 def _of_what_was_not_stated(findings: Findings) -> Iterator[str]:
-    yield from findings.turning.sentences
+    yield from findings.turning.warnings(findings.verdict)
 
 
 def _of_columns(findings: Findings) -> Iterator[str]:

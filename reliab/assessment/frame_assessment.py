@@ -140,7 +140,7 @@ class FrameAssessment:
         sentences += self.error.frequency_shown
         contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
         sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
-        sentences += self.turning.sentences
+        sentences += self.turning.warnings(self.verdict)
         sentences += self.responses.warnings
         if self.over_frequency is None:
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")

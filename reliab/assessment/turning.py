@@ -1,4 +1,4 @@
-"""What nobody stated and would turn a verdict: a specimen that yields, a filter on one channel."""
+"""What nobody stated and would turn a verdict: a specimen that yields or hardens, a filter on one channel."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +12,12 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
-from reliab.assessment.yielding import DUCTILITIES, errors_of_ductilities
+from reliab.assessment.yielding import (
+    DUCTILITIES,
+    HARDENINGS,
+    errors_of_ductilities,
+    errors_of_hardenings,
+)
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
 from reliab.vocabulary import Metric
@@ -33,6 +38,9 @@ class Turning:
     # Smallest and largest error with one of `DUCTILITIES` [-]; None where a force was recorded, or the
     # specimen is stated as linear
     error_if_yielding: tuple[float, float] | None = None
+    # Smallest of `HARDENINGS` with which it does, and smallest and largest error with one of these [-]
+    smallest_hardening: float | None = None
+    error_if_hardening: tuple[float, float] | None = None
     # Highest of `CORNERS` with which it does, on command or measured displacement alone [Hz]
     highest_filter: float | None = None
     # That converters as slow as the recording shift its channels by more than is assumed; empty where not
@@ -46,30 +54,31 @@ class Turning:
         """
         if self.smallest_ductility is None or verdict.word is not Word.RELIABLE:
             return verdict
-        largest = percent(max(self.error_if_yielding or (0.0,)), decimals=2)
-        reason = (
-            f"{_UNKNOWN}, for instance to a ductility of {significant(self.smallest_ductility)}, the error "
-            f"would lie above the threshold, at most at {largest}."
-        )
-        return verdict.doubted([reason], [_YIELDING])
+        return verdict.doubted(self._of_specimen, [_YIELDING])
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Say what would turn the verdict."""
         return tuple(self._sentences())
 
+    def warnings(self, verdict: Verdict) -> tuple[str, ...]:
+        """Say what the reasons of the verdict do not say already."""
+        return tuple(sentence for sentence in self.sentences if sentence not in verdict.reasons)
+
+    @property
+    def _of_specimen(self) -> tuple[str, ...]:
+        """What another specimen would do, in a sentence; none where its force was recorded, or it is linear."""
+        if self.error_if_yielding is None or self.error_if_hardening is None:
+            return ()
+        return (
+            f"{_UNKNOWN}, to a ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
+            f"{_between(self.error_if_yielding)}{_turned('ductility', self.smallest_ductility)}; had it hardened, "
+            f"by {percent(HARDENINGS[-1])} of its force at most, "
+            f"{_between(self.error_if_hardening)}{_turned('hardening', self.smallest_hardening)}.",
+        )
+
     def _sentences(self) -> Iterator[str]:
-        if self.error_if_yielding is not None:
-            low, high = self.error_if_yielding
-            turns = (
-                "which would not turn the verdict"
-                if self.smallest_ductility is None
-                else f"and a ductility of {significant(self.smallest_ductility)} would turn the verdict"
-            )
-            yield (
-                f"{_UNKNOWN}, to a ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
-                f"{percent(low, decimals=2)} to {percent(high, decimals=2)}, {turns}."
-            )
+        yield from self._of_specimen
         if self.highest_filter is not None:
             yield (
                 "Filters of the two channels were not stated: one of second order at "
@@ -84,8 +93,22 @@ class Turning:
         return {
             "smallest_ductility": self.smallest_ductility,
             "error_if_yielding": None if between is None else list(between),
+            "smallest_hardening": self.smallest_hardening,
+            "error_if_hardening": None if self.error_if_hardening is None else list(self.error_if_hardening),
             "highest_filter_hz": self.highest_filter,
         }
+
+
+def _between(errors: tuple[float, float]) -> str:
+    return f"{percent(errors[0], decimals=2)} to {percent(errors[1], decimals=2)}"
+
+
+def _turned(what: str, smallest: float | None) -> str:
+    """Say with how much of it the verdict would turn."""
+    if smallest is None:
+        return ", which would not turn the verdict"
+    size = significant(smallest) if what == "ductility" else percent(smallest)
+    return f", and a {what} of {size} would turn the verdict"
 
 
 def examine_turning(error: ErrorOfTest, recording: Recording, question: Question) -> Turning:
@@ -93,11 +116,14 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
     if question.equipment is None or question.model is not None:
         return Turning()
     settled = recording.force is not None or question.linear_specimen
-    yielding = None if settled else errors_of_ductilities(error.rebuilt, question.metric)
+    yielding = {} if settled else errors_of_ductilities(error.rebuilt, question.metric)
+    hardening = {} if settled else errors_of_hardenings(error.rebuilt, question.metric)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
-        smallest_ductility=None if yielding is None else _first(yielding, error),
-        error_if_yielding=None if yielding is None else (min(yielding.values()), max(yielding.values())),
+        smallest_ductility=_first(yielding, error),
+        error_if_yielding=None if settled else (min(yielding.values()), max(yielding.values())),
+        smallest_hardening=_first(hardening, error),
+        error_if_hardening=None if settled else (min(hardening.values()), max(hardening.values())),
         highest_filter=_first(filters, error),
         doubt_of_skew="" if "skew" in question.stated else question.equipment.doubt_of_skew(recording.time_step),
     )

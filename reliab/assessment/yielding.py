@@ -12,19 +12,24 @@ from typing import Final
 
 import numpy as np
 
+from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import (
-    errors_if_yielding,
+    errors_with_specimens,
     sweep_yielding,
     yielding_specimen,
 )
+from reliab.effects import CubicStiffness, SteppedEffect
 from reliab.vocabulary import Metric
 
 DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
 """Largest displacement over the yield displacement, from the smallest that is tried."""
+
+HARDENINGS: Final = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+"""Force beyond the linear one at the largest displacement over that, from the smallest that is tried."""
 
 _HARDENING = 0.03  # stiffness after yielding over that before
 _SHARPNESS = 8.0  # exponent of the hysteresis
@@ -36,13 +41,33 @@ def errors_of_ductilities(
     rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, with all else as stated."""
-    every = samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step)
-    thin = rebuilt.histories.thinned(every)
-    peak = float(np.abs(thin.measured).max())
+    peak = _largest(rebuilt)
     specimens = [yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS) for ductility in ductilities]
-    square, largest, ideal = errors_if_yielding(specimens, thin, rebuilt.structure).T
+    return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
+
+
+def errors_of_hardenings(
+    rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
+) -> dict[float, float]:
+    """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
+    peak = _largest(rebuilt)
+    specimens = [CubicStiffness(cubic_n_per_m3=hardening / peak**2) for hardening in hardenings]
+    return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
+
+
+def _thinned(rebuilt: RebuiltError) -> Histories:
+    return rebuilt.histories.thinned(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
+
+
+def _largest(rebuilt: RebuiltError) -> float:
+    """Largest measured displacement [m]."""
+    return float(np.abs(_thinned(rebuilt).measured).max())
+
+
+def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEffect]) -> list[float]:
+    square, largest, ideal = errors_with_specimens(specimens, _thinned(rebuilt), rebuilt.structure).T
     errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
-    return dict(zip(ductilities, errors.tolist(), strict=True))
+    return [float(error) for error in errors]
 
 
 def draw_yielding(rebuilt: RebuiltError) -> Spread:

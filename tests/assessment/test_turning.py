@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
+from rebuilt_error.laboratory import CUBIC, DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
 from reliab.assessment import assess
 from reliab.assessment.budget import Equipment, ordinary_equipment
@@ -13,7 +13,12 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
 from reliab.assessment.verdict import Verdict, Word
-from reliab.assessment.yielding import DUCTILITIES, errors_of_ductilities
+from reliab.assessment.yielding import (
+    DUCTILITIES,
+    HARDENINGS,
+    errors_of_ductilities,
+    errors_of_hardenings,
+)
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
@@ -70,6 +75,29 @@ def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, 
     assert "which would not turn the verdict" in above.sentences[0]
 
 
+def test_the_error_of_a_specimen_that_hardens_is_that_of_its_simulation(linear):
+    largest = float(np.abs(linear.command).max())
+    hardening = replace(LAB, specimen=CUBIC, shape=(0.3 / largest**2, 0.0, 0.0))
+    outcome = run(hardening, synthetic_ground(2, 15.0))
+    found = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
+    share = 0.3 * (float(np.abs(outcome.measured).max()) / largest) ** 2
+    error = errors_of_hardenings(found, Metric.RMS, (share,))[share]
+    assert error == pytest.approx(outcome.rms, rel=0.01)
+    assert found.rms.value != pytest.approx(outcome.rms, rel=0.05)
+
+
+def test_the_smallest_hardening_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    sizes = errors_of_hardenings(rebuilt, Metric.RMS)
+    threshold = 0.5 * (sizes[0.1] + sizes[0.15])
+    turning = examine_turning(error_under(rebuilt, threshold), recording, asked(threshold))
+    below = rebuilt.rms.value < threshold
+    assert turning.smallest_hardening == next(h for h in HARDENINGS if (sizes[h] < threshold) != below)
+    assert turning.error_if_hardening == (min(sizes.values()), max(sizes.values()))
+    share = f"{100.0 * turning.smallest_hardening:g} %"
+    assert f"a hardening of {share} would turn the verdict" in turning.sentences[0]
+
+
 def through(values, corner):
     """Filter of second order by its transfer function, at rest before and after."""
     padded = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
@@ -110,7 +138,13 @@ def test_assess_states_what_would_turn_its_verdict(linear):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     content = assess(recording, STRUCTURE, equipment=ordinary_equipment(), threshold=0.2).to_dict()
     assert content["verdict"] == "reliable"
-    assert set(content["would_turn"]) == {"smallest_ductility", "error_if_yielding", "highest_filter_hz"}
+    assert set(content["would_turn"]) == {
+        "smallest_ductility",
+        "error_if_yielding",
+        "smallest_hardening",
+        "error_if_hardening",
+        "highest_filter_hz",
+    }
     assert any("No force was recorded" in warning for warning in content["warnings"])
 
 
@@ -124,7 +158,8 @@ def test_no_test_is_reliable_that_a_specimen_that_yielded_would_turn():
     found = assess(recording, structure, equipment=known, threshold=0.026)
     assert found.turning.smallest_ductility is not None
     assert found.probability > 0.95
-    assert any("had it yielded, for instance" in reason for reason in found.verdict.reasons)
+    assert any("had it yielded, to a ductility of 6 at most" in reason for reason in found.verdict.reasons)
+    assert not any("yielded" in warning for warning in found.warnings)  # the reason says it
     linear = assess(recording, structure, equipment=known, threshold=0.026, linear_specimen=True)
     assert not any("yielded" in reason for reason in linear.verdict.reasons)
 
@@ -132,7 +167,8 @@ def test_no_test_is_reliable_that_a_specimen_that_yielded_would_turn():
 @pytest.mark.parametrize("word", Word)
 def test_only_a_reliable_verdict_is_limited_by_yielding(word):
     verdict = Verdict(word=word, reasons=("By its error.",))
-    turning = Turning(smallest_ductility=2.0, error_if_yielding=(0.01, 0.07))
+    hardening = {"error_if_hardening": (0.01, 0.02)}
+    turning = Turning(smallest_ductility=2.0, error_if_yielding=(0.01, 0.07), **hardening)
     expected = Word.UNDECIDED if word is Word.RELIABLE else word
     assert turning.limit(verdict).word is expected
-    assert Turning(error_if_yielding=(0.01, 0.02)).limit(verdict) is verdict
+    assert Turning(error_if_yielding=(0.01, 0.02), **hardening).limit(verdict) is verdict

@@ -54,8 +54,12 @@ class Equipment:
         return min(self.skew_samples * time_step, self.skew_ms / MILLI)
 
     def doubt_of_skew(self, time_step: float) -> str:
-        """Say that converters as slow as a recording shift its channels by more than is assumed; else empty."""
-        if self.skew(time_step) == self.skew_samples * time_step:
+        """Say that converters as slow as a recording shift its channels by more than is assumed; else empty.
+
+        A laboratory that states its own largest skew knows its converters.
+        """
+        own = self.skew_ms != ordinary_equipment().skew_ms
+        if own or self.skew(time_step) == self.skew_samples * time_step:
             return ""
         return (
             f"The recording has {significant(1.0 / time_step, 3)} samples a second, and no `skew` of its channels "

@@ -5,7 +5,8 @@ yielding. Subtracting the equations of motion as `rebuild` does leaves ::
 
     M e'' + C e' + K e = γ (Z (x_c − x_m) + k_e (s[x_m] − s[x_c − e]))
 
-the same recursion with a second input, and no ground motion is needed. The response x_c − e at a sample
+the same recursion with a second input, and no ground motion is needed; a specimen that hardens loses less than
+nothing. The response x_c − e at a sample
 depends on the input there by (ω₀h)²/6 only, which two corrections take away.
 """
 
@@ -28,7 +29,7 @@ from reliab.assessment.rebuilt_error.recursion import advance
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
-from reliab.effects import Hysteresis, Setting, call_kernel, pointer_to
+from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
 
 _CORRECTIONS = 2
 
@@ -61,8 +62,8 @@ def sweep_yielding(
     `differences` [m]: draws of x_c − x_m at each `every`-th sample.
     """
     thin = histories.thinned(every)
-    coarse = errors_if_yielding(specimens[:1], thin, structure)
-    fine = errors_if_yielding(specimens[:1], histories, structure)
+    coarse = errors_with_specimens(specimens[:1], thin, structure)
+    fine = errors_with_specimens(specimens[:1], histories, structure)
     scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
     drawn, phase = draw_unknown(unknown, len(specimens), seed)
     band = np.zeros((2, thin.command.size))
@@ -79,10 +80,13 @@ def sweep_yielding(
     )
 
 
-def errors_if_yielding(
-    specimens: Sequence[Hysteresis], histories: Histories, structure: WholeStructure
+def errors_with_specimens(
+    specimens: Sequence[SteppedEffect], histories: Histories, structure: WholeStructure
 ) -> Array:
-    """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated."""
+    """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated.
+
+    Each gives what its force adds to k_e x, over k_e [m]; all are of one kind.
+    """
     draws = len(specimens)
     band = np.zeros((2, histories.command.size))
     exact = {name: np.zeros(draws) for name in EXACT.deviations()}
@@ -91,7 +95,7 @@ def errors_if_yielding(
 
 
 def _swept(
-    specimens: Sequence[Hysteresis],
+    specimens: Sequence[SteppedEffect],
     thin: Histories,
     structure: WholeStructure,
     drawn: dict[str, Array],
@@ -114,7 +118,7 @@ def _swept(
             recursion.output,
             recursion.feed_through,
             stiffness[:, np.newaxis] * (structure.interface @ np.eye(size, 2 * size)),
-            Hysteresis.kernel.address,
+            specimens[0].kernel.address,
             np.stack([specimen.coefficients(setting) for specimen in specimens]),
             states_at_first_sample(structure, drawn, velocity, thin.standing)[:-2].copy(),
             thin.command,
