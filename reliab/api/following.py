@@ -171,7 +171,7 @@ def follow_test(
     updated = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
     frame = None
     if structure is not None:
-        _refuse_beside("structure", f=f, xi=xi, alpha=alpha, model=model)
+        refuse_beside("structure", f=f, xi=xi, alpha=alpha, model=model)
         frame = frame_of(structure)
     mode = _mode(updated, frame)
     if mode is not None:
@@ -229,7 +229,7 @@ def frame_of(structure: str | Path | FrameUnderTest) -> FrameUnderTest:
     return frame
 
 
-def _refuse_beside(name: str, **others: object) -> None:
+def refuse_beside(name: str, **others: object) -> None:
     """Refuse what a frame or a model states itself."""
     for other, value in others.items():
         if value is not None and not (other == "alpha" and value in (1.0, "1")):

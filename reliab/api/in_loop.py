@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from reliab.api.arguments import Quantity, require_positive, stated_values, unused
-from reliab.api.following import model_of
+from reliab.api.following import model_of, refuse_beside
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import WholeStructure
 from reliab.errors import InputError
@@ -168,7 +168,7 @@ class _Structure:
         if self.frame is not None and self.model is not None:
             raise InputError("A monitor in a loop is of a `structure` or a `model`", remedy="Leave one out")
         if self.frame is not None:
-            self._refuse_beside_frame()
+            refuse_beside("structure", f=self.f, xi=self.xi, alpha=self.alpha)
             return _of_frame(read_structure(self.frame), str(self.frame))
         if self.model is not None:
             updated = model_of(
@@ -176,15 +176,6 @@ class _Structure:
             )
             return updated.test, None
         return self._of_values(), None
-
-    def _refuse_beside_frame(self) -> None:
-        for name, is_stated in {
-            "f": self.f is not None,
-            "xi": self.xi is not None,
-            "alpha": self.alpha not in (1.0, "1"),
-        }.items():
-            if is_stated:
-                raise unused(name, "beside `structure`, which says it")
 
     def _of_values(self) -> WholeStructure:
         """Return the structure of one degree of freedom."""

@@ -24,7 +24,7 @@ from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, firs
 from reliab.structures import is_part
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
-LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
+_LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _FREEDOM = 4.0  # degrees of freedom of the deviation of a damping ratio
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
@@ -50,7 +50,7 @@ class Unknown:
             stated["frequency"] = self.own_frequency.deviation
         stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
         # last and only where they are not zero, so that the draws of all others stay the same without them
-        added = {**{name: stated.pop(name) for name in LAST}, **self.tolerances.of_parts}
+        added = {**{name: stated.pop(name) for name in _LAST}, **self.tolerances.of_parts}
         return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
 
 

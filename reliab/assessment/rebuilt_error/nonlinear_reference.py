@@ -25,11 +25,10 @@ from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
-    LAST,
     Histories,
     Unknown,
-    columns_of_reading,
     draw_unknown,
+    inputs_of_reading,
 )
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
@@ -174,7 +173,6 @@ def sweep_model(
     """
     thin = histories.thinned(every)
     command = Motion3.through(thin.command, thin.time_step)
-    velocity = np.gradient(thin.measured, thin.time_step)
     generator = np.random.default_rng(seed)
     nominal = _statistics(thin.measured, reference_of_model(model, thin, command=command))
     fine = _statistics(histories.measured, reference_of_model(model, histories))
@@ -182,19 +180,12 @@ def sweep_model(
     rows, errors = [], []
     stated = unknown.deviations()
     drawn, _ = draw_unknown(unknown, len(differences), seed)
-    columns = columns_of_reading(thin, drawn)
-    added = [drawn[name][:, np.newaxis] * columns[name] for name in LAST if name in drawn]
+    inputs, shifts = inputs_of_reading(thin, drawn)
     for row, difference in enumerate(differences):
         changed = _drawn(
             model, deviations, stated["frequency"], float(drawn["damping_ratio"][row]), generator
         )
-        shift = (
-            generator.standard_normal() * stated["sensor_scale"] * thin.measured
-            + generator.standard_normal() * stated["time_shift"] * velocity
-            + generator.standard_normal() * stated["sensor_offset"]
-        )
-        shift = shift + sum(share[row] for share in added)
-        measured = thin.command - difference - shift
+        measured = thin.command - difference - shifts[row] @ inputs
         moved = Histories(
             command=thin.command,
             measured=measured,

@@ -38,8 +38,12 @@ One set of tables describes every structure::
     mass = 0.01                              # of a factor of M
     stiffness = 0.03                         # of a factor of K, the specimen's stiffness with it
     # or frequency = 0.005, in place of both, where natural frequencies were measured
-    damping_ratio = 0.15
+    damping_ratio = 0.15                     # or damping, of a factor of C
     specimen_stiffness = 0.02                # of the specimen's share of the stiffness
+    # specimen_changes_structure = true      # M, C and K change with it: the computer's part is as stated
+    # floor_masses, storey_stiffnesses, storey_dampings = 0.05 or [0.02, 0.05, 0.05], each by itself, with
+    #   storey_correlation = 0.5 between those of one number
+    # or mode_frequencies and mode_damping_ratios, likewise, where modes are known better than matrices
 
     [transfer_system]                        # optional: the rig, whose error `reliab criterion` states
     numerator = [250.0]                      # coefficients in descending powers of s

@@ -120,7 +120,8 @@ def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equ
 
 def test_a_recording_that_is_slower_than_the_default_skew_stands_for_says_so():
     equipment = ordinary_equipment()
-    assert equipment.doubt_of_skew(1.0 / 512.0) == ""
+    assert equipment.doubt_of_skew(1.0 / 1000.0) == ""
+    assert "512 samples a second" in equipment.doubt_of_skew(1.0 / 512.0)
     assert "256 samples a second" in equipment.doubt_of_skew(1.0 / 256.0)
     assert "up to 3.9 ms" in equipment.doubt_of_skew(1.0 / 256.0)
     assert replace(equipment, skew_ms=0.1).doubt_of_skew(1.0 / 256.0) == ""
