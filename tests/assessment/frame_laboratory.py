@@ -126,5 +126,11 @@ def _simulated(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) ->
     """States under an input that is a straight line between samples, from rest, shape (states, n)."""
     size = a.shape[0]
     system = (a, b, np.eye(size), np.zeros((size, 1)))
-    discrete = scipy.signal.cont2discrete(system, step, method="foh")
-    return np.asarray(scipy.signal.dlsim(scipy.signal.dlti(*discrete[:4], dt=step), values)[1]).T
+    transition, early, output, at_once, _ = scipy.signal.cont2discrete(system, step, method="foh")
+    poles, shapes = np.linalg.eig(transition)
+    inputs = np.linalg.solve(shapes, early[:, 0])
+    before = np.append(0.0, values[:-1])
+    modes = [
+        scipy.signal.lfilter([gain], [1.0, -pole], before) for gain, pole in zip(inputs, poles, strict=True)
+    ]
+    return np.asarray((output @ shapes @ np.array(modes)).real + at_once * values)
