@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.api.arguments import Quantity, require_positive, stated_values, unused
+from reliab.api.arguments import Quantity, require_positive, stated_values
 from reliab.api.following import model_of, refuse_beside
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import WholeStructure

@@ -18,31 +18,21 @@ from reliab.vocabulary import MILLI, Metric
 
 _AGREES = 0.25  # relative, of the interface's peak under the ground motion and in the test
 _NEEDS = (
-    "The errors of floors and storeys are stated in millimetres: over the largest response, they need the ground "
-    "motion of the test, as `motion` or as a channel of its file."
+    "The errors of floors and storeys are stated in millimetres: over the largest response, they need the "
+    "ground motion of the test, as `motion` or as a channel of its file."
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseError:
-    """Error of a floor's displacement, or of a storey's drift, as the computer had it in the test.
+    """Error of a floor's displacement, or of a storey's drift, as the computer had it in the test."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the response, "floor 3" or "storey 2".
-    kind : str
-        "floor" or "storey".
-    rms_mm, peak_mm : Estimate
-        RMS and largest deviation from the undisturbed structure [mm], with their 90 % intervals.
-    rms, mte : Estimate or None
-        The same over the largest undisturbed response [-]; None without the ground motion.
-    """
-
-    name: str
-    kind: str
+    name: str  # "floor 3" or "storey 2"
+    kind: str  # "floor" or "storey"
+    # rms_mm, peak_mm: RMS and largest deviation from the undisturbed structure [mm]
     rms_mm: Estimate
     peak_mm: Estimate
+    # rms, mte: The same over the largest undisturbed response [-]; None without the ground motion
     rms: Estimate | None
     mte: Estimate | None
 
@@ -65,18 +55,10 @@ class ResponseError:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseErrors:
-    """Errors of all floors and storeys, the largest first, of a frame whose specimen is linear.
-
-    Attributes
-    ----------
-    each : tuple of ResponseError
-        Floors and storeys, the largest error first.
-    disagreement : float or None
-        Largest interface displacement under the ground motion over that in the test, less one [-]; None
-        without the ground motion.
-    """
+    """Errors of all floors and storeys, the largest first, of a frame whose specimen is linear."""
 
     each: tuple[ResponseError, ...]
+    # Peak of the interface under the ground motion over that in the test, less one [-]; None without it
     disagreement: float | None
 
     @property
@@ -93,7 +75,8 @@ class ResponseErrors:
         rms = governing.rms
         return (
             f"Of all storeys, the drift of {governing.name} is most wrong: RMS^R "
-            f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, the specimen being linear."
+            f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, the specimen being "
+            "linear."
         )
 
     @property
@@ -102,11 +85,12 @@ class ResponseErrors:
         if self.disagreement is None or abs(self.disagreement) <= _AGREES:
             return ()
         more = "larger" if self.disagreement > 0.0 else "smaller"
-        return (
-            f"Under the ground motion the largest displacement of the interface would be {more} than the test "
-            f"shows, by {percent(abs(self.disagreement))}: errors of floors and storeys are over peaks that are "
-            "scaled to the test's, and wrong if this was not its motion.",
+        sentence = (
+            f"Under the ground motion the largest displacement of the interface would be {more} than the "
+            f"test shows, by {percent(abs(self.disagreement))}: errors of floors and storeys are over peaks "
+            "that are scaled to the test's, and wrong if this was not its motion."
         )
+        return (sentence,)
 
     def to_dict(self) -> dict[str, Any]:
         """Put them into plain values."""
@@ -168,9 +152,7 @@ def _response(strayed: StrayedResponses, place: int, kind: str, name: str) -> Re
     if strayed.largest is not None and strayed.largest_of_draws is not None:
         spread = strayed.spread(place, scale=strayed.largest_of_draws[:, place])
         rms, mte = _estimates(spread, values / strayed.largest[place])
-    return ResponseError(
-        name=f"{kind} {name}", kind=kind, rms_mm=rms_mm, peak_mm=peak_mm, rms=rms, mte=mte
-    )
+    return ResponseError(name=f"{kind} {name}", kind=kind, rms_mm=rms_mm, peak_mm=peak_mm, rms=rms, mte=mte)
 
 
 def _estimates(spread: Spread, values: Array) -> list[Estimate]:

@@ -67,15 +67,16 @@ class Turning:
 
     @property
     def _of_specimen(self) -> tuple[str, ...]:
-        """What another specimen would do, in a sentence; none where its force was recorded, or it is linear."""
+        """What another specimen would do, in a sentence; none where it is known."""
         if self.error_if_yielding is None or self.error_if_hardening is None:
             return ()
-        return (
+        sentence = (
             f"{_UNKNOWN}, to a ductility of {significant(DUCTILITIES[-1])} at most, the error would be "
-            f"{_between(self.error_if_yielding)}{_turned('ductility', self.smallest_ductility)}; had it hardened, "
-            f"by {percent(HARDENINGS[-1])} of its force at most, "
-            f"{_between(self.error_if_hardening)}{_turned('hardening', self.smallest_hardening)}.",
+            f"{_between(self.error_if_yielding)}{_turned('ductility', self.smallest_ductility)}; had it "
+            f"hardened, by {percent(HARDENINGS[-1])} of its force at most, "
+            f"{_between(self.error_if_hardening)}{_turned('hardening', self.smallest_hardening)}."
         )
+        return (sentence,)
 
     def _sentences(self) -> Iterator[str]:
         yield from self._of_specimen
@@ -125,7 +126,9 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
         smallest_hardening=_first(hardening, error),
         error_if_hardening=None if settled else (min(hardening.values()), max(hardening.values())),
         highest_filter=_first(filters, error),
-        doubt_of_skew="" if "skew" in question.stated else question.equipment.doubt_of_skew(recording.time_step),
+        doubt_of_skew=""
+        if "skew" in question.stated
+        else question.equipment.doubt_of_skew(recording.time_step),
     )
 
 

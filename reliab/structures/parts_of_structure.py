@@ -1,9 +1,9 @@
 """Structures whose floors, storeys or modes are heavier, stiffer or more damped than stated.
 
-A matrix is written in the motions in which its parts stand apart, A = Bᵀ S B, and each part is multiplied by its
-factor as √F S √F, which leaves it positive definite and is exact for diagonal S: B gives the displacements of
-the floors for masses, the drifts of the storeys for springs and dashpots (S of a shear frame is diagonal), and
-the coordinates of the modes for frequencies and damping ratios.
+A matrix is written in the motions in which its parts stand apart, A = Bᵀ S B, and each part is multiplied by
+its factor as √F S √F, which leaves it positive definite and is exact for diagonal S: B gives the
+displacements of the floors for masses, the drifts of the storeys for springs and dashpots (S of a shear frame
+is diagonal), and the coordinates of the modes for frequencies and damping ratios.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ PARTS: Final = ("floor_mass", "storey_stiffness", "storey_damping", "mode_freque
 """Parts of a structure by name, each followed by its number from the ground up or from the slowest mode."""
 
 WHOLES: Final = ("damping", "specimen_stiffness", *PARTS[:3])
-"""What is changed without a number: all of the damping, the specimen, what all floors or storeys have in common."""
+"""What is changed without a number: the damping, the specimen, what floors or storeys have in common."""
 
 _LEAST = 0.05  # of what is stated: no part has less
 

@@ -1,8 +1,8 @@
 """Tests of linear frames with one actuator, simulated by code that shares nothing with the product.
 
-A frame M, C, K is tested through one interface γ: its specimen k_e, c_e, m_e stands in the laboratory, and all
-else is computed. The actuator is of second order. The loop is one linear system, which `scipy.signal` steps
-exactly for a ground motion that is a straight line between samples.
+A frame M, C, K is tested through one interface γ: its specimen k_e, c_e, m_e stands in the laboratory, and
+all else is computed. The actuator is of second order. The loop is one linear system, which is stepped exactly
+for a ground motion that is a straight line between samples.
 """
 
 from dataclasses import dataclass, replace

@@ -35,7 +35,7 @@ STATED = FrameUnderTest(
 
 @pytest.fixture(scope="module")
 def test_and_truth():
-    """Recording without noise, its ground motion, and histories in the computer and of the undisturbed frame."""
+    """Recording without noise, its ground motion, and what the frame did with and without its actuator."""
     rng = np.random.default_rng(8)
     time = np.arange(int(DURATION * RATE)) / RATE
     coarse = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
@@ -106,7 +106,7 @@ def test_another_ground_motion_is_noticed(test_and_truth, found):
     assert "would be smaller than the test shows, by 50" in " ".join(other.warnings)
 
 
-def test_the_interval_holds_the_errors_of_another_structure_within_tolerances(test_and_truth):
+def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     rng = np.random.default_rng(8)
     time = np.arange(int(DURATION * RATE)) / RATE
     ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))

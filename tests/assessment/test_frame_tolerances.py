@@ -1,4 +1,4 @@
-"""Intervals of frames whose matrices are off by what `[tolerances]` state, on tests that are simulated apart."""
+"""Intervals of frames whose matrices are off by what `[tolerances]` state, on tests simulated apart."""
 
 from dataclasses import replace
 
@@ -75,7 +75,9 @@ def simulated(tested):
     outcome = run(tested, GAIN, CORNER, ground * np.minimum(time / 2.0, 1.0), 1.0 / RATE)
     noise = 1e-3 * outcome.measured.std() * rng.standard_normal(time.size)
     return (
-        Recording(command=outcome.command, measured=outcome.measured + noise, time_step=1.0 / RATE, name="one"),
+        Recording(
+            command=outcome.command, measured=outcome.measured + noise, time_step=1.0 / RATE, name="one"
+        ),
         outcome.rms,
     )
 

@@ -3,11 +3,12 @@
     python tests/benchmarks/uncertain_frames.py RECORDS --seed S --count N [--rows NAME …]
 
 The frames that ship, under the real records of RECORDS, with an actuator of second order that lags by up to
-16 ms and has a gain 3 % off, simulated by `tests/assessment/frame_laboratory.py`. True errors of the interface lie between 1 and
-12 %, the rate is 1024 Hz, noise 45 dB below the displacement. In the row "K +3 %" the stiffness of frame and
-specimen is 3 % higher than stated, and nobody says so: the interval is that of ordinary equipment. In all
-others `[tolerances]` state by how much the matrices may be off, and all else is exact. Counted are intervals
-that hold the true error of the interface and, with the ground motion, those of every floor and drift.
+16 ms and has a gain 3 % off, simulated by `tests/assessment/frame_laboratory.py`. True errors of the
+interface lie between 1 and 12 %, the rate is 1024 Hz, noise 45 dB below the displacement. In the row "K +3 %"
+the stiffness of frame and specimen is 3 % higher than stated, and nobody says so: the interval is that of
+ordinary equipment. In all others `[tolerances]` state by how much the matrices may be off, and all else is
+exact. Counted are intervals that hold the true error of the interface and, with the ground motion, those of
+every floor and storey.
 """
 
 import argparse
@@ -21,7 +22,7 @@ import pandas as pd
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
-from assessment.frame_laboratory import Matrices, Outcome, run, shear, storeys_of  # noqa: E402
+from assessment.frame_laboratory import Matrices, Outcome, run  # noqa: E402
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 
@@ -31,7 +32,6 @@ from reliab.motions import Motion  # noqa: E402
 from reliab.recordings import Recording  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
 from reliab.simulation.frames import FrameUnderTest, read_frame  # noqa: E402
-from reliab.structures import Specimen  # noqa: E402
 from reliab.structures.frames import Frame  # noqa: E402
 
 RATE, LONGEST = 1024.0, 30.0
@@ -71,7 +71,10 @@ def in_floors(of: Matrices, rng: np.random.Generator) -> Matrices:
 
 def together(of: Matrices, rng: np.random.Generator) -> Matrices:
     """Storeys' springs 5 % off, half of whose variance they have in common."""
-    common, own = by_factors(1, 0.05 * np.sqrt(0.5), rng), by_factors(of.influence.size, 0.05 * np.sqrt(0.5), rng)
+    common, own = (
+        by_factors(1, 0.05 * np.sqrt(0.5), rng),
+        by_factors(of.influence.size, 0.05 * np.sqrt(0.5), rng),
+    )
     return of.with_storeys("stiffness", common * own)
 
 
@@ -128,9 +131,7 @@ def matrices(frame: FrameUnderTest) -> Matrices:
     )
 
 
-def simulated(
-    tested: Matrices, records: list[Path], rng: np.random.Generator
-) -> tuple[Outcome, np.ndarray]:
+def simulated(tested: Matrices, records: list[Path], rng: np.random.Generator) -> tuple[Outcome, np.ndarray]:
     """Test whose true error lies between the limits, with its ground motion."""
     while True:
         ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]

@@ -16,9 +16,10 @@ def modes_of(mass, damping, stiffness):
     """Frequencies [rad/s], damping ratios and shapes, each shape with its largest number positive and one."""
     squares, shapes = np.linalg.eig(np.linalg.solve(mass, stiffness))
     order = np.argsort(squares)
-    shapes = shapes[:, order] / np.take_along_axis(
-        shapes, np.abs(shapes).argmax(axis=0)[np.newaxis], axis=0
-    )[:, order]
+    shapes = (
+        shapes[:, order]
+        / np.take_along_axis(shapes, np.abs(shapes).argmax(axis=0)[np.newaxis], axis=0)[:, order]
+    )
     omega = np.sqrt(squares[order])
     modal = np.diag(shapes.T @ mass @ shapes)
     return omega, np.diag(shapes.T @ damping @ shapes) / (2.0 * omega * modal), shapes
@@ -60,7 +61,9 @@ def test_modes_have_other_frequencies_and_ratios_and_the_same_shapes():
 
 
 def test_what_is_not_named_stays():
-    for before, after in zip((MASS, DAMPING, STIFFNESS), with_parts(MASS, DAMPING, STIFFNESS, {}), strict=True):
+    for before, after in zip(
+        (MASS, DAMPING, STIFFNESS), with_parts(MASS, DAMPING, STIFFNESS, {}), strict=True
+    ):
         assert after is before or (after == before).all()
 
 
@@ -97,7 +100,12 @@ def test_one_actuator_and_several_have_the_same_parts():
         interface=interface[:, np.newaxis],
         specimen_stiffness=np.array([[3e5]]),
     )
-    changes = {"storey_stiffness_1": 0.1, "mode_frequency_2": -0.03, "specimen_stiffness": 0.05, "damping": 0.2}
+    changes = {
+        "storey_stiffness_1": 0.1,
+        "mode_frequency_2": -0.03,
+        "specimen_stiffness": 0.05,
+        "damping": 0.2,
+    }
     for name in ("mass", "damping", "stiffness"):
         np.testing.assert_allclose(
             getattr(one.with_parts(changes), name), getattr(several.with_parts(changes), name), rtol=1e-12
@@ -106,7 +114,12 @@ def test_one_actuator_and_several_have_the_same_parts():
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [("floor_mass_10", ("floor_mass", 10)), ("floor_mass", None), ("time_shift_1", None), ("sensor_scale", None)],
+    [
+        ("floor_mass_10", ("floor_mass", 10)),
+        ("floor_mass", None),
+        ("time_shift_1", None),
+        ("sensor_scale", None),
+    ],
 )
 def test_names_of_parts(name, expected):
     assert part_and_number(name) == expected

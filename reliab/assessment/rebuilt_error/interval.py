@@ -147,9 +147,9 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
     if unknown.own_frequency is not None:
         drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
-    for name in drawn:
-        if name == "damping_ratio" or (is_part(name) and "damping" in name):
-            drawn[name] = relative_ratios(drawn[name], deviations[name])
+    of_damping = {name for name in drawn if is_part(name) and "damping" in name}
+    for name in {"damping_ratio", *of_damping}:
+        drawn[name] = relative_ratios(drawn[name], deviations[name])
     if "lagging_hysteresis" in drawn:
         drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
     for name in _OPEN:

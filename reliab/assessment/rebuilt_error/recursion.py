@@ -123,7 +123,7 @@ class Recursion:
 
     @classmethod
     def of_structures(cls, structures: Sequence[WholeStructure], time_step: float) -> "Recursion":
-        """Recursions of `of_displacement` for structures that differ by more than factors; `time_step` [s]."""
+        """Recursions of `of_displacement` for structures that differ by more than factors."""
         each = [cls.of_displacement(structure, time_step) for structure in structures]
         return cls(
             decay=np.stack([one.decay for one in each]),

@@ -1,10 +1,10 @@
 """Errors of other responses than the interface's: floors and drifts that the computer had in a test.
 
-The equation of the error (see `rebuild`) holds for the whole structure: with the interface's x_c − x_m it gives by
-how much every degree of freedom strayed from the undisturbed structure, x_c − x_I, in metres. Its share of the
-largest undisturbed response needs that response, which follows from the ground motion. A frequency that is 2 %
-off makes it wrong by some ten per cent, at all floors nearly alike; the test shows it at the interface, to whose
-peak the others are scaled.
+The equation of the error (see `rebuild`) holds for the whole structure: with the interface's x_c − x_m it
+gives by how much every degree of freedom strayed from the undisturbed structure, x_c − x_I, in metres. Its
+share of the largest undisturbed response needs that response, which follows from the ground motion. A
+frequency that is 2 % off makes it wrong by some ten per cent, at all floors nearly alike; the test shows it
+at the interface, to whose peak the others are scaled.
 """
 
 from dataclasses import dataclass
@@ -45,21 +45,19 @@ class Ground:
         places = np.arange(finer * (self.acceleration.size - 1) + 1) / finer
         history = np.interp(places, np.arange(self.acceleration.size), self.acceleration)
         recursion = Recursion.of_ground(structure, self.influence, self.time_step / finer)
-        return np.abs(responses @ respond(recursion, history)).max(axis=1)
+        return np.asarray(np.abs(responses @ respond(recursion, history)).max(axis=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StrayedResponses:
     """By how much responses strayed from those of the undisturbed structure."""
 
-    # sizes: RMS and largest of x_c − x_I with all as stated [m], shape (2, responses); of_draws: those of each
-    # draw, shape (draws, 2, responses)
-    sizes: Array
-    of_draws: Array
-    # largest: Peak of x_I [m] with all as stated, shape (responses,), and of each draw; None without a ground motion
-    largest: Array | None
-    largest_of_draws: Array | None
-    disagreement: float | None  # Peak of the interface under the ground motion over that in the test, less one [-]
+    sizes: Array  # RMS and largest of x_c − x_I with all as stated [m], shape (2, responses)
+    of_draws: Array  # The same of each draw, shape (draws, 2, responses)
+    largest: Array | None  # Peaks of x_I with all as stated [m], shape (responses,); None without a motion
+    largest_of_draws: Array | None  # The same of each draw, shape (draws, responses)
+    # Peak of the interface under the ground motion over that in the test, less one [-]
+    disagreement: float | None
 
     def spread(self, response: int, scale: Array | float) -> Spread:
         """Draws of a response's RMS and peak over a length [m], one or that of each draw."""
@@ -68,9 +66,9 @@ class StrayedResponses:
 
 
 def stray_of_responses(rebuilt: RebuiltError, responses: Array, ground: Ground | None) -> StrayedResponses:
-    """Draw by how much responses strayed; `responses`: weights of the degrees of freedom, shape (responses, n).
+    """Draw by how much responses strayed.
 
-    The specimen is linear in all draws.
+    `responses`: weights of the degrees of freedom [-], shape (responses, n). All specimens are linear.
     """
     histories, structure = rebuilt.histories, rebuilt.structure
     thin = histories.thinned(rebuilt.every)

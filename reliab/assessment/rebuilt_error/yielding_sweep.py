@@ -5,8 +5,8 @@ yielding. Subtracting the equations of motion as `rebuild` does leaves ::
 
     M e'' + C e' + K e = γ (Z (x_c − x_m) + k_e (s[x_m] − s[x_c − e]))
 
-the same recursion with a second input, and no ground motion is needed; a specimen that hardens loses less than
-nothing. The response x_c − e at a sample
+the same recursion with a second input, and no ground motion is needed; a specimen that hardens loses less
+than nothing. The response x_c − e at a sample
 depends on the input there by (ω₀h)²/6 only, which two corrections take away.
 """
 

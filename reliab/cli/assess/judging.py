@@ -78,8 +78,8 @@ class JudgesTests(Demand):
         typer.Option(
             "--motion",
             metavar="FILE",
-            help="Ground motion of the test; the index is then judged by the boundary of this motion, or errors of a "
-            "frame's floors and storeys are stated over their own peaks.",
+            help="Ground motion of the test; the index is then judged by the boundary of this motion, or "
+            "errors of a frame's floors and storeys are stated over their own peaks.",
         ),
     ] = None
     criterion: CriterionFile = None

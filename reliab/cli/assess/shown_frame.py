@@ -62,7 +62,9 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     headings = ("response", "RMS, mm", "largest, mm", "RMS^R", "MTE^R")
-    shown = table("Errors of floors and storeys", {"response": "left", **dict.fromkeys(headings[1:], "right")})
+    shown = table(
+        "Errors of floors and storeys", {"response": "left", **dict.fromkeys(headings[1:], "right")}
+    )
     for one in content["responses"]["each"]:
         lengths = (
             f"{size['value']:.3g} ({size['low']:.3g} to {size['high']:.3g})"

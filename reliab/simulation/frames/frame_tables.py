@@ -366,7 +366,7 @@ Deviations = Deviation | tuple[Deviation, ...]
 
 
 class TolerancesTable(DescribedTable):
-    """Relative standard deviations of what the file states: of factors of the whole structure and of its parts."""
+    """Relative standard deviations of factors of the whole structure, and of its parts."""
 
     mass: Deviation = Field(default=0.0, description="Of a factor of the mass matrix")
     stiffness: Deviation = Field(
@@ -389,7 +389,9 @@ class TolerancesTable(DescribedTable):
     floor_masses: Deviations = Field(
         default=(), description="Of the mass of each floor, each by itself: one number or one for each"
     )
-    storey_stiffnesses: Deviations = Field(default=(), description="Of the stiffness of each storey, likewise")
+    storey_stiffnesses: Deviations = Field(
+        default=(), description="Of the stiffness of each storey, likewise"
+    )
     storey_dampings: Deviations = Field(default=(), description="Of the damping of each storey, likewise")
     storey_correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
         default=0.0, description="Correlation between floors or storeys whose deviation is one number"
@@ -434,33 +436,31 @@ class TolerancesTable(DescribedTable):
     def of_parts(self, size: int) -> dict[str, float]:
         """Relative standard deviations of parts of a structure of so many degrees of freedom, by name."""
         alike = math.sqrt(self.storey_correlation)
-        found: dict[str, float] = {"damping": self.damping or 0.0}
-        if self.specimen_changes_structure:
-            found["specimen_stiffness"] = self.specimen_stiffness
-        for name, values, common in (
-            ("floor_mass", self.floor_masses, alike),
-            ("storey_stiffness", self.storey_stiffnesses, alike),
-            ("storey_damping", self.storey_dampings, alike),
-            ("mode_frequency", self.mode_frequencies, 0.0),
-            ("mode_damping_ratio", self.mode_damping_ratios, 0.0),
-        ):
-            if isinstance(values, float):
-                found[name] = common * values
-                each = (values * math.sqrt(1.0 - common**2),) * size
-            else:
-                each = values
-            _require_one_for_each(name, len(each), size)
-            found |= {f"{name}_{place}": value for place, value in enumerate(each, start=1)}
-        return {name: deviation for name, deviation in found.items() if deviation}
+        of_specimen = self.specimen_stiffness if self.specimen_changes_structure else 0.0
+        deviations = {
+            "damping": self.damping or 0.0,
+            "specimen_stiffness": of_specimen,
+            **_by_number("floor_mass", self.floor_masses, alike, size),
+            **_by_number("storey_stiffness", self.storey_stiffnesses, alike, size),
+            **_by_number("storey_damping", self.storey_dampings, alike, size),
+            **_by_number("mode_frequency", self.mode_frequencies, 0.0, size),
+            **_by_number("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
+        }
+        return {name: deviation for name, deviation in deviations.items() if deviation}
 
 
-def _require_one_for_each(name: str, count: int, size: int) -> None:
-    if count not in (0, size):
+def _by_number(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
+    """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
+    if isinstance(values, float):
+        own = values * math.sqrt(1.0 - alike**2)
+        return {name: alike * values} | {f"{name}_{place + 1}": own for place in range(size)}
+    if len(values) not in (0, size):
         raise InputError(
             f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",
-            value=f"{count} of {name.replace('_', ' ')}",
+            value=f"{len(values)} of {name.replace('_', ' ')}",
             remedy="Give one number, or as many as the structure has degrees of freedom",
         )
+    return {f"{name}_{place}": value for place, value in enumerate(values, start=1)}
 
 
 class FrameDescription(DescribedTable):

@@ -152,25 +152,26 @@ def _modes(assessment: FrameAssessment) -> Table:
 def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
     rows = [
         (
-            one.name.capitalize(),
+            response.name.capitalize(),
             *(
-                f"{size.value:.3g} ({size.low:.3g} to {size.high:.3g})" for size in (one.rms_mm, one.peak_mm)
+                f"{size.value:.3g} ({size.low:.3g} to {size.high:.3g})"
+                for size in (response.rms_mm, response.peak_mm)
             ),
             *(
                 MISSING if size is None else percent_with_interval(size.value, size.low, size.high)
-                for size in (one.rms, one.mte)
+                for size in (response.rms, response.mte)
             ),
         )
-        for one in assessment.responses.each
+        for response in assessment.responses.each
     ]
-    shown = quantities_table(
+    errors = quantities_table(
         rows,
         ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
-        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, the "
-        "largest error first, with 90 % intervals; the specimen is taken as linear.",
+        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
+        "the largest error first, with 90 % intervals; the specimen is taken as linear.",
         label="tab:responses",
     )
-    return (shown, Paragraph(text=assessment.responses.sentence.replace("RMS^R", "RMSᴿ")))
+    return (errors, Paragraph(text=assessment.responses.sentence.replace("RMS^R", "RMSᴿ")))
 
 
 def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:
