@@ -96,6 +96,7 @@ class ResponseErrors:
         """Put them into plain values."""
         governing = self.governing_storey
         return {
+            "in_words": self.sentence,
             "specimen": "linear",
             "governing_storey": None if governing is None else governing.name,
             "each": [one.to_dict() for one in self.each],

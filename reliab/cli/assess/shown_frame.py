@@ -18,7 +18,7 @@ def show_frame(assessment: "FrameAssessment") -> None:
     terminal.print(_quantities(content))
     terminal.print(_modes(content))
     terminal.print(_responses(content))
-    for sentence in (assessment.responses.sentence, *_sentences(content)):
+    for sentence in (content["responses"]["in_words"], *_sentences(content)):
         terminal.print(sentence, markup=False, highlight=False)
     for warning in content["warnings"]:
         terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
