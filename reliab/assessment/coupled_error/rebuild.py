@@ -65,6 +65,20 @@ class Channels:
         """x_c − x_m [m] under which each actuator stood still before the first sample, shape (p,)."""
         return np.array([-start.standing for start in self.starts])
 
+    def histories(
+        self, carry: Array, feedback_lag: float, time_step: float, recursion: CoupledRecursion
+    ) -> CoupledHistories:
+        """Histories from which the error is rebuilt; `feedback_lag`, `time_step` [s]."""
+        return CoupledHistories(
+            command=self.command,
+            measured=self.smoothed,
+            carry=carry,
+            feedback_lag=feedback_lag,
+            time_step=time_step,
+            standing=carry @ self.standing,
+            recursion=recursion,
+        )
+
 
 def rebuild_coupled(
     command: Array,
@@ -104,15 +118,8 @@ def rebuild_coupled(
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
     differences = _draw(channels, structure, every, draws, seed)
-    histories = CoupledHistories(
-        command=channels.command,
-        measured=channels.smoothed,
-        carry=carry,
-        feedback_lag=feedback_lag,
-        time_step=time_step,
-        standing=carry @ channels.standing,
-        recursion=recursion or CoupledRecursion.of_partition(structure, time_step),
-    )
+    recursion = recursion or CoupledRecursion.of_partition(structure, time_step)
+    histories = channels.histories(carry, feedback_lag, time_step, recursion)
     tolerances = tolerances or Tolerances()
     unknown = Unknowns.of_test(
         tolerances,
