@@ -18,6 +18,7 @@ from reliab.indices.window import Window
 from reliab.motions import Motion, load_motions
 from reliab.sweep import (
     SweepRequest,
+    compare_boundaries,
     measure_responses,
     open_results,
     write_compact,
@@ -79,6 +80,17 @@ def rounded(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
+def write_measures(measures: xr.Dataset) -> None:
+    """Write `first_order.nc`, the multiples with nine binary digits of mantissa (1e-3 relative)."""
+    measures = measures.astype(np.float32)
+    for name in ("scale", "scale_towards"):
+        bits = measures[name].values.view(np.uint32)
+        kept = ((bits + np.uint32(1 << 13)) & ~np.uint32((1 << 14) - 1)).view(np.float32)
+        measures[name] = measures[name].copy(data=np.where(np.isfinite(measures[name]), kept, np.nan))
+    packed = {"zlib": True, "complevel": 9, "shuffle": True}
+    write_netcdf(measures, HERE / "first_order.nc", encoding=dict.fromkeys(measures.data_vars, packed))
+
+
 def joined(parts: Path, name: str, count: int) -> xr.Dataset:
     """Join the parts of all motions, which differ in the windows that a short record needs."""
     files = [xr.load_dataset(parts / f"{name}_{index:03d}.nc", engine="h5netcdf") for index in range(count)]
@@ -109,11 +121,11 @@ def main() -> None:
             job.result()
             print(f"{done} of {count}", flush=True)
     write_ellipses(rounded(joined(given.parts, "ellipses", count)), HERE / "ellipses.nc")
-    measures = measure_responses(load_motions(given.records), FREQUENCIES, DAMPING_RATIOS)
-    write_netcdf(measures.astype(np.float32), HERE / "first_order.nc")
     results = joined(given.parts, "results", count)
     write_compact(results.sel(f=list(SIX[0]), xi=list(SIX[1])), HERE / "results_of_six.nc")
     write_compact(results, HERE / "results.nc")
+    measures = measure_responses(load_motions(given.records), FREQUENCIES, DAMPING_RATIOS)
+    write_measures(compare_boundaries(open_results(HERE / "results.nc").load(), measures, THRESHOLDS))
 
 
 if __name__ == "__main__":

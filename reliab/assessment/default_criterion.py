@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.criterion_window import RECORD, CriterionWindow, window_for
-from reliab.boundary import FirstOrderEllipse
+from reliab.boundary import FirstOrderEllipse, predicted_ellipse
 from reliab.criterion import (
     Criterion,
     EllipseTable,
+    Population,
     ResponseMeasures,
     carry_to_response,
     derive_criterion,
@@ -24,7 +25,7 @@ from reliab.criterion import (
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.structures import Structure
-from reliab.vocabulary import CurveName, Metric
+from reliab.vocabulary import MILLI, CurveName, Metric, Side
 
 SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
 
@@ -109,11 +110,14 @@ def criterion_of_response(
     threshold: float,
     confidence: float,
     without: Sequence[str] = (),
+    tracking: tuple[float, float] | None = None,
 ) -> Criterion | None:
     """Derive the criterion of RMS^R for motions under which a structure responds as it did in a test.
 
-    `without` names earthquakes to leave out. None for a structure that is partly numerical or lies beyond the
-    shipped ones, where responses of the motions are not known.
+    `without` names earthquakes to leave out. `tracking`, A [-] and d [s] of the test: the population behind
+    probabilities is then that of boundaries in its direction; otherwise that of whole regions, to the safe
+    side for a single test. None for a structure that is partly numerical or lies beyond the shipped ones,
+    where responses of the motions are not known.
     """
     ellipses, measures = _shipped_ellipses(), shipped_measures()
     f, xi = structure.frequency, structure.damping_ratio
@@ -132,8 +136,37 @@ def criterion_of_response(
         frequencies=np.array([f]),
         damping_ratios=np.array([xi]),
     )
-    carried = carry_to_response(_at_threshold(of_rms, threshold), measures, of_test)
-    return derive_criterion(carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE)
+    of_threshold = _at_threshold(of_rms, threshold)
+    carried = carry_to_response(of_threshold, measures, of_test)
+    criterion = derive_criterion(
+        carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
+    )
+    if tracking is None:
+        return criterion
+    angle = _angle(response, structure, threshold, *tracking)
+    towards = carry_to_response(of_threshold, measures, of_test, angle=angle)
+    leads = None if criterion.lead_population is None else _population_of(towards, criterion, Side.LEAD)
+    return replace(criterion, population=_population_of(towards, criterion, Side.LAG), lead_population=leads)
+
+
+def _angle(
+    response: FirstOrderEllipse, structure: Structure, threshold: float, amplitude: float, delay: float
+) -> float:
+    """Direction of a test in the angle of the predicted ellipse [rad]."""
+    side = Side.LEAD if delay < 0.0 else Side.LAG
+    a, b = predicted_ellipse(response, structure, threshold, side)
+    return float(np.arctan2(MILLI * abs(delay) / np.sqrt(b), (amplitude - 1.0) / np.sqrt(a)))
+
+
+def _population_of(ellipses: EllipseTable, criterion: Criterion, side: Side) -> Population:
+    """Ellipses of one side at the criterion's error."""
+    return Population.from_ellipses(
+        ellipses,
+        threshold=criterion.threshold,
+        metric=criterion.metric,
+        curve=CurveName.INSCRIBED,
+        side=side,
+    )
 
 
 def typical_ellipse(structure: Structure) -> tuple[float, float]:

@@ -79,7 +79,11 @@ def place_by_response(
     structure = question.structure
     shown = ellipse_of_response(reference, recording.time_step, structure)
     own = criterion_of_response(
-        shown, structure, threshold=criterion.threshold, confidence=criterion.confidence
+        shown,
+        structure,
+        threshold=criterion.threshold,
+        confidence=criterion.confidence,
+        tracking=(tracking.amplitude, tracking.delay),
     )
     if own is None or own.provenance.position == Position.OUTSIDE:
         return None

@@ -1,5 +1,4 @@
 from .carrying import (
-    ResponseMeasures as ResponseMeasures,
     carry_to_length as carry_to_length,
     carry_to_response as carry_to_response,
     carry_to_suite as carry_to_suite,
@@ -35,6 +34,7 @@ from .provenance import (
     records_checksum as records_checksum,
 )
 from .published import printed_share as printed_share, published_criterion as published_criterion
+from .response_measures import BoundaryScales as BoundaryScales, ResponseMeasures as ResponseMeasures
 from .scaling import scales as scales
 from .scope import (
     Position as Position,

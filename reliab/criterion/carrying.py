@@ -1,8 +1,8 @@
 """Ellipses of a population of ground motions, carried to another response, length or suite.
 
-Most of the scatter of a and b between motions is known before a test. In the limit of small errors a and b
-follow from the exact response alone (`reliab.boundary.first_order_ellipse`); what is left of ln a scatters by
-0.1, where ln a itself scatters by 0.6. Without a record, its length T is known: in the dimensionless length
+Most of the scatter of a and b between motions is known before a test. They follow from the exact response
+alone (`reliab.boundary.finite_errors`); what is left of ln a scatters by 0.06, where ln a itself scatters by
+0.6. Without a record, its length T is known: in the dimensionless length
 u = ln(ξω₀T) a and b pass from the transient to the stationary limit. Either dependence is fitted to the
 population by least squares, and every motion keeps its own residual; a criterion of the carried ellipses is
 then one for further motions of such a response, length or suite, by any method.
@@ -17,7 +17,7 @@ Liang, K.-Y. and Zeger, S. L. (1986). Longitudinal data analysis using generaliz
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, Final, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +26,11 @@ from reliab.arrays import Array
 from reliab.criterion.ellipse_table import DIMENSIONS, EllipseTable, names_along, tabled
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
+from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scaling import scales
 from reliab.criterion.scope import Position, compare_with_scope, scope_of
 from reliab.errors import InputError
-from reliab.vocabulary import Metric
+from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,8 +40,6 @@ _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 Labels = dict[str, Any]
 """Threshold, metric, curve and side of one table of ellipses."""
 
-_Places = NDArray[np.int64]
-
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
@@ -48,60 +47,18 @@ _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ResponseMeasures:
-    """Measures of responses to ground motions, in plain arrays."""
-
-    a_first: Array  # Ellipse parameter of the amplitude over the squared error [-], shape (motions, f, ξ)
-    b_first: Array  # The same of the delay [ms²]
-    effective_duration: Array  # ∫x²dt/max x² [s]
-    motions: NDArray[Any]  # Names, shape (motions,)
-    duration: Array  # Length of the records [s], shape (motions,)
-    frequencies: Array  # [Hz], shape (f,)
-    damping_ratios: Array  # [-], shape (ξ,)
-
-    @classmethod
-    def from_dataset(cls, measures: "xr.Dataset") -> Self:
-        """Take the arrays of what :func:`reliab.sweep.measure_responses` returned."""
-        names = ("a_first", "b_first", "effective_duration")
-        return cls(
-            **{name: measures[name].transpose("motion", "f", "xi").values for name in names},
-            motions=measures["motion"].values,
-            duration=measures["duration"].values,
-            frequencies=measures["f"].values.astype(np.float64),
-            damping_ratios=measures["xi"].values.astype(np.float64),
-        )
-
-    def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
-        """Take some of the motions."""
-        names = ("a_first", "b_first", "effective_duration", "motions", "duration")
-        return replace(self, **{name: getattr(self, name)[motions] for name in names})
-
-    def at(self, f: _Places, xi: _Places) -> Self:
-        """Take some of the structures, by their places along either axis."""
-        names = ("a_first", "b_first", "effective_duration")
-        return replace(
-            self,
-            **{name: getattr(self, name)[:, *np.ix_(f, xi)] for name in names},
-            frequencies=self.frequencies[f],
-            damping_ratios=self.damping_ratios[xi],
-        )
-
-    def nearest(self, frequencies: Array, damping_ratios: Array) -> tuple[_Places, _Places]:
-        """Places of the structures nearest to others, along either axis."""
-        return _nearest(self.frequencies, frequencies), _nearest(self.damping_ratios, damping_ratios)
-
-
-def _nearest(values: Array, asked: Array) -> _Places:
-    """Places of the nearest values; the larger one of two as near."""
-    distance = np.abs(values[::-1] - np.asarray(asked)[:, np.newaxis])
-    return np.asarray(values.size - 1 - distance.argmin(axis=1))
-
-
 def carry_to_response(
-    ellipses: _Given, measures: "xr.Dataset | ResponseMeasures", response: "xr.Dataset | ResponseMeasures"
+    ellipses: _Given,
+    measures: "xr.Dataset | ResponseMeasures",
+    response: "xr.Dataset | ResponseMeasures",
+    *,
+    angle: float | None = None,
 ) -> _Given:
     """Carry the ellipses of a population to a structure's response under one motion.
+
+    Every motion's boundary is compared with the one that its response predicts, by the multiple of the
+    predicted ellipse that lies inside. The multiples scatter by 0.06 where ln a itself scatters by 0.6, and
+    one number for a and b together leaves the share of a joint region exact.
 
     Parameters
     ----------
@@ -109,9 +66,14 @@ def carry_to_response(
         Ellipses of the population at RMS^R, of whole records.
     measures : xarray.Dataset or ResponseMeasures
         `a_first`, `b_first` and `effective_duration` of the same motions and structures, as
-        :func:`reliab.sweep.measure_responses` returns them.
+        :func:`reliab.sweep.measure_responses` returns them, and where boundaries were compared with them
+        the multiples of :func:`reliab.sweep.compare_boundaries`. Without these, the multiples are those at
+        which the predicted ellipse lies in the inscribed one: to the safe side.
     response : xarray.Dataset or ResponseMeasures
         The same of one motion, or of a test, at the structures asked for.
+    angle : float, optional
+        Direction in the predicted ellipse's own angle [rad] in which boundaries are compared, for the
+        probability of one test; by default they are compared over the whole of a region.
 
     Returns
     -------
@@ -135,22 +97,26 @@ def carry_to_response(
     ]
     events, duration = table.events, float(own.duration[0])
 
-    def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
-        of_known, of_own = getattr(known, f"{name}_first"), getattr(own, f"{name}_first")[0]
-        sizes, size = (
-            threshold * np.sqrt(part / _scale(name, *grid))
-            for part, grid in zip((of_known, of_own), at, strict=True)
-        )
+    def carried(cell: Labels, a: Array, b: Array) -> tuple[Array, Array]:
+        error = float(cell["threshold"]), str(cell["side"])
+        of_a, of_b, sizes = known.predicted(*error)
+        own_a, own_b, size = (part[0] for part in own.predicted(*error))
+        if cell["curve"] != CurveName.INSCRIBED:
+            multiples = (np.log(a / of_a) + np.log(b / of_b)) / 2.0
+        elif known.scales is not None:
+            multiples = known.scales.logarithms(*error, angle)
+        else:
+            multiples = np.log(np.minimum(a / of_a, b / of_b))
         fit = _Fit.by_least_squares(
-            np.log(values / (threshold**2 * of_known)),
+            multiples,
             _of_response(sizes, known.duration[:, None, None], *at[0]),
             events,
             growth=np.minimum(sizes, _STEEPEST) ** 2,
         )
         residuals = np.einsum("mfx,gf,yx->mgy", fit.residuals, *weights)
         target = _of_response(size, duration, *at[1])
-        logarithms = fit.carried(residuals, target, growth=np.minimum(size, _STEEPEST) ** 2)
-        return np.asarray(threshold**2 * of_own * np.exp(logarithms))
+        factor = np.exp(fit.carried(residuals, target, growth=np.minimum(size, _STEEPEST) ** 2))
+        return own_a * factor, own_b * factor
 
     near = known.at(*known.nearest(own.frequencies, own.damping_ratios)).effective_duration
     case = {
@@ -216,13 +182,13 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
     grid, lengths = _grid(f, xi), table.of_motions["duration"][:, None, None]
 
-    def carried(name: str, _: Labels, values: Array, threshold: float) -> Array:
-        unit = threshold**2 * _scale(name, *grid)
+    def carried(name: str, cell: Labels, values: Array) -> Array:
+        unit = float(cell["threshold"]) ** 2 * scales(*grid)[("a", "b").index(name)]
         fit = _Fit.by_least_squares(np.log(values / unit), _of_length(lengths, *grid), table.events)
         return np.asarray(unit * np.exp(fit.carried(fit.residuals, _of_length(duration, *grid))))
 
     words = f"for records of {duration:g} s"
-    assembled = _assembled(table, f, xi, carried)
+    assembled = _assembled(table, f, xi, _each(carried))
     return _as_given(ellipses, _stating(assembled, words, scope_of(table), {"length": duration}))
 
 
@@ -266,14 +232,15 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
 
     table = tabled(near)
 
-    def carried(name: str, cell: Labels, values: Array, _: float) -> Array:
+    def carried(name: str, cell: Labels, values: Array) -> Array:
         own = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
         return np.exp(_pooled(np.log(values), table.events, own, suite["event"].values))
 
     events = np.unique(suite["event"].values).size
     words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
     f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
-    return _stating(_assembled(table, f, xi, carried), words, scope_of(ellipses), case).to_dataset(near)
+    assembled = _assembled(table, f, xi, _each(carried))
+    return _stating(assembled, words, scope_of(ellipses), case).to_dataset(near)
 
 
 def _pooled(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
@@ -368,25 +335,24 @@ def _grid(f: Array, xi: Array) -> tuple[Array, Array]:
     return f.reshape(-1, 1), xi.reshape(1, -1)
 
 
-def _scale(name: str, f: Array, xi: Array) -> Array:
-    """ξ² [-] for a, (ξ/ω₀)² [ms²] for b, shape (F, X)."""
-    return scales(f, xi)[("a", "b").index(name)]
-
-
 def _assembled(
-    table: EllipseTable, f: Array, xi: Array, carried: Callable[[str, Labels, Array, float], Array]
+    table: EllipseTable, f: Array, xi: Array, carried: Callable[[Labels, Array, Array], tuple[Array, Array]]
 ) -> EllipseTable:
     """Carry a and b of every error, curve and side to other structures."""
     sizes = (table.n_motions, f.size, xi.size, *table.a.shape[3:])
-    filled = {name: np.full(sizes, np.nan) for name in ("a", "b")}
+    a, b = np.full(sizes, np.nan), np.full(sizes, np.nan)
     for at, cell in _cells(table):
         index: Any = (..., *at)
-        for name, target in filled.items():
-            values = getattr(table, name)[index].astype(np.float64)
-            values = np.where(values > 0.0, values, np.nan)
-            target[index] = carried(name, cell, values, float(cell["threshold"]))
-    at_structures = {**table.at, "f": f, "xi": xi}
-    return replace(table, a=filled["a"], b=filled["b"], at=at_structures, error_at_rest=None)
+        pair = (values[index].astype(np.float64) for values in (table.a, table.b))
+        a[index], b[index] = carried(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
+    return replace(table, a=a, b=b, at={**table.at, "f": f, "xi": xi}, error_at_rest=None)
+
+
+def _each(
+    carried: Callable[[str, Labels, Array], Array],
+) -> Callable[[Labels, Array, Array], tuple[Array, Array]]:
+    """Carry a and b each for itself."""
+    return lambda cell, a, b: (carried("a", cell, a), carried("b", cell, b))
 
 
 def _stating(

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.carrying import ResponseMeasures
 from reliab.criterion.ellipse_table import DIMENSIONS, REST, EllipseTable, words_of
+from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
 from reliab.files import decoding
 from reliab.received import opened_hdf5
 from reliab.shipped import shipped
@@ -56,6 +56,12 @@ def shipped_measures() -> ResponseMeasures:
             motions=_values(file, "motion"),
             frequencies=file["f"][()],
             damping_ratios=file["xi"][()],
+            scales=BoundaryScales(
+                least=file["scale"][()],
+                towards=file["scale_towards"][()],
+                thresholds=file["threshold"][()],
+                sides=_values(file, "side").tolist(),
+            ),
         )
 
 

@@ -1,3 +1,4 @@
+from .boundary_scales import compare_boundaries as compare_boundaries
 from .ellipse_dataset import CURVES as CURVES, share_at_rest as share_at_rest
 from .ellipse_file import (
     open_ellipses as open_ellipses,

@@ -36,9 +36,8 @@ def judged(motion, seconds, f, xi, rng):
     response = first_order_ellipse(excitation, structure)
     length = response.duration
     of_length = default_criterion(f, xi, THRESHOLD, CONFIDENCE, without=motion.event, duration=length)
-    of_response = criterion_of_response(
-        response, structure, threshold=THRESHOLD, confidence=CONFIDENCE, without=[motion.event]
-    )
+    without = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
+    of_response = criterion_of_response(response, structure, **without)
     a, b = (float(limit) for limit in of_response.limits(f, xi))
     turn, size = np.pi * rng.random(RIGS), np.exp(rng.uniform(-1.2, 1.2, RIGS))
     gain = 1.0 + size * np.sqrt(a) * np.cos(turn)
@@ -48,9 +47,17 @@ def judged(motion, seconds, f, xi, rng):
     def errors(gain, delay):
         return relative_error(loop.deviation(loop.cells(gain=gain, delay=delay)), Metric.RMS)
 
-    stated, kept, areas = [], [], []
+    stated = [
+        of_length.probability(gain, delay, f, xi),
+        [
+            float(
+                criterion_of_response(response, structure, tracking=test, **without).probability(*test, f, xi)
+            )
+            for test in zip(gain.tolist(), delay.tolist(), strict=True)
+        ],
+    ]
+    kept, areas = [], []
     for criterion in (of_length, of_response):
-        stated.append(criterion.probability(gain, delay, f, xi))
         limits = [float(limit) for limit in criterion.limits(f, xi)]
         edge = Region(a=limits[0], b=limits[1]).edge()
         kept.append(bool((errors(edge.gain, edge.delay) <= THRESHOLD).all()))

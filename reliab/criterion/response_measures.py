@@ -1,0 +1,118 @@
+"""What the exact responses to ground motions say of their boundaries, and how far traced ones lie from it."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliab.arrays import Array
+from reliab.boundary import DIRECTIONS, ratio_of_delays
+from reliab.criterion.scaling import scales
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Places = NDArray[np.int64]
+
+_OF_STRUCTURES = ("a_first", "b_first", "effective_duration")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BoundaryScales:
+    """Multiples of the predicted ellipses' a and b at which they reach the traced boundaries."""
+
+    least: Array  # The largest ellipse inside, shape (motions, f, ξ, threshold, side)
+    towards: Array  # In addition over the directions of `reliab.boundary.DIRECTIONS`
+    thresholds: Array  # Errors on the boundaries [-], increasing
+    sides: list[str]
+
+    def logarithms(self, threshold: float, side: str, angle: float | None) -> Array:
+        """Logarithms at an error, shape (motions, f, ξ); of the whole boundary, or towards an angle [rad].
+
+        Between stored errors they are linear in the logarithm of the error.
+        """
+        of_side = self.sides.index(side)
+        if angle is None:
+            scale = self.least[..., of_side]
+        else:
+            place = np.clip(angle / DIRECTIONS[1], 0.0, DIRECTIONS.size - 1.0)
+            below = min(int(place), DIRECTIONS.size - 2)
+            pair = np.log(self.towards[..., of_side, below : below + 2])
+            scale = np.exp(pair @ np.array([1.0 - place + below, place - below]))
+        logarithms, errors = np.log(scale), np.log(self.thresholds)
+        above = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
+        share = float(np.clip((np.log(threshold) - errors[above - 1]) / np.diff(errors)[above - 1], 0.0, 1.0))
+        if share in (0.0, 1.0):  # NaN at the other error says nothing of this one
+            return np.asarray(logarithms[..., above - 1 + int(share)])
+        return np.asarray((1.0 - share) * logarithms[..., above - 1] + share * logarithms[..., above])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResponseMeasures:
+    """Measures of responses to ground motions, in plain arrays."""
+
+    a_first: Array  # Ellipse parameter of the amplitude over the squared error [-], shape (motions, f, ξ)
+    b_first: Array  # The same of the delay [ms²]
+    effective_duration: Array  # ∫x²dt/max x² [s]
+    motions: NDArray[Any]  # Names, shape (motions,)
+    duration: Array  # Length of the records [s], shape (motions,)
+    frequencies: Array  # [Hz], shape (f,)
+    damping_ratios: Array  # [-], shape (ξ,)
+    scales: BoundaryScales | None = None  # Where boundaries were traced and compared
+
+    @classmethod
+    def from_dataset(cls, measures: "xr.Dataset") -> Self:
+        """Take the arrays of what `measure_responses` or `compare_boundaries` of `reliab.sweep` returned."""
+        over = ("motion", "f", "xi")
+        scales_of = None
+        if "scale" in measures:
+            scales_of = BoundaryScales(
+                least=measures["scale"].transpose(*over, "threshold", "side").values,
+                towards=measures["scale_towards"].transpose(*over, "threshold", "side", "direction").values,
+                thresholds=measures["threshold"].values.astype(np.float64),
+                sides=[str(side) for side in measures["side"].values],
+            )
+        return cls(
+            **{name: measures[name].transpose(*over).values for name in _OF_STRUCTURES},
+            motions=measures["motion"].values,
+            duration=measures["duration"].values,
+            frequencies=measures["f"].values.astype(np.float64),
+            damping_ratios=measures["xi"].values.astype(np.float64),
+            scales=scales_of,
+        )
+
+    def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
+        """Take some of the motions."""
+        names = (*_OF_STRUCTURES, "motions", "duration")
+        compared = self.scales
+        if compared is not None:
+            compared = replace(compared, least=compared.least[motions], towards=compared.towards[motions])
+        return replace(self, **{name: getattr(self, name)[motions] for name in names}, scales=compared)
+
+    def at(self, f: Places, xi: Places) -> Self:
+        """Take some of the structures, by their places along either axis; without their boundaries."""
+        return replace(
+            self,
+            **{name: getattr(self, name)[:, *np.ix_(f, xi)] for name in _OF_STRUCTURES},
+            frequencies=self.frequencies[f],
+            damping_ratios=self.damping_ratios[xi],
+            scales=None,
+        )
+
+    def nearest(self, frequencies: Array, damping_ratios: Array) -> tuple[Places, Places]:
+        """Places of the structures nearest to others, along either axis."""
+        return _nearest(self.frequencies, frequencies), _nearest(self.damping_ratios, damping_ratios)
+
+    def predicted(self, threshold: float, side: str) -> tuple[Array, Array, Array]:
+        """Predicted a [-], b [ms²] and dimensionless size of an error, shape (motions, f, ξ)."""
+        unit = scales(self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1))[1]
+        size = threshold * np.sqrt(self.b_first / unit)
+        a, b = threshold**2 * self.a_first, threshold**2 * self.b_first
+        return a, b * ratio_of_delays(size, side) ** 2, size
+
+
+def _nearest(values: Array, asked: Array) -> Places:
+    """Places of the nearest values; the larger one of two as near."""
+    distance = np.abs(values[::-1] - np.asarray(asked)[:, np.newaxis])
+    return np.asarray(values.size - 1 - distance.argmin(axis=1))

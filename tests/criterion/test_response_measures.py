@@ -1,0 +1,63 @@
+"""Boundaries beside their predictions: what ships, and the share that a criterion carried by them keeps."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.criterion import (
+    BoundaryScales,
+    ResponseMeasures,
+    carry_to_response,
+    derive_criterion,
+    read_ellipses,
+    shipped_measures,
+)
+from reliab.shipped import shipped
+
+CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
+
+
+def test_shipped_boundaries_lie_at_their_predictions():
+    compared = shipped_measures().scales
+    logarithms = compared.logarithms(0.05, "lag", None)
+    assert logarithms.mean() == pytest.approx(-0.14, abs=0.04)
+    assert logarithms.std(axis=0).max() < 0.12  # where ln a scatters by 0.5 to 0.8
+
+
+def test_the_whole_boundary_is_no_further_than_any_direction():
+    compared = shipped_measures().scales
+    least = compared.logarithms(0.05, "lag", None)
+    assert all((least <= compared.logarithms(0.05, "lag", angle) + 0.02).all() for angle in (0.0, 1.0, 3.1))
+
+
+def test_errors_between_stored_ones_are_interpolated():
+    compared = BoundaryScales(
+        least=np.exp([[[[[0.0], [-0.2]]]]]),
+        towards=np.ones((1, 1, 1, 2, 1, 9)),
+        thresholds=np.array([0.01, 0.04]),
+        sides=["lag"],
+    )
+    assert compared.logarithms(0.02, "lag", None) == pytest.approx(-0.1)
+    assert compared.logarithms(0.04, "lag", None) == pytest.approx(-0.2)
+
+
+@pytest.mark.slow
+def test_a_criterion_by_response_keeps_every_share_of_earthquakes_left_out():
+    """Also at 50 and 80 %: by a and b each for itself 69 and 93 % were kept."""
+    at = {"f": [1.0], "xi": [0.05]}
+    ellipses = read_ellipses("real_suite").sel(
+        metric=["rms"], threshold=[0.05], side=["lag"], curve=["inscribed"], **at
+    )
+    measures = xr.load_dataset(shipped("datasets", "real_suite/first_order.nc"), engine="h5netcdf").sel(at)
+    events = ellipses["event"].values
+    kept = np.zeros((events.size, len(CONFIDENCES)), dtype=bool)
+    for place, event in enumerate(events):
+        others = events != event
+        own = measures.isel(motion=[place])
+        carried = carry_to_response(ellipses.isel(motion=others), measures.isel(motion=others), own)
+        predicted, *_ = ResponseMeasures.from_dataset(own).predicted(0.05, "lag")
+        reach = float(predicted[0, 0, 0] * own["scale"].sel(threshold=0.05, side="lag").item())
+        kept[place] = [
+            derive_criterion(carried, confidence=share).limits(1.0, 0.05)[0] <= reach for share in CONFIDENCES
+        ]
+    assert kept.mean(axis=0) == pytest.approx(CONFIDENCES, abs=0.06)
