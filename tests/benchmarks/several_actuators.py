@@ -13,11 +13,15 @@ interval holds the true error.
 the specimen's share by ±1 % (standard deviations), each sensor's scale by ±0.6 % and its clock by up to a
 sample of the converter (`--clock`, 1024 Hz) either way; the interval is that of ordinary equipment. Verdicts
 against 5 % are counted.
+
+`--stiffness 0.05`: instead, all stiffnesses are off by a factor of that standard deviation and nothing else
+is; tests are judged with that stated, with what is assumed of ordinary equipment, and as if all were exact.
 """
 
 import argparse
 import sys
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +35,7 @@ from coupled_structures import described, node, plate, two_storeys  # noqa: E402
 
 from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of  # noqa: E402
 from reliab.assessment.coupled_error import rebuild_coupled  # noqa: E402
+from reliab.assessment.rebuilt_error import Tolerances  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
 from reliab.simulation.frames import coupled_response, read_structure  # noqa: E402
@@ -75,10 +80,7 @@ def tests(
     kinematics: np.ndarray,
     seed: int,
     records: list[Path],
-    levels: list[float],
-    *,
-    imperfect: bool,
-    clock: float,
+    asked: argparse.Namespace,
 ) -> Iterator[dict[str, object]]:
     """Simulate a test and judge it at each level of noise."""
     rng = np.random.default_rng([seed, len(name)])
@@ -86,7 +88,7 @@ def tests(
     while True:
         ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
         try:
-            tested = off_by_chance(partition, rng) if imperfect else partition
+            tested = off_by_chance(partition, rng, asked)
             run = coupled_response(tested, drawn_actuators(kinematics, longest, rng), ground, 1.0 / RATE)
             break
         except InputError:  # unstable
@@ -94,20 +96,16 @@ def tests(
     strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
     command, measured = kinematics @ run.command, kinematics @ run.measured
-    read = read_by_chance(measured, rng, clock) if imperfect else measured
-    equipment = ordinary_equipment() if imperfect else None
-    lowest = float(partition.natural_frequencies[0])
-    mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
-    assumed = tolerances_of(sizes_of_unknown({}, mode, equipment, 1.0 / RATE))
+    read = read_by_chance(measured, rng, asked.clock) if asked.imperfect else measured
     white = rng.standard_normal(measured.shape) * measured.std(axis=1, keepdims=True)
-    for level in levels:
+    for level, (assumed, tolerances) in product(asked.decibels, assumptions(partition, asked).items()):
         error = rebuild_coupled(
             command,
             read + 10.0 ** (-level / 20.0) * white,
             1.0 / RATE,
             partition,
             to_interface=np.linalg.inv(kinematics),
-            tolerances=assumed,
+            tolerances=tolerances,
             draws=128,
         )
         probability = error.probability(THRESHOLD)
@@ -116,6 +114,7 @@ def tests(
             yield {
                 "structure": name,
                 "decibels": level,
+                "assumed": assumed,
                 "degree": place + 1,
                 "seed": seed,
                 "true": true[place],
@@ -129,8 +128,28 @@ def tests(
             }
 
 
-def off_by_chance(partition: CoupledPartition, rng: np.random.Generator) -> CoupledPartition:
+def assumptions(partition: CoupledPartition, asked: argparse.Namespace) -> dict[str, Tolerances]:
+    """What intervals are to hold."""
+    lowest = float(partition.natural_frequencies[0])
+    mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
+    ordinary = tolerances_of(sizes_of_unknown({}, mode, ordinary_equipment(), 1.0 / RATE))
+    if asked.imperfect:
+        return {"ordinary": ordinary}
+    if asked.stiffness:
+        stated = Tolerances(frequency=0.5 * asked.stiffness)
+        return {"stated": stated, "ordinary": ordinary, "exact": Tolerances()}
+    return {"exact": Tolerances()}
+
+
+def off_by_chance(
+    partition: CoupledPartition, rng: np.random.Generator, asked: argparse.Namespace
+) -> CoupledPartition:
     """Draw the structure that is tested, where another one is stated."""
+    if asked.stiffness:
+        frequency = np.sqrt(1.0 + asked.stiffness * rng.standard_normal())
+        return partition.scaled(frequency=frequency, damping_ratio=1.0, share=1.0)
+    if not asked.imperfect:
+        return partition
     frequency, ratio, share = 1.0 + rng.standard_normal(3) * [0.02, 0.15, 0.01]
     return partition.scaled(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
 
@@ -152,18 +171,21 @@ def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float)
 def state(rows: pd.DataFrame) -> None:
     """Print a line for each displacement."""
     judged = rows[rows["judged"]]
-    for (structure, level, place), of in judged.groupby(["structure", "decibels", "degree"], sort=False):
+    by = ["structure", "decibels", "assumed", "degree"]
+    for (structure, level, assumed, place), of in judged.groupby(by, sort=False):
         low, middle, high = of["ratio"].quantile([0.05, 0.5, 0.95])
         near = ((of["ratio"] - 1.0).abs() < 0.02).mean()
         print(
-            f"{structure:12} {level:3.0f} dB, displacement {place}: {len(of):3} tests, true "
+            f"{structure:12} {level:3.0f} dB, {assumed}, displacement {place}: {len(of):3} tests, true "
             f"{of['true'].median():.2%}, ratio {middle:.3f} ({low:.3f} to {high:.3f}), "
             f"within 2 % {near:.0%}, held {of['held'].mean():.0%}, false-safe {of['false_safe'].sum()}"
         )
-    print(f"judged {len(judged)} of {len(rows)}, held {judged['held'].mean():.0%}")
-    tests = rows.groupby(["structure", "decibels", "seed"])
-    verdicts = tests[["bad_accepted", "good_refused", "undecided"]].first()
-    print(f"tests {len(verdicts)}: " + ", ".join(f"{name} {n}" for name, n in verdicts.sum().items()))
+    for assumed, of in rows.groupby("assumed", sort=False):
+        shown = of[of["judged"]]
+        print(f"{assumed}: judged {len(shown)} of {len(of)}, held {shown['held'].mean():.0%}")
+        tests = of.groupby(["structure", "decibels", "seed"])
+        verdicts = tests[["bad_accepted", "good_refused", "undecided"]].first()
+        print(f"tests {len(verdicts)}: " + ", ".join(f"{name} {n}" for name, n in verdicts.sum().items()))
 
 
 def main() -> None:
@@ -176,20 +198,13 @@ def main() -> None:
     parser.add_argument("--structures", nargs="+", choices=list(structures()), default=list(structures()))
     parser.add_argument("--imperfect", action="store_true")
     parser.add_argument("--clock", type=float, default=CLOCK)
+    parser.add_argument("--stiffness", type=float, default=0.0)
     asked = parser.parse_args()
     records = sorted(asked.folder.rglob("*.AT2"))
     rows = []
     for name in asked.structures:
         for seed in range(asked.seed, asked.seed + asked.count):
-            rows += tests(
-                name,
-                *structures()[name],
-                seed,
-                records,
-                asked.decibels,
-                imperfect=asked.imperfect,
-                clock=asked.clock,
-            )
+            rows += tests(name, *structures()[name], seed, records, asked)
         state(pd.DataFrame(row for row in rows if row["structure"] == name))
     if len(asked.structures) > 1:
         state(pd.DataFrame(rows))
