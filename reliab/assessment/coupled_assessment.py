@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from reliab.assessment.budget import BudgetItem, Size, as_certain_as, budget_item
-from reliab.assessment.coupled_error import CoupledError, DegreeError
+from reliab.assessment.coupled_error import CoupledError, DegreeError, ShownByGround
 from reliab.assessment.faults import Fault
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.assessment.rebuilt_error.spread import LEVEL
@@ -57,6 +57,8 @@ class CoupledAssessment:
         Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
     doubt_of_skew : str
         That converters as slow as the recording shift its channels by more than is assumed; empty where not.
+    shown_by_ground : ShownByGround, optional
+        What the recorded ground acceleration shows of the structure; None where it was not recorded.
     """
 
     recording: CoupledRecording
@@ -70,6 +72,7 @@ class CoupledAssessment:
     limit: CoupledLimit
     limit_of_gains: bool = True
     doubt_of_skew: str = ""
+    shown_by_ground: ShownByGround | None = None
 
     @property
     def reliable(self) -> bool:
@@ -108,6 +111,8 @@ class CoupledAssessment:
             )
         if self.doubt_of_skew:
             sentences.append(self.doubt_of_skew)
+        if self.shown_by_ground is not None and self.shown_by_ground.opposite:
+            sentences.append("The ground acceleration has the opposite sign.")
         if self.stability_margin < 0.0:
             sentences.append(
                 "The measured delay is longer than the critical delay: the structure or the channels are "
@@ -133,6 +138,7 @@ class CoupledAssessment:
             "modes": _modes(self),
             "error": _error(self),
             "budget": [item.to_dict() for item in budget_of_several(self.error, self.metric, self.sizes)],
+            "shown_by_ground": _shown(self.shown_by_ground),
             "metric": str(self.metric),
             "threshold": self.threshold,
             "probability": self.probability,
@@ -207,6 +213,17 @@ def _stability(assessment: CoupledAssessment) -> dict[str, Any]:
         "critical_frequency_hz": finite(limit.frequency),
         "critical_direction": dict(zip(names, limit.direction.tolist(), strict=True)),
         "stability_margin": finite(assessment.stability_margin),
+    }
+
+
+def _shown(shown: ShownByGround | None) -> dict[str, float] | None:
+    """Factor of frequencies that the ground motion shows, and what it leaves unexplained."""
+    if shown is None:
+        return None
+    return {
+        "frequency_ratio": shown.frequency,
+        "deviation": shown.deviation,
+        "unexplained": shown.misfit,
     }
 
 

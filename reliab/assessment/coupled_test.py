@@ -10,13 +10,19 @@ from reliab.arrays import Array
 from reliab.assessment.budget import (
     Equipment,
     Size,
+    Source,
     as_certain_as,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
 )
 from reliab.assessment.coupled_assessment import CoupledAssessment, budget_of_several, lost_in_noise
-from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
+from reliab.assessment.coupled_error import (
+    CoupledError,
+    ShownByGround,
+    compare_with_ground,
+    rebuild_coupled,
+)
 from reliab.assessment.doubts import ERROR_NAMES, probability_text
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.plausibility import require_length, require_plausible
@@ -24,10 +30,10 @@ from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, without_spikes
-from reliab.significant import percent
+from reliab.significant import percent, significant
 from reliab.simulation.frames import CoupledFrame
 from reliab.stated_value import StatedValue
-from reliab.structures import CoupledLimit, CoupledPartition, Structure, coupled_limit
+from reliab.structures import CoupledLimit, CoupledPartition, Structure, coupled_limit, is_part
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
@@ -68,6 +74,11 @@ def assess_coupled(
         feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
         tolerances=tolerances_of(sizes),
     )
+    shown = (
+        None
+        if recording.ground is None
+        else compare_with_ground(error.histories, error.structure, recording.ground)
+    )
     gains = frame.to_interface @ error.parts.gain @ np.linalg.inv(frame.to_interface)
     return CoupledAssessment(
         recording=recording,
@@ -77,10 +88,49 @@ def assess_coupled(
         threshold=threshold,
         faults=faults,
         sizes=sizes,
-        verdict=_verdict(error, metric, threshold, sizes, faults),
         doubt_of_skew="" if equipment is None else equipment.doubt_of_skew(recording.time_step),
+        shown_by_ground=shown,
+        verdict=_verdict(error, metric, threshold, sizes, faults).doubted(
+            *_doubts_of_ground(shown, sizes, frame.partition)
+        ),
         **_limit(frame.partition, gains),
     )
+
+
+def _doubts_of_ground(
+    shown: ShownByGround | None, sizes: Mapping[str, Size], partition: CoupledPartition
+) -> tuple[list[str], list[str]]:
+    """Say where the ground motion contradicts the structure, and what to do."""
+    if shown is None:
+        return [], []
+    if shown.other:
+        doubt = (
+            f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response unexplained: "
+            "it does not belong to this test, or its structure is another one."
+        )
+        remedy = "Check channel and unit of the ground acceleration, and the description of the structure."
+        return [doubt], [remedy]
+    if not shown.contradicts(_stated_of_frequency(sizes, partition)):
+        return [], []
+    lowest = float(partition.natural_frequencies[0])
+    scatter = f"{significant(shown.frequency * lowest, 4)} ± {significant(shown.deviation * lowest, 1)} Hz"
+    doubt = (
+        f"The recorded ground motion shows a lowest natural frequency of {scatter}; "
+        f"{significant(lowest, 4)} Hz follows from the structure as stated."
+    )
+    return [doubt], ["Correct stiffness or mass of the structure, or state their tolerances."]
+
+
+def _stated_of_frequency(sizes: Mapping[str, Size], partition: CoupledPartition) -> float:
+    """Relative standard deviation of the lowest natural frequency that is stated, of the whole or of parts."""
+    stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
+    of_parts = [
+        partition.with_parts({name: deviation}).natural_frequencies[0] / partition.natural_frequencies[0]
+        - 1.0
+        for name, deviation in stated.items()
+        if is_part(name)
+    ]
+    return float(np.linalg.norm([stated.get("frequency", 0.0), *of_parts]))
 
 
 class _Limit(TypedDict):

@@ -41,6 +41,7 @@ class CoupledRecording:
     name: str = "test"
     notes: tuple[str, ...] = ()  # What was assumed when the test was read, in sentences
     channels: tuple[Channel, ...] = ()  # Which columns of the file were taken as what
+    ground: Array | None = None  # Ground acceleration [m/s²], shape (n,); None where it is not recorded
 
     def __post_init__(self) -> None:
         shape = np.shape(self.command)
@@ -59,6 +60,8 @@ class CoupledRecording:
         for what, rows in (("command", self.command), ("measured displacement", self.measured)):
             for number, values in zip(actuators, rows, strict=True):
                 require_finite(values, f"{what} {number}", self.name)
+        if self.ground is not None:
+            require_finite(self.ground, "ground acceleration", self.name)
         if not (np.ptp(self.command, axis=1) > 0.0).any():
             raise InputError("Some command must move", remedy="Check the columns", where=self.name)
 
@@ -123,6 +126,7 @@ def coupled_recording_of(histories: Histories) -> CoupledRecording:
     }
     numbers = sorted(commands.keys() & measured.keys(), key=lambda number: (len(number), number))
     columns, channels = histories.columns, histories.channels.values()
+    grounds = (key for key, channel in histories.channels.items() if channel.part is Part.GROUND)
     named = (replace(channel, reason=channel.reason.replace(_OF_RECORD, "its name")) for channel in channels)
     return CoupledRecording(
         command=np.stack([histories.values[commands[number]] for number in numbers]),
@@ -132,4 +136,5 @@ def coupled_recording_of(histories: Histories) -> CoupledRecording:
         name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
         notes=tuple(dict.fromkeys(histories.notes)),
         channels=tuple(named),
+        ground=next((histories.values[key] for key in grounds), None),
     )

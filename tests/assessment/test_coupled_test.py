@@ -1,6 +1,7 @@
 """`reliab.assess` of a test with several actuators: its summary, its warnings and what it refuses."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -15,6 +16,7 @@ from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
 from reliab.simulation.frames import CoupledFrame, coupled_response, read_frame, read_structure
+from reliab.simulation.frames.frame_tables import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
 from reliab.structures import CoupledPartition
 
@@ -22,16 +24,19 @@ STEP = 1.0 / 256.0
 FRAME = "frames/two_actuators.toml"
 
 
+def shaking():
+    time = np.arange(0.0, 20.0, STEP)
+    motion = np.sin(9.0 * time) * np.sin(2.0 * time) * np.minimum(time / 4.0, 1.0) ** 3
+    return time, motion * np.exp(-(((time - 9.0) / 6.0) ** 2))
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     """A test's file, and the frame's."""
     path = shipped("datasets", FRAME)
     frame = read_structure(path)
-    time = np.arange(0.0, 20.0, STEP)
-    motion = np.sin(9.0 * time) * np.sin(2.0 * time) * np.minimum(time / 4.0, 1.0) ** 3
-    run = coupled_response(
-        frame.partition, frame.transfer_system, motion * np.exp(-(((time - 9.0) / 6.0) ** 2)), STEP
-    )
+    time, motion = shaking()
+    run = coupled_response(frame.partition, frame.transfer_system, motion, STEP)
     moved = {"command": frame.kinematics @ run.command, "measured": frame.kinematics @ run.measured}
     noise = 1e-6 * np.random.default_rng(0).normal(size=(2, time.size))
     moved["measured"] = moved["measured"] + noise
@@ -42,6 +47,11 @@ def recorded(tmp_path_factory):
     pd.DataFrame(table).to_csv(file, index=False)
     strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     return file, path, np.sqrt(np.mean(strayed**2, axis=1)) / peak
+
+
+@pytest.fixture
+def with_ground(recorded):
+    return pd.read_csv(recorded[0]).assign(ground_acceleration_m_s2=shaking()[1])
 
 
 @pytest.fixture(scope="module")
@@ -214,3 +224,33 @@ def test_actuators_that_move_alike_keep_gains_near_one():
     np.testing.assert_allclose(found.error.parts.gain, np.eye(3), atol=0.2)
     assert found.limit_of_gains
     assert 0.0 < found.stability_margin < 1.0
+
+
+def off(path, factor, **tolerances):
+    """The frame with all natural frequencies off by a factor."""
+    frame = read_structure(path)
+    partition = frame.partition.scaled(frequency=factor, damping_ratio=1.0, share=1.0)
+    return replace(frame, partition=partition, tolerances=TolerancesTable(**tolerances))
+
+
+def test_a_recorded_ground_motion_agrees_with_the_structure(recorded, with_ground):
+    shown = reliab.assess(with_ground, recorded[1]).shown_by_ground
+    assert shown.frequency == pytest.approx(1.0, abs=0.01)
+    assert not any((shown.opposite, shown.other, shown.contradicts(0.0)))
+
+
+def test_a_recorded_ground_motion_contradicts_another_structure(recorded, with_ground):
+    """Frequencies 3 % too high, unless they are stated as uncertain as that."""
+    doubted = reliab.assess(with_ground, off(recorded[1], 1.03))
+    assert doubted.shown_by_ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
+    assert doubted.to_dict()["verdict"] == "undecided"
+    assert "shows a lowest natural frequency of 2.2" in doubted.verdict.reasons[0]
+    stated = reliab.assess(with_ground, off(recorded[1], 1.03, stiffness=0.05))
+    assert "lowest natural frequency" not in " ".join(stated.verdict.reasons)
+
+
+def test_a_ground_motion_of_another_test_is_noticed(recorded, with_ground):
+    turned = with_ground.assign(ground_acceleration_m_s2=-shaking()[1])
+    assert "The ground acceleration has the opposite sign." in reliab.assess(turned, recorded[1]).warnings
+    other = with_ground.assign(ground_acceleration_m_s2=np.roll(shaking()[1], 700))
+    assert "does not belong to this test" in reliab.assess(other, recorded[1]).verdict.reasons[0]

@@ -6,6 +6,7 @@ from .coupled_file import (
 from .coupled_loop import (
     CoupledResponse as CoupledResponse,
     coupled_response as coupled_response,
+    ideal_response as ideal_response,
     responses_over_frequency as responses_over_frequency,
 )
 from .frame_file import (

@@ -46,15 +46,23 @@ def coupled_response(
         raise InputError(
             "The hybrid test must be stable", value=f"a pole at {fastest:.4g} 1/s to the right of the axis"
         )
-    perfect = ActuatorMatrix(kinematics=np.eye(whole.degrees), transfer=_perfect(whole.degrees))
-    undivided, its_load, its_command, _ = hybrid_system(whole, perfect)
     followed = _followed(dynamics, load, np.vstack([command, measured]), ground, time_step)
     return CoupledResponse(
         command=followed[: whole.degrees],
         measured=followed[whole.degrees :],
-        reference=_followed(undivided, its_load, its_command, ground, time_step),
+        reference=ideal_response(whole, ground, time_step),
         time_step=time_step,
     )
+
+
+def ideal_response(partition: CoupledPartition, ground: Array, time_step: float) -> Array:
+    """Interface displacements of the undivided structure from rest [m], shape (p, n).
+
+    `ground` [m/s²], shape (n,); `time_step` [s].
+    """
+    perfect = ActuatorMatrix(kinematics=np.eye(partition.degrees), transfer=_perfect(partition.degrees))
+    dynamics, load, command, _ = hybrid_system(partition, perfect)
+    return _followed(dynamics, load, command, ground, time_step)
 
 
 def hybrid_system(

