@@ -122,7 +122,8 @@ def _doubts_of_ground(
 
 
 def _stated_of_frequency(sizes: Mapping[str, Size], partition: CoupledPartition) -> float:
-    """Relative standard deviation of the lowest natural frequency that is stated, of the whole or of parts."""
+    """Relative standard deviation of the lowest natural frequency that follows from what is stated."""
+    lowest = float(partition.natural_frequencies[0])
     stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
     of_parts = [
         partition.with_parts({name: deviation}).natural_frequencies[0] / partition.natural_frequencies[0]
