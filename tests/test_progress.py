@@ -27,6 +27,7 @@ from reliab.sweep import (
     EllipseRequest,
     ScaledGrid,
     SweepRequest,
+    compare_boundaries,
     measure_responses,
     predict_ellipses,
     run_sweep,
@@ -149,6 +150,9 @@ CASES = {
         MOTIONS, FrameRequest(frame=FRAME_UNDER_TEST), progress=progress
     ),
     "measure_responses": lambda progress: measure_responses(MOTIONS, [1.0], [0.02], progress=progress),
+    "compare_boundaries": lambda progress, results: compare_boundaries(
+        results, measure_responses(MOTIONS, [1.0, 2.0], [0.02, 0.05]), [0.02], progress=progress
+    ),
     "limits_of_coupling": lambda progress: limits_of_coupling(
         read_structure(shipped("datasets", "frames/two_actuators.toml")),
         MOTIONS,

@@ -30,23 +30,23 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
     z, place = state[2], state[3]
     loaded, relieved = 1.0 + sign * coefficients[6], 1.0 - sign * coefficients[6]  # strengths of both sides
     for _ in range(substeps):
-        left = increment
+        remaining = increment
         if sign * z < 0.0:
-            rise = left * (1.0 - abs(z / relieved) ** exponent * (gamma - beta))
+            rise = remaining * (1.0 - abs(z / relieved) ** exponent * (gamma - beta))
             middle = min(sign * (z + 0.5 * rise), 0.0)
-            rise = left * (1.0 - abs(middle / relieved) ** exponent * (gamma - beta))
+            rise = remaining * (1.0 - abs(middle / relieved) ** exponent * (gamma - beta))
             if sign * rise <= 0.0 or sign * (z + rise) < 0.0:
                 z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
-                left = 0.0
+                remaining = 0.0
             else:
-                left *= 1.0 + z / rise
+                remaining *= 1.0 + z / rise
                 z = 0.0
-        if left != 0.0:
-            moved = min(max(place + left, -half), half)
-            left -= moved - place
+        if remaining != 0.0:
+            moved = min(max(place + remaining, -half), half)
+            remaining -= moved - place
             place = moved
-            rise = left * (1.0 - abs(z / loaded) ** exponent * (beta + gamma))
-            rise = left * (1.0 - abs((z + 0.5 * rise) / loaded) ** exponent * (beta + gamma))
+            rise = remaining * (1.0 - abs(z / loaded) ** exponent * (beta + gamma))
+            rise = remaining * (1.0 - abs((z + 0.5 * rise) / loaded) ** exponent * (beta + gamma))
             z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, place
     return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])

@@ -65,7 +65,7 @@ def own_recursion() -> CoupledRecursion:
         late=late,
         output=node @ rows[e],
         feed_through=np.zeros((2, 2)),
-        static=np.linalg.solve(np.eye(len(rows)) - transition, late),
+        static=np.asarray(np.linalg.solve(np.eye(len(rows)) - transition, late), dtype=np.float64),
         free=np.zeros((2, len(rows), 2)),
         smooth=False,
     )

@@ -6,7 +6,6 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, acts, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
@@ -233,11 +232,7 @@ class Search:
 
     def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
         """Energy that a fitted model leaves, whitened by a given noise."""
-        return self._left(candidate.space, candidate.coordinates, noise)
-
-    def _left(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> float:
-        """Energy that a model leaves at given coordinates, whitened by a given noise."""
-        rows = self.problem.whitened(space, coordinates, noise)
+        rows = self.problem.whitened(candidate.space, candidate.coordinates, noise)
         return float(rows @ rows)
 
     def without(self, candidate: Fit, kind: type[Effect]) -> Fit:
@@ -444,7 +439,8 @@ class Search:
         others = tuple(effect for effect in best.space.effects if effect is not kind)
         space = ModelSpace(best.space.block, (*others, special))
         inherited, *fresh = space.in_place_of(best.space, best.coordinates, kind, special)
-        starts = [inherited, *sorted(fresh, key=lambda start: self._left(space, start, best.noise))[:1]]
+        residuals = [self.problem.whitened(space, start, best.noise) for start in fresh]
+        starts = [inherited, *(fresh[k] for k in np.argsort([rows @ rows for rows in residuals])[:1])]
         refined_fit = refined(self.problem, fit(self.problem, space, starts, best.noise))
         if self._matters(refined_fit, best):
             self.keep(refined_fit)

@@ -161,17 +161,17 @@ class ModelSpace:
         inherited = {
             key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
         }
-        kept = [inherited]
+        bases = [inherited]
         if special.members:
             size = f"{special.name}.{special.parameters[0].name}"
-            own = [key for key in inherited if key.startswith(f"{special.name}.") and key != size]
-            others = {key: value for key, value in inherited.items() if key not in own}
-            kept += [others] * max(len(parameter.starts) for parameter in further_parameters(special, kind))
+            shape = [key for key in inherited if key.startswith(f"{special.name}.") and key != size]
+            others = {key: value for key, value in inherited.items() if key not in shape}
+            bases += [others] * max(len(parameter.starts) for parameter in further_parameters(special, kind))
         lower, upper = self.bounds
         starts = []
-        for k, stated in enumerate(kept):
+        for k, base_values in enumerate(bases):
             fresh = dict(zip(self._keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True))
-            start = self.coordinates(np.array([stated.get(key, fresh[key]) for key in self._keys]))
+            start = self.coordinates(np.array([base_values.get(key, fresh[key]) for key in self._keys]))
             starts.append(np.clip(start, lower + 1e-9, upper - 1e-9))
         return starts
 

@@ -59,8 +59,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     after = residuals(proof, best)
     proved = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
-    sure = [one for kind in inside if kind in sure_effects for one in naming.members(kind)]
-    doubted = [one for kind in inside if kind in doubtful for one in naming.members(kind)]
+    sure = [effect for kind in inside if kind in sure_effects for effect in naming.members(kind)]
+    doubted = [effect for kind in inside if kind in doubtful for effect in naming.members(kind)]
     unknown = unexplained(judged, best, proved, None if noise else _located(problem, best, judged))
     return BlockDiagnosis(
         block=problem.block,
@@ -147,15 +147,17 @@ class _Naming:
 
     def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
         """State an effect of the library, or the members of a composition."""
-        stated = self.missing(effect).by_member
+        members = self.missing(effect).by_member
         simple = effect.refines
-        if len(stated) == 1 or simple is None:
-            return stated
+        if len(members) == 1 or simple is None:
+            return members
         names = frozenset(self.best.space.names) - {str(effect.name)} | {str(simple.name)}
         alone = self.search.fitted.get(names)
         return tuple(
-            one if one.member is simple or alone is None else replace(one, error_without=self._error(alone))
-            for one in stated
+            member
+            if member.member is simple or alone is None
+            else replace(member, error_without=self._error(alone))
+            for member in members
         )
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:

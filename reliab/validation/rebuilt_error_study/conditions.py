@@ -48,7 +48,7 @@ class Condition:
     @property
     def tolerances(self) -> Tolerances:
         """Standard deviations that it states."""
-        return Tolerances(**{self.quantity: abs(self.wrong_by)}) if self.quantity else Tolerances()
+        return replace(Tolerances(), **{self.quantity: abs(self.wrong_by)} if self.quantity else {})
 
     def read(self, true: Array, rng: np.random.Generator) -> Array:
         """Record a true history [m or N], shape (n,), as the sensor shows it."""
