@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -48,7 +48,8 @@ class Condition:
     @property
     def tolerances(self) -> Tolerances:
         """Standard deviations that it states."""
-        return replace(Tolerances(), **{self.quantity: abs(self.wrong_by)} if self.quantity else {})
+        deviations: dict[str, Any] = {self.quantity: abs(self.wrong_by)} if self.quantity else {}
+        return Tolerances(**deviations)
 
     def read(self, true: Array, rng: np.random.Generator) -> Array:
         """Record a true history [m or N], shape (n,), as the sensor shows it."""
