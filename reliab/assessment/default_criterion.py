@@ -209,10 +209,10 @@ def _shipped_ellipses(window: str = RECORD) -> EllipseTable:
 def _population(window: CriterionWindow, without: str | None, metric: str) -> EllipseTable:
     """Ellipses of a window, without an earthquake; of whole records those that protect every length."""
     ellipses = _shipped_ellipses(window.below)
-    if without is not None:
-        ellipses = ellipses.take(motion=ellipses.events != without)
     if window.weight > 0.0:
         ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
+    if without is not None:
+        ellipses = ellipses.take(motion=ellipses.events != without)
     return protect_over_lengths(ellipses.stating(window=window.label), metric=metric)
 
 

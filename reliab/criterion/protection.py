@@ -22,6 +22,7 @@ _LEAST_MOTIONS: Final = 30  # of a population, below which the dependence on the
 _LEAST_EARTHQUAKES: Final = 10
 _MIDDLES_OF_THIRDS: Final = (1.0 / 6.0, 1.0 / 2.0, 5.0 / 6.0)
 _UNFAVOURABLE: Final = 0.05  # quantile of a and b by which lengths are compared
+_PROTECTED: Final = "each structure at the least favourable of"
 _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 _SAME: Final = 1.01  # ratio of lengths between which nothing is learned
 
@@ -70,6 +71,11 @@ def protect_over_lengths(
     return ellipses.assign(filled).assign_attrs(protected.attrs)
 
 
+def is_protected(ellipses: Ellipses) -> bool:
+    """Whether ellipses are those that :func:`protect_over_lengths` carried."""
+    return str(ellipses.attrs.get("carried_to", "")).startswith(_PROTECTED)
+
+
 def _protected(table: EllipseTable, metric: str, curve: str) -> EllipseTable:
     places = (names_along(table, "metric").index(metric), names_along(table, "curve").index(curve))
     own = table.take(metric=places[:1], curve=places[1:])
@@ -79,7 +85,7 @@ def _protected(table: EllipseTable, metric: str, curve: str) -> EllipseTable:
     for whole, parts in ((a, [part.a for part in carried]), (b, [part.b for part in carried])):
         whole[..., places[0], places[1], :] = _least_favourable(np.stack(parts))[..., 0, 0, :]
     first, second, third = (f"{length:.0f}" for length in lengths)
-    words = f"each structure at the least favourable of {first}, {second} and {third} s"
+    words = f"{_PROTECTED} {first}, {second} and {third} s"
     return replace(table, a=a, b=b).stating(carried_to=words, position="inside", caution="")
 
 

@@ -69,3 +69,9 @@ def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one(
     found = _between(below, above, 0.25)
     np.testing.assert_allclose(found.a, [2e-4, np.nan])
     np.testing.assert_allclose(found.b, [2.0, np.nan])
+
+
+def test_an_earthquake_is_left_out_between_two_windows():
+    everything = default_criterion(1.0, 0.05, duration=12.0)
+    without = default_criterion(1.0, 0.05, duration=12.0, without="NORTHR")
+    assert without.provenance.n_events == everything.provenance.n_events - 1

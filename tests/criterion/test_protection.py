@@ -72,3 +72,10 @@ def test_a_population_that_shows_no_lengths_stays_as_it_is(population, change, o
 def test_a_criterion_says_that_lengths_are_protected(population):
     assert "least favourable of" in derive_criterion(population).provenance.population
     assert "least" not in derive_criterion(population, method="quantile").provenance.population
+
+
+@pytest.mark.parametrize(("confidence", "said"), [(0.5, True), (0.95, False)])
+def test_small_shares_are_said_to_depend_on_the_length(confidence, said):
+    ellipses = read_ellipses("real_suite").sel(f=[1.0], xi=[0.05], threshold=[0.05], side=["lag"])
+    warnings = derive_criterion(ellipses, confidence=confidence).provenance.warnings
+    assert any("depend on the length" in sentence for sentence in warnings) is said
