@@ -164,14 +164,15 @@ def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
         )
         for response in assessment.responses.each
     ]
+    sentence = assessment.responses.sentence.replace("RMS^R", "RMSᴿ")
     errors = quantities_table(
         rows,
         ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
         caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
-        "the largest error first, with 90 % intervals; the specimen is taken as linear.",
+        f"with 90 % intervals; the specimen is taken as linear. {sentence}",
         label="tab:responses",
     )
-    return (errors, Paragraph(text=assessment.responses.sentence.replace("RMS^R", "RMSᴿ")))
+    return (errors,)
 
 
 def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:
