@@ -64,7 +64,7 @@ class ResponseErrors:
     @property
     def governing_storey(self) -> ResponseError | None:
         """The storey with the largest error; None where the frame has no storeys."""
-        return next((one for one in self.each if one.kind == "storey"), None)
+        return next((error for error in self.each if error.kind == "storey"), None)
 
     @property
     def sentence(self) -> str:
@@ -99,7 +99,7 @@ class ResponseErrors:
             "in_words": self.sentence,
             "specimen": "linear",
             "governing_storey": None if governing is None else governing.name,
-            "each": [one.to_dict() for one in self.each],
+            "each": [error.to_dict() for error in self.each],
             "peak_disagreement": self.disagreement,
             "needs": _NEEDS if self.disagreement is None else None,
         }
@@ -112,9 +112,9 @@ def errors_of_responses(
     names, weights = _responses(partition)
     ground = _ground(partition, recording, motion)
     strayed = stray_of_responses(rebuilt, weights, ground)
-    each = [_response(strayed, place, *name) for place, name in enumerate(names)]
+    errors = [_response(strayed, place, *name) for place, name in enumerate(names)]
     return ResponseErrors(
-        each=tuple(sorted(each, key=lambda one: -one.size)), disagreement=strayed.disagreement
+        each=tuple(sorted(errors, key=lambda error: -error.size)), disagreement=strayed.disagreement
     )
 
 
@@ -158,5 +158,5 @@ def _response(strayed: StrayedResponses, place: int, kind: str, name: str) -> Re
 
 def _estimates(spread: Spread, values: Array) -> list[Estimate]:
     """RMS and peak with their intervals."""
-    of = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
-    return [spread.estimate(metric, value) for metric, value in of]
+    metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
+    return [spread.estimate(metric, value) for metric, value in metrics]

@@ -243,8 +243,8 @@ def budget_item(
     name: str, deviation: float, contribution: float, sizes: Mapping[str, Size], *, actuator: str = ""
 ) -> BudgetItem:
     """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
-    part, size = part_and_number(name), sizes.get(name)
-    quantity = _QUANTITIES[name if part is None else part[0]]
+    numbered, size = part_and_number(name), sizes.get(name)
+    quantity = _QUANTITIES[name if numbered is None else numbered[0]]
     return BudgetItem(
         name=f"{name}_{actuator}" if actuator else name,
         quantity=_quantity_in_words(name, quantity, actuator),
@@ -257,8 +257,8 @@ def budget_item(
 
 
 def _quantity_in_words(name: str, quantity: _Quantity, actuator: str) -> str:
-    if (part := part_and_number(name)) is not None:
-        return f"{quantity.name} {part[1]}"
+    if (numbered := part_and_number(name)) is not None:
+        return f"{quantity.name} {numbered[1]}"
     if name in PARTS:
         return f"{quantity.name} 1, and of all others alike"
     return f"{quantity.name} of actuator {actuator}" if actuator else quantity.name

@@ -58,8 +58,8 @@ class Equipment:
 
         A laboratory that states its own largest skew knows its converters.
         """
-        own = self.skew_ms != ordinary_equipment().skew_ms
-        if own or self.skew(time_step) == self.skew_samples * time_step:
+        assumed = self.skew_ms == ordinary_equipment().skew_ms
+        if not assumed or self.skew(time_step) == self.skew_samples * time_step:
             return ""
         return (
             f"The recording has {significant(1.0 / time_step, 3)} samples a second, and no `skew` of its "

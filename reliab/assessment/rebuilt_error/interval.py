@@ -195,8 +195,8 @@ def states_at_first_sample(
     states[:-2, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
     states[:-2, shape.size :] = w0 * velocity[:, np.newaxis] * shape
     if standing and any(is_part(name) for name in drawn):
-        each = structures_of_draws(structure, drawn)
-        states[:-2] += [equilibrium(one, standing) for one in each]
+        structures = structures_of_draws(structure, drawn)
+        states[:-2] += [equilibrium(changed, standing) for changed in structures]
     else:
         softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
         states[:-2] += softer[:, np.newaxis] * still

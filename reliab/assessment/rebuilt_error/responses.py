@@ -56,7 +56,7 @@ class StrayedResponses:
     of_draws: Array  # The same of each draw, shape (draws, 2, responses)
     largest: Array | None  # Peaks of x_I with all as stated [m], shape (responses,); None without a motion
     largest_of_draws: Array | None  # The same of each draw, shape (draws, responses)
-    # Peak of the interface under the ground motion over that in the test, less one [-]
+    # Peak of the interface under the ground motion over that in the test, less changed [-]
     disagreement: float | None
 
     def spread(self, response: int, scale: Array | float) -> Spread:
@@ -82,10 +82,10 @@ def stray_of_responses(rebuilt: RebuiltError, responses: Array, ground: Ground |
     starts = states_at_first_sample(structure, drawn, phase * rebuilt.unknown.error_at_start, thin.standing)
     late, velocity = thin.fed_back - thin.difference, np.gradient(thin.measured, thin.time_step)
     of_draws = np.empty((_DRAWS, *fine.shape))
-    for draw, one in enumerate(structures):
+    for draw, changed in enumerate(structures):
         difference = rebuilt.differences[draw % len(rebuilt.differences)] + shifts[draw] @ inputs
         fed_back = difference + late + drawn["feedback_lag"][draw] * velocity
-        of_draws[draw] = between * _strayed(one, rows, fed_back, thin, starts[draw])
+        of_draws[draw] = between * _strayed(changed, rows, fed_back, thin, starts[draw])
     chance = np.random.default_rng(rebuilt.seed).standard_normal((2, _DRAWS, 1))
     if rebuilt.unknown.own_frequency is not None:  # whose error is the largest: as in `sweep`
         of_draws[:, :2] *= 1.0 + ACCURACY * chance[0][..., np.newaxis]
@@ -94,7 +94,10 @@ def stray_of_responses(rebuilt: RebuiltError, responses: Array, ground: Ground |
     else:
         peaks, of_interface = _peaks(ground, structure, rows, fine)
         peaks_of_draws = (1.0 + _OF_SCALED_PEAKS * chance[1]) * np.stack(
-            [_peaks(ground, one, rows, sizes)[0] for one, sizes in zip(structures, of_draws, strict=True)]
+            [
+                _peaks(ground, changed, rows, sizes)[0]
+                for changed, sizes in zip(structures, of_draws, strict=True)
+            ]
         )
         disagreement = of_interface / float(fine[2, -1]) - 1.0
     return StrayedResponses(
