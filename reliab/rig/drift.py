@@ -11,7 +11,7 @@ from reliab.rig.learning import places_in_day, warmth
 from reliab.rig.watching import watch
 from reliab.vocabulary import PERCENT
 
-_LIMITS: Final = {"gain": 1.4, "delay": 1.0, "noise": 1.4}
+_LIMITS: Final = {"gain": 1.6, "delay": 1.0, "noise": 1.6}
 """By cause the factor of its limits: the delay is watched most closely."""
 CAUSES: Final = tuple(_LIMITS)
 FALSE_ALARMS: Final = 0.01

@@ -56,12 +56,7 @@ class Memory:
             if row["structure"] == frame and all(row[name] is not None for name in needed)
         ]
         if len(sound) < FEWEST:
-            kind = f"tests of the frame {frame!r}" if frame else "tests of structures of one mass"
-            raise InputError(
-                f"A rig is learned from at least {FEWEST} tests with a finite error",
-                value=f"{len(sound)} {kind}",
-                remedy="Add tests with `reliab rig add`",
-            )
+            raise _too_few(table, frame, len(sound))
         return cls(table=table.only(sound[-MOST:]))
 
     @cached_property
@@ -201,6 +196,21 @@ class Memory:
             "delay": float(np.median(self.delay**2)) / b,
             "remainder": float(np.median(np.exp(2.0 * self.log_remainder))) / a,
         }
+
+
+def _too_few(table: RigTable, frame: str, count: int) -> InputError:
+    """Refuse fewer than three tests of a kind of structure; tests of others are named beside them."""
+    kind = f"tests of the frame {frame!r}" if frame else "tests of structures of one mass"
+    others = sorted({repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)})
+    beside = f" beside those of {', '.join(others)}" if others else ""
+    remedy = "Add tests with `reliab rig add`"
+    if others and not frame:
+        remedy += ", or predict tests of the frame with `--structure`; plans are for structures of one mass"
+    return InputError(
+        f"A rig is learned from at least {FEWEST} tests with a finite error",
+        value=f"{count} {kind}{beside}",
+        remedy=remedy,
+    )
 
 
 def _scaled(name: str, values: Array) -> Array:

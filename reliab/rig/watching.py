@@ -3,11 +3,12 @@
 Each test is predicted from those before it but the latest five, by a level and by effects of circumstances
 (peak displacement, frequency, warmth, specimen). Its residual over the spread of such predictions hardly
 depends on those before it where nothing changes (recursive residuals). It becomes a normal score z by
-Student's t distribution and then by the distribution of the scores before it, so that odd tests and skewed
-scatter are counted as often as they come. Cumulative sums watch z on either side: max(0, S + z − 0.7) for a
-step of about two spreads, and max(0, S + z − 1/4) for a slow drift; z counts as 3 at most, so that no single
-odd test is taken for a change. When a sum passes its limit a change is noticed. The five tests after it
-confirm it, and then the level is learned anew, while spread and effects stay; or they do not, and all stays.
+Student's t distribution and then by the distribution of the ordinary scores before it, so that skewed scatter
+is counted as often as it comes; odd tests are a share of their own (:mod:`reliab.rig.odd_tests`). Cumulative
+sums watch z on either side: what speaks for a step of 1.4 spreads or far more, and max(0, S + z − 1/4) for a
+slow drift, where z counts as 3 at most; no single odd test is taken for a change. When a sum passes its limit
+a change is noticed. The five tests after it confirm it, and then the level is learned anew, while spread and
+effects stay; or they do not, and all stays.
 """
 
 import math
@@ -18,16 +19,21 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
+from reliab.rig.odd_tests import OddTests, ordinary_tests
 
-_WATCHES: Final = tuple((side, *sums) for sums in ((0.7, 3.1), (0.25, 12.0)) for side in (1.0, -1.0))
-"""Side, slack and limit of each sum."""
+_SIDES: Final = (1.0, -1.0)
+_STEP: Final = 1.4  # spreads, of the step that is watched for
+_LIMIT_OF_STEP: Final = 4.3
+_SLACK: Final = 0.25
+_LIMIT_OF_DRIFT: Final = 12.0
 _LARGEST_SCORE = 3.0
 _WIDER = 6.0  # tests: limits are wider by this over the number of tests that are known
 _WAITING = 5  # tests until one is learned from, lest a change hides in what it is compared with
-_CONFIRMED = 1.0  # mean score of the tests after a change, on its side, that confirms it
+_CONFIRMED = 1.0  # median score of the tests after a change, on its side, that confirms it
 _FEWEST = 8  # tests from which the next is predicted
+_SORTED_AT = frozenset(8 * 2**power for power in range(6))  # tests, when odd ones are told apart anew
 _UNKNOWN = 1e8  # variance of a level of which nothing is known, in squared spreads
-_EFFECT = 16.0  # variance of an effect before any test, likewise
+_EFFECT = 64.0  # variance of an effect before any test, likewise
 _SMALLEST_SQUARE = 1e-18
 _REMEMBERED = 300  # tests over which the spread is learned
 _AS_MANY = 150.0  # scores that the normal distribution counts as
@@ -91,7 +97,8 @@ class _Watch:
         if predicted is None:
             return
         centre, spread, degrees = predicted
-        self._watched.scores[place] = self._prediction.score((self._values[place] - centre) / spread, degrees)
+        residual = float(self._values[place] - centre)
+        self._watched.scores[place] = self._prediction.score(residual / spread, degrees)
         longer = _NORMAL_95 * (1.0 + (_NORMAL_95**2 + 1.0) / (4.0 * degrees))
         self._watched.band[0][place], self._watched.band[1][place] = (
             centre - longer * spread,
@@ -104,7 +111,7 @@ class _Watch:
         if math.isnan(score):
             return
         limit = self._caution * (1.0 + _WIDER / self._prediction.count)
-        passed = self._sums.add(score, place, limit)
+        passed = self._sums.add(score, place, limit, self._prediction.odd)
         if passed is None:
             return
         self._sums = _Sums(place + 1)
@@ -119,7 +126,7 @@ class _Watch:
         if self._pending is None or place < self._pending[1] + _WAITING:
             return
         began, noticed, side = self._pending
-        confirmed = side * float(np.mean(self._watched.scores[noticed + 1 : place + 1])) > _CONFIRMED
+        confirmed = side * float(np.median(self._watched.scores[noticed + 1 : place + 1])) > _CONFIRMED
         self._settle(confirmed=confirmed)
         if confirmed:
             self._since = self._learned = began
@@ -140,6 +147,8 @@ class _Watch:
         for earlier in range(self._learned, place - _WAITING + 1):
             score = float(self._watched.scores[earlier])
             self._prediction.learn(float(self._values[earlier]), self._rows[earlier], score)
+            if self._since == 0 and earlier + 1 in _SORTED_AT:
+                self._prediction.sort(self._values[: earlier + 1], self._rows[: earlier + 1])
         self._learned = max(self._learned, place - _WAITING + 1)
 
 
@@ -151,22 +160,27 @@ def _most_likely_begin(values: Array, since: int, earliest: int, noticed: int) -
 
 
 class _Sums:
-    """Cumulative sums on either side, quick and slow."""
+    """Cumulative sums on either side, for a step and for a drift."""
 
     def __init__(self, place: int) -> None:
-        self._sums = [0.0] * len(_WATCHES)
-        self._left_zero = [place] * len(_WATCHES)
+        self._step, self._drift = (dict.fromkeys(_SIDES, 0.0) for _ in range(2))
+        self._left_zero = {(side, of): place for side in _SIDES for of in ("step", "drift")}
 
-    def add(self, score: float, place: int, wider: float) -> tuple[int, float] | None:
+    def add(self, score: float, place: int, wider: float, odd: OddTests) -> tuple[int, float] | None:
         """Add a test; where a change began and its side, None where there is none; `wider`: of the limits."""
         clipped = min(max(score, -_LARGEST_SCORE), _LARGEST_SCORE)
         passed = None
-        for index, (side, slack, limit) in enumerate(_WATCHES):
-            if self._sums[index] <= 0.0:
-                self._left_zero[index] = place
-            self._sums[index] = max(0.0, self._sums[index] + side * clipped - slack)
-            if self._sums[index] > wider * limit:
-                passed = max(passed or (0, side), (self._left_zero[index], side))
+        for side in _SIDES:
+            says = {"step": odd.evidence(score, side * _STEP), "drift": side * clipped - _SLACK}
+            for of, sums, limit in (
+                ("step", self._step, _LIMIT_OF_STEP),
+                ("drift", self._drift, _LIMIT_OF_DRIFT),
+            ):
+                if sums[side] <= 0.0:
+                    self._left_zero[side, of] = place
+                sums[side] = max(0.0, sums[side] + says[of])
+                if sums[side] > wider * limit:
+                    passed = max(passed or (0, side), (self._left_zero[side, of], side))
         return passed
 
 
@@ -178,6 +192,8 @@ class _Prediction:
         self._unsure = np.diag([_UNKNOWN, *[_EFFECT] * (size - 1)])  # covariance, in squared spreads
         self._squares = self._degrees = 0.0
         self._scores: list[float] = []
+        self._ordinary: list[float] = []  # Probability of each score that its test is no odd one
+        self.odd = OddTests()
         self.count = 0  # Tests since the level was forgotten
 
     def predict(self, row: Array) -> tuple[float, float, float] | None:
@@ -197,9 +213,9 @@ class _Prediction:
         factor = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0)
         normal = math.copysign(factor * math.sqrt(degrees * math.log1p(student**2 / degrees)), student)
         side = -math.copysign(1.0, normal)
-        known = np.array(self._scores[-_REMEMBERED:])
-        beyond = float(scipy.special.ndtr(side * (normal - known) / _SMOOTH).sum()) if known.size else 0.0
-        share = (beyond + _AS_MANY * float(scipy.special.ndtr(side * normal))) / (known.size + _AS_MANY)
+        known, ordinary = (np.array(kept[-_REMEMBERED:]) for kept in (self._scores, self._ordinary))
+        beyond = float(ordinary @ scipy.special.ndtr(side * (normal - known) / _SMOOTH))
+        share = (beyond + _AS_MANY * float(scipy.special.ndtr(side * normal))) / (ordinary.sum() + _AS_MANY)
         return side * float(scipy.special.ndtri(max(share, 1e-12)))
 
     def forget_level(self) -> None:
@@ -208,22 +224,37 @@ class _Prediction:
         self._unsure[0, 0] = _UNKNOWN
         self.count = 0
 
+    def sort(self, values: Array, rows: Array) -> None:
+        """Learn all tests anew, odd ones told from ordinary ones."""
+        unsure = np.diag([_UNKNOWN, *[_EFFECT] * (self._known.size - 1)])
+        found = ordinary_tests(values, rows, unsure)
+        self._known, self._unsure = found.known, found.unsure
+        ordinary = float(found.ordinary.sum())
+        self._degrees *= ordinary / max(self.odd.tests - self.odd.odd, ordinary)
+        self._squares = self._degrees * found.spread**2
+        self.odd = OddTests(odd=values.size - ordinary, tests=float(values.size))
+
     def learn(self, value: float, row: Array, score: float) -> None:
         """Learn from a test, and from its score where it had one."""
         gained = self._unsure @ row
         leverage = float(row @ gained)
         residual = value - float(row @ self._known)
+        ordinary = 1.0
         if self.count:
             if self._degrees >= _FEWEST - 1:
-                reach = _LARGEST_SCORE * self._spread * math.sqrt(1.0 + leverage)
+                spread = self._spread * math.sqrt(1.0 + leverage)
+                ordinary = self.odd.ordinary(residual / spread if math.isnan(score) else score)
+                reach = _LARGEST_SCORE * spread
                 residual = min(max(residual, -reach), reach)
             # where effects are unsure, a residual says the less of the spread
-            says = min((1.0 + 1.0 / self.count) / (1.0 + leverage), 1.0)
+            says = ordinary * min((1.0 + 1.0 / self.count) / (1.0 + leverage), 1.0)
             kept = min(1.0, _REMEMBERED / (self._degrees + says))
-            self._squares = kept * (self._squares + residual**2 / (1.0 + leverage))
+            self._squares = kept * (self._squares + ordinary * residual**2 / (1.0 + leverage))
             self._degrees = kept * (self._degrees + says)
+        self.odd.learn(ordinary)
         self._known += gained * residual / (1.0 + leverage)
         self._unsure -= np.outer(gained, gained) / (1.0 + leverage)
         self.count += 1
         if not math.isnan(score) and abs(score) < math.inf:
             self._scores.append(score)
+            self._ordinary.append(ordinary)

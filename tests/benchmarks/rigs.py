@@ -6,8 +6,12 @@ Rigs are simulated at the level of their tests' indices: a gain that falls with 
 warms up within a day, two specimens, a wandering or drifting delay, a tenth of odd tests, skewed scatter; the
 error of each test follows from an ellipse of its earthquake and its own. Each earthquake is left out, and its
 tests are predicted under their circumstances (date, specimen), with variances and changes learned from all
-tests; on some earthquakes the same is done with a rig that never had them. Probabilities are stated for a
-threshold between the 10 and 90 % quantiles of each rig's errors.
+tests; on some earthquakes the same is done with a rig that never had them. Tests are predicted once under an
+unknown motion and once under a known one, whose ellipse and peak are given; the baselines know neither. Where
+nothing but scatter happens, a predictor that knows the law of the rig says how much there is to gain.
+Probabilities are stated for a threshold that is drawn without a look at the rig, from 3 to 15 %: one between
+quantiles of the rig's own errors moves against the test that is left out, and makes every predictor seem too
+sure.
 """
 
 import sys
@@ -17,13 +21,16 @@ import scipy
 from rig_rows import rig_table, rig_test
 
 from reliab.rig import NextTest, predict_next
+from reliab.rig.drawing import DRAWS, Draws, learn_tests
 from reliab.rig.learning import last_ten, left_out_scores, pooled, shape_of
 from reliab.rig.memory import Memory
 from reliab.structures import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 KINDS = ("quiet", "amplitude", "warm-up", "specimens", "drift", "odd tests", "skewed")
+SCATTER_ONLY = ("quiet", "amplitude", "skewed")
 EARTHQUAKES, PER_EARTHQUAKE = 24, 3
+OTHER_RIGS = 60
 
 
 def simulated_rig(kind, seed):
@@ -99,6 +106,59 @@ def left_out(table, threshold):
     return found
 
 
+def left_out_of_known_motion(table):
+    """The same where the motion of the test is known: log scores, and whether the error's interval holds it.
+
+    Tests are drawn as `reliab rig predict --motion` draws them, with the ellipse of the test's own motion.
+    """
+    memory = Memory.remembered(table)
+    learned = learn_tests(memory, NextTest(peak=1.0))
+    of_a, of_b = table.numbers("own_a"), table.numbers("own_b_ms2")
+    centres = {
+        name: each.values - each.spread * each.left_out_spreads * each.left_out
+        for name, each in learned.items()
+    }
+    count = len(table)
+    scores, inside = np.zeros(count), np.zeros(count, dtype=bool)
+    rng = np.random.default_rng(0)
+    for event in np.unique(memory.events):
+        member = memory.events == event
+        others = np.flatnonzero(~member)
+        for name in ("A", "d_ms"):
+            spreads = learned[name].spread * learned[name].left_out_spreads[member]
+            residuals = learned[name].left_out
+            scores[member] += log_density(residuals[others], residuals[member]) - np.log(spreads)
+        for place in np.flatnonzero(member):
+            rows = rng.choice(others, size=DRAWS)
+            longer = np.sqrt((others.size - 1.0) / rng.chisquare(others.size - 1.0, DRAWS))
+            drawn = {
+                name: centres[name][place]
+                + each.spread * each.left_out_spreads[place] * longer * each.left_out[rows]
+                for name, each in learned.items()
+            }
+            draws = Draws(
+                amplitude=drawn["A"],
+                delay_ms=drawn["d_ms"],
+                remainder=np.exp(drawn["remainder"]),
+                ratio=np.exp(drawn["ratio"]),
+            )
+            errors = np.log(draws.errors(of_a[place], of_b[place]))
+            low, high = np.quantile(errors, (0.05, 0.95))
+            inside[place] = low <= memory.log_error[place] <= high
+            scores[place] += scipy.stats.gaussian_kde(errors).logpdf(memory.log_error[place])[0]
+    return scores, inside
+
+
+def known_law(kind):
+    """Logarithm of the density of each quantity over other rigs of a kind."""
+    rigs = [Memory.remembered(simulated_rig(kind, 1_000_000 + seed)) for seed in range(OTHER_RIGS)]
+    every = [quantities(memory) for memory in rigs]
+    return {
+        name: scipy.stats.gaussian_kde(np.concatenate([values[name] for values in every])).logpdf
+        for name in every[0]
+    }
+
+
 def log_density(others, residuals):
     """Logarithm of the density of residuals by Student's t distribution, fitted to others."""
     fits = [
@@ -130,13 +190,14 @@ def really_left_out(table, events):
 
 def main(first=100, rigs=20, checked=0):
     """Print coverage, log scores and the calibration of the probability; `checked` earthquakes a rig."""
-    stated, good, best = [], [], 0
+    stated, good = [], []
     for kind in KINDS:
         shares, scores, agreed = {name: [] for name in ("A", "d_ms", "rms")}, [], []
+        held, law = [], known_law(kind) if kind in SCATTER_ONLY else None
         for seed in range(first, first + rigs):
             table = simulated_rig(kind, seed)
-            rng = np.random.default_rng(seed)
-            found = left_out(table, float(np.quantile(table.numbers("rms"), rng.uniform(0.1, 0.9))))
+            rng = np.random.default_rng([seed, KINDS.index(kind)])
+            found = left_out(table, float(np.exp(rng.uniform(np.log(0.03), np.log(0.15)))))
             for name, of_rig in shares.items():
                 of_rig.append(found[name]["inside"].mean())
             stated += found["rms"]["stated"].tolist()
@@ -145,25 +206,49 @@ def main(first=100, rigs=20, checked=0):
                 name: sum(rows[name] for rows in found.values())
                 for name in ("score", "all tests pooled", "the last ten")
             }
+            sums["known motion"], inside = left_out_of_known_motion(table)
+            held.append(inside.mean())
+            if law is not None:
+                values = quantities(Memory.remembered(table))
+                sums["known law"] = sum(law[name](values[name]) for name in law)
             known = np.isfinite(sums["the last ten"])
-            scores.append([sums[name][known].mean() for name in sums])
+            scores.append({name: sums[name][known].mean() for name in sums})
             if checked:
                 events = rng.choice(np.unique(table.texts("event")), size=checked, replace=False)
                 places = np.concatenate([np.flatnonzero(np.array(table.texts("event")) == e) for e in events])
-                for name, held in really_left_out(table, events).items():
-                    agreed += (np.array(held) == found[name]["inside"][places]).tolist()
-        better = [score > max(pooled, last) for score, pooled, last in scores]
-        best += sum(better)
-        covered = ", ".join(
-            f"{name} {np.mean(of_rig):.3f} ± {np.std(of_rig) / np.sqrt(rigs):.3f}"
-            for name, of_rig in shares.items()
-        )
-        means = ", ".join(f"{mean:.2f}" for mean in np.mean(scores, axis=0))
-        print(f"{kind}: covered {covered}; log scores {means}; best in {sum(better)} of {rigs}", flush=True)
+                for name, hits in really_left_out(table, events).items():
+                    agreed += (np.array(hits) == found[name]["inside"][places]).tolist()
+        shares["rms of a known motion"] = held
+        print(f"{kind}: covered {means_of(shares)}; {compared(scores)}", flush=True)
         if checked:
             print(f"    the same with the earthquake really left out: {np.mean(agreed):.3f} of {len(agreed)}")
-    print(f"best of the three in {best} of {rigs * len(KINDS)} rigs")
-    stated, good = np.array(stated), np.array(good)
+    state_calibration(np.array(stated), np.array(good))
+
+
+def means_of(shares):
+    """Mean of each share over the rigs, with its standard error."""
+    return ", ".join(
+        f"{name} {np.mean(of_rig):.3f} ± {np.std(of_rig) / np.sqrt(len(of_rig)):.3f}"
+        for name, of_rig in shares.items()
+    )
+
+
+def compared(scores):
+    """Mean log scores, and in how many rigs each predictor is above both baselines."""
+    baselines = ("all tests pooled", "the last ten")
+    texts = [f"{name} {np.mean([each[name] for each in scores]):.2f}" for name in baselines]
+    for name in scores[0].keys() - {*baselines}:
+        above = [each[name] - max(each[baseline] for baseline in baselines) for each in scores]
+        texts.append(
+            f"{name} {np.mean([each[name] for each in scores]):.2f} "
+            f"(best in {np.sum(np.array(above) > 0.0)} of {len(above)}, at worst {min(above):+.2f})"
+        )
+    return "log scores: " + ", ".join(texts)
+
+
+def state_calibration(stated, good):
+    """Print the reliability diagram."""
+    print(f"{stated.size} probabilities; Brier score {np.mean((stated - good) ** 2):.4f}")
     for low in np.arange(0.0, 1.0, 0.1):
         within = (stated >= low) & (stated < low + 0.1)
         if within.any():

@@ -92,6 +92,9 @@ def test_fewer_than_three_tests_are_refused(table):
         predict_next(table.only([0, 1]), STRUCTURE, NextTest(), threshold=0.05)
     with pytest.raises(InputError, match="0 tests of the frame"):
         predict_next(table, None, NextTest(), threshold=0.05, frame="three storeys")
+    frames = rig_table(performed(4, structure="two storeys"))
+    with pytest.raises(InputError, match=r"beside those of 'two storeys'. .*plans are for structures"):
+        predict_next(frames, STRUCTURE, NextTest(), threshold=0.05)
 
 
 def test_a_quantity_that_is_always_the_same_is_learned():

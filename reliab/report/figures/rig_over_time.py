@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.report.axes import legend_below
-from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels, styled
+from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig import DriftChart, RigTable, known_effects, watch
 from reliab.vocabulary import PERCENT
 
@@ -87,8 +87,8 @@ def _draw_changes(axes: Axes, chart: DriftChart) -> None:
     for change in chart.changes:
         axes.axvline(
             change.noticed + 1,
-            color=VERMILION,
+            color=VERMILION if change.confirmed else GREY,
             linewidth=0.9,
-            linestyle=(0, (5, 1.6)),
-            label="change noticed",
+            linestyle=(0, (5, 1.6)) if change.confirmed else (0, (1, 1.6)),
+            label="change noticed" if change.confirmed else "not confirmed by the next tests",
         )

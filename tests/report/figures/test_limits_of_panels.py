@@ -94,7 +94,7 @@ def test_panels_of_a_rig_hold_its_tests_the_next_one_and_the_threshold():
         values={"gain": gain, "delay": delay, "noise": noise},
         bands={"gain": (gain - 0.1, gain + 0.1), "delay": (delay - 1.0, delay + 1.0), "noise": band},
         segments=np.zeros(count, int),
-        changes=(SimpleNamespace(noticed=4),),
+        changes=(SimpleNamespace(noticed=4, confirmed=True), SimpleNamespace(noticed=6, confirmed=False)),
     )
     columns = {"rms": error, "peak_mm": np.full(count, 20.0)}
     rows = [{"reliable": place != 2, "peak_mm": 20.0} for place in range(count)]
@@ -116,6 +116,7 @@ def test_panels_of_a_rig_hold_its_tests_the_next_one_and_the_threshold():
         np.testing.assert_array_equal(tests["reliable test"], [1, 2, 4, 5, 6, 7, 8])
         np.testing.assert_array_equal(tests["other test"], [3])
         assert list(tests["change noticed"]) == [5, 5]
+        assert list(tests["not confirmed by the next tests"]) == [7, 7]
 
 
 def test_a_residual_of_nothing_has_a_floor():
