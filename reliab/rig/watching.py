@@ -63,7 +63,8 @@ class Watched:
 def watch(values: Array, effects: Array, caution: float = 1.0) -> Watched:
     """Watch one quantity.
 
-    `effects`, shape (tests, effects): circumstances on which it may depend; `caution`, factor of the limits.
+    `effects`, shape (tests, effects): circumstances on which it may depend; `caution`, factor of the
+    limits and of what confirms a change.
     """
     return _Watch(values, effects, caution).whole()
 
@@ -126,7 +127,8 @@ class _Watch:
         if self._pending is None or place < self._pending[1] + _WAITING:
             return
         began, noticed, side = self._pending
-        confirmed = side * float(np.median(self._watched.scores[noticed + 1 : place + 1])) > _CONFIRMED
+        after = side * float(np.median(self._watched.scores[noticed + 1 : place + 1]))
+        confirmed = after > self._caution * _CONFIRMED
         self._settle(confirmed=confirmed)
         if confirmed:
             self._since = self._learned = began
