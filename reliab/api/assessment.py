@@ -199,7 +199,8 @@ def assess(
     specimen : {"linear", "measured"}, optional
         How the specimen is known: linear, with the share `alpha` of the stiffness, or by its recorded force
         only, from which it is learned; that needs `mass`, and f and ξ then say what the computer's part is:
-        a damping 2ξωm and a stiffness (1 − α)mω². By default it is taken as linear, and where no force was
+        a damping 2ξωm and a stiffness (1 − α)mω², or the `structure` of a frame with one actuator, of which
+        the computer's part is all but the specimen. By default it is taken as linear, and where no force was
         recorded the interval holds that it may have yielded.
     force_channel : iterable of str, optional
         What the recorded force of a measured specimen holds beside that of the specimen, all of which was fed
@@ -419,11 +420,7 @@ class _Terms:
                     f"`{name}` has no meaning beside the `structure` of a frame. {reason}",
                     remedy="Leave it out",
                 )
-        if self._specimen_is_measured():
-            raise unused(
-                "specimen", "as measured beside the `structure` of a frame, whose specimen is linear"
-            )
-        self._channel_of_force()
+        measured, of_force = self._specimen_is_measured(), self._channel_of_force()
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)
@@ -445,6 +442,8 @@ class _Terms:
                 equipment=equipment,
                 linear_specimen=self.specimen == _LINEAR,
                 motion=motion,
+                measured_specimen=measured,
+                force_channel=of_force,
             )
 
         return judge
@@ -455,6 +454,8 @@ class _Terms:
                 raise unused(name, _BESIDE_SEVERAL)
         if self.filters:
             raise unused("filter", _BESIDE_SEVERAL)
+        if self.force_channel:
+            raise unused("force_channel", _BESIDE_SEVERAL)
         for name in ("criterion", "specimen", "motion"):
             if getattr(self, name) is not None:
                 raise unused(name, _BESIDE_SEVERAL)

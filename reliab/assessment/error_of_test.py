@@ -31,7 +31,7 @@ from reliab.assessment.rebuilt_error import (
 from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.whole_structure import whole_structure
+from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.errors import InputError
@@ -278,14 +278,14 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=with_learned(sizes, rebuilt) | _sizes_of_force(specimen),
+        sizes=with_learned(sizes, rebuilt) | sizes_of_force(specimen),
         specimen=specimen,
         modelled=question.model is not None,
     )
     return that_may_have_yielded(error, question.yielding(recording))
 
 
-def _sizes_of_force(specimen: MeasuredSpecimen | None) -> dict[str, Size]:
+def sizes_of_force(specimen: MeasuredSpecimen | None) -> dict[str, Size]:
     """Sizes of what is stated of mass and force of a measured specimen."""
     deviations = {} if specimen is None else specimen.test.deviations_of_force
     return {
@@ -328,8 +328,8 @@ class _Rest(TypedDict):
 
 
 def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> MeasuredSpecimen:
-    """Learn the specimen from the recorded force; `measured` [m]."""
-    if recording.force is None or "mass" not in question.stated:
+    """Learn the specimen of one mass from the recorded force; `measured` [m]."""
+    if "mass" not in question.stated:
         raise InputError(
             "A measured specimen needs its force and the mass of the structure",
             value="no force" if recording.force is None else "no `mass`",
@@ -337,17 +337,46 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
             where=recording.name,
         )
     mass = question.stated["mass"]
+    whole = whole_structure(question.structure).in_kilograms(mass.value)
+    deviation = mass.deviation / mass.value
+    return specimen_from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
+
+
+def specimen_from_force(
+    recording: Recording,
+    measured: Array,
+    question: Question,
+    whole: WholeStructure,
+    *,
+    sensor_offset: float | None,
+    tolerances: Tolerances,
+    mass_deviation: float = 0.0,
+    seed: int = 0,
+) -> MeasuredSpecimen:
+    """Learn a specimen from its recorded force, with the error of its test.
+
+    `measured`, `sensor_offset` [m]; `whole` [kg, N·s/m, N/m]; `mass_deviation` over the mass [-].
+    """
+    if recording.force is None:
+        raise InputError(
+            "A measured specimen needs its force",
+            value="a recording without force",
+            remedy="Record the force that was fed back, in newtons",
+            where=recording.name,
+        )
     return rebuild_with_force(
         recording.command,
         measured,
         recording.force,
         recording.time_step,
-        whole_structure(question.structure).in_kilograms(mass.value),
-        mass_deviation=mass.deviation / mass.value,
+        whole,
+        mass_deviation=mass_deviation,
         feedback_lag=question.feedback_lag,
         force_channel=question.force_channel,
+        sensor_offset=sensor_offset,
         resolution=question.resolution,
-        **rest,
+        tolerances=tolerances,
+        seed=seed,
     )
 
 

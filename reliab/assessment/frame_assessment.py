@@ -11,7 +11,7 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_estimate, plain_part
+from reliab.assessment.plain_error import finite, plain_estimate, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error import Part
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.scope_of_test import compared
@@ -168,6 +168,7 @@ class FrameAssessment:
             "error": _error(error),
             "responses": self.responses.to_dict(),
             "budget": [item.to_dict() for item in error.budget],
+            "specimen": plain_specimen(error.specimen_known, error.specimen),
             "would_turn": self.turning.to_dict(),
             "metric": str(error.metric),
             "threshold": error.threshold,

@@ -17,6 +17,9 @@ from reliab.structures import Partition
 from reliab.vocabulary import MILLI, Metric
 
 _AGREES = 0.25  # relative, of the interface's peak under the ground motion and in the test
+_MEASURED = (
+    "Errors of floors and storeys are computed for linear specimens only; that of this test is measured."
+)
 _NEEDS = (
     "The errors of floors and storeys are stated in millimetres: over the largest response, they need the "
     "ground motion of the test, as `motion` or as a channel of its file."
@@ -60,6 +63,7 @@ class ResponseErrors:
     each: tuple[ResponseError, ...]
     # Peak of the interface under the ground motion over that in the test, less one [-]; None without it
     disagreement: float | None
+    measured: bool = False  # Whether the specimen is measured: nothing is then computed
 
     @property
     def governing_storey(self) -> ResponseError | None:
@@ -70,6 +74,8 @@ class ResponseErrors:
     def sentence(self) -> str:
         """Which storey governs, or what is needed to say so."""
         governing = self.governing_storey
+        if self.measured:
+            return _MEASURED
         if governing is None or governing.rms is None:
             return _NEEDS
         rms = governing.rms
@@ -97,11 +103,11 @@ class ResponseErrors:
         governing = self.governing_storey
         return {
             "in_words": self.sentence,
-            "specimen": "linear",
+            "specimen": "measured" if self.measured else "linear",
             "governing_storey": None if governing is None else governing.name,
             "each": [error.to_dict() for error in self.each],
             "peak_disagreement": self.disagreement,
-            "needs": _NEEDS if self.disagreement is None else None,
+            "needs": _NEEDS if self.disagreement is None and not self.measured else None,
         }
 
 

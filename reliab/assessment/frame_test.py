@@ -4,25 +4,32 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from reliab.assessment.budget import (
     Equipment,
     Size,
     sizes_of_structure,
     tolerances_of,
 )
-from reliab.assessment.contradictions import limited, of_frequency, of_stability
+from reliab.assessment.contradictions import limited, of_frequency, of_specimen, of_stability
 from reliab.assessment.doubts import verdict_of_error
-from reliab.assessment.error_of_test import ErrorOfTest, Question, that_may_have_yielded, with_learned
+from reliab.assessment.error_of_test import (
+    ErrorOfTest,
+    Question,
+    sizes_of_force,
+    specimen_from_force,
+    that_may_have_yielded,
+    with_learned,
+)
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
 from reliab.assessment.frame_assessment import FrameAssessment
-from reliab.assessment.frame_responses import errors_of_responses
+from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
+from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.rebuilt_error import Part, WholeStructure, rebuild
+from reliab.assessment.rebuilt_error import Part, rebuild
+from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
 from reliab.criterion import Criterion
@@ -33,26 +40,13 @@ from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Structure
+from reliab.structures import Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
-
-
-def whole_structure(partition: Partition) -> WholeStructure:
-    """Matrices of a partition in the form that the rebuilt error needs."""
-    frame, specimen = partition.frame, partition.specimen
-    return WholeStructure(
-        mass=np.array(frame.mass),
-        damping=np.array(frame.damping),
-        stiffness=np.array(frame.stiffness),
-        interface=np.array(partition.interface),
-        specimen_stiffness=specimen.stiffness,
-        specimen_damping=specimen.damping,
-        specimen_mass=specimen.mass,
-    )
+_LEAST_SHARE = 1e-6
 
 
 def assess_frame(
@@ -66,6 +60,8 @@ def assess_frame(
     equipment: Equipment | None = None,
     linear_specimen: bool = False,
     motion: Motion | None = None,
+    measured_specimen: bool = False,
+    force_channel: ForceChannel | None = None,
 ) -> FrameAssessment:
     """Judge a test of a partitioned frame by the error computed from its displacements.
 
@@ -74,7 +70,7 @@ def assess_frame(
     recording : Recording
         Command and measured displacement at the interface.
     frame : FrameUnderTest
-        The frame; its specimen must be linear.
+        The frame; its specimen must be linear, or measured.
     criterion : Criterion, optional
         A criterion that was derived for this frame. Its threshold and metric are used, and the test's index
         is stated beside the error.
@@ -94,6 +90,11 @@ def assess_frame(
     motion : Motion, optional
         Ground motion of the test, by which the errors of floors and storeys are stated over their own peaks;
         by default the recorded one, where the test has it.
+    measured_specimen : bool, optional
+        Whether the specimen is known by its recorded force only: what it does is learned from the test
+        itself, and the frame without its specimen is what the computer simulates.
+    force_channel : ForceChannel, optional
+        What the recorded force of a measured specimen holds beside that of the specimen.
 
     Returns
     -------
@@ -103,10 +104,11 @@ def assess_frame(
     Raises
     ------
     InputError
-        If the specimen is nonlinear, the error asked for is not that of the interface, the criterion is for
-        another structure, or the recording cannot be judged.
+        If the specimen is nonlinear and not measured, or measured and has a mass of its own, the error asked
+        for is not that of the interface, the criterion is for another structure, or the recording cannot be
+        judged.
     """
-    require_linear_interface(frame)
+    require_linear_interface(frame, measured=measured_specimen)
     stated = stated or {}
     mode = governing_mode(frame.partition, frame.output)
     if criterion is not None:
@@ -121,6 +123,8 @@ def assess_frame(
         metric=metric,
         threshold=threshold,
         linear_specimen=linear_specimen,
+        measured_specimen=measured_specimen,
+        force_channel=force_channel,
     )
     return _examined(recording, frame, question, criterion, motion)
 
@@ -141,7 +145,7 @@ def _examined(
         recording,
         track(bridged, draws=_FEW_DRAWS),
         threshold=question.threshold,
-        experimental_fraction=_share_at_rest(frame.partition),
+        experimental_fraction=max(whole_structure(frame.partition).share_at_rest, _LEAST_SHARE),
     )
     rebuilt = _rebuilding(frame, question)
     error, effects = error_with_faults(recording, faults, rebuilt)
@@ -156,7 +160,11 @@ def _examined(
         over_frequency=over_frequency,
         error=error,
         resolved=_resolved(sound, over_frequency, error),
-        responses=errors_of_responses(error.rebuilt, frame.partition, recording, motion),
+        responses=(
+            errors_of_responses(error.rebuilt, frame.partition, recording, motion)
+            if error.specimen is None
+            else ResponseErrors(each=(), disagreement=None, measured=True)
+        ),
         faults=effects,
         verdict=turning.limit(verdict_of_error(error, effects, OwnEquation(), ())),
         turning=turning,
@@ -171,9 +179,12 @@ def _examined(
 
 def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
     """Add where the recording contradicts what is stated, which limits the verdict."""
+    specimen = assessment.error.specimen
+    frequencies = [mode.frequency for mode in assessment.modes]
     contradictions = (
-        *of_frequency(sound, assessment.tracking, [mode.frequency for mode in assessment.modes]),
+        *(of_frequency(sound, assessment.tracking, frequencies) if specimen is None else ()),
         *of_stability(assessment.stability_margin),
+        *of_specimen(specimen),
     )
     return replace(
         assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
@@ -203,34 +214,52 @@ def _rebuilding(
 
     def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
         sizes = {**question.sizes(test.time_step), **of_structure, **left}
-        error = rebuild(
-            test.command,
-            test.measured,
-            test.time_step,
-            structure,
-            feedback_lag=question.feedback_lag,
-            sensor_offset=offset,
-            tolerances=tolerances_of(sizes),
-        )
-        linear = ErrorOfTest(
+        tolerances, specimen = tolerances_of(sizes), None
+        if question.measured_specimen:
+            specimen = specimen_from_force(
+                test, test.measured, question, structure, sensor_offset=offset, tolerances=tolerances
+            )
+            error = specimen.rebuilt
+        else:
+            error = rebuild(
+                test.command,
+                test.measured,
+                test.time_step,
+                structure,
+                feedback_lag=question.feedback_lag,
+                sensor_offset=offset,
+                tolerances=tolerances,
+            )
+        of_test = ErrorOfTest(
             rebuilt=error,
             metric=question.metric,
             threshold=question.threshold,
             damping_ratio=question.structure.damping_ratio,
-            sizes=with_learned(sizes, error),
+            sizes=with_learned(sizes, error) | sizes_of_force(specimen),
+            specimen=specimen,
         )
-        return that_may_have_yielded(linear, question.yielding(test))
+        return that_may_have_yielded(of_test, question.yielding(test))
 
     return rebuilt
 
 
-def require_linear_interface(frame: FrameUnderTest) -> None:
-    """Refuse frames whose error cannot be rebuilt: of a nonlinear specimen, or of another response."""
-    if frame.partition.effects:
+def require_linear_interface(frame: FrameUnderTest, *, measured: bool = False) -> None:
+    """Refuse frames whose error cannot be rebuilt: of a nonlinear specimen, or of another response.
+
+    `measured`: whether the specimen is learned from its force, and may be nonlinear.
+    """
+    if measured and frame.partition.specimen.mass:
+        raise InputError(
+            "A measured specimen of a frame has no mass of its own",
+            value=f"mass_kg = {frame.partition.specimen.mass:g}",
+            remedy="Leave it out where the load cell does not feel it, or state the specimen as linear",
+        )
+    if frame.partition.effects and not measured:
         raise InputError(
             "The error of a frame is rebuilt for a linear specimen",
             value=", ".join(effect.name for effect in frame.partition.effects),
-            remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
+            remedy="State `specimen` as measured where its force was recorded, or leave [[specimen.effects]] "
+            "out if the specimen is nearly linear",
         )
     if frame.output is not None:
         raise InputError(
@@ -250,9 +279,3 @@ def _check_criterion(criterion: Criterion, mode: Structure) -> None:
             remedy="Derive it with `reliab criterion --structure` and the same description of the frame",
         )
     criterion.limits(mode.frequency, mode.damping_ratio)
-
-
-def _share_at_rest(partition: Partition) -> float:
-    """Part of a sensor's offset by which a loop that feels it moves its command, k_e γᵀK⁻¹γ [-]."""
-    moved = np.linalg.solve(partition.frame.stiffness, partition.interface)
-    return max(float(partition.specimen.stiffness * (partition.interface @ moved)), 1e-6)

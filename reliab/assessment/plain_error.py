@@ -1,7 +1,10 @@
 """Errors and their parts as plain numbers, the same in every summary of a test."""
 
+from typing import Any
+
 import numpy as np
 
+from reliab.assessment.measured_specimen import MeasuredSpecimen
 from reliab.assessment.rebuilt_error import Estimate, Part
 
 
@@ -22,4 +25,16 @@ def plain_part(part: Part) -> dict[str, float | None]:
         "share": finite(part.share),
         "remaining_rms": finite(part.remaining_rms),
         "remaining_mte": finite(part.remaining_mte),
+    }
+
+
+def plain_specimen(how_known: str, learned: MeasuredSpecimen | None) -> dict[str, Any]:
+    """How the specimen is known; of one that was learned, by what and how well."""
+    if learned is None:
+        return {"known": how_known}
+    return {
+        "known": how_known,
+        "held_out": learned.held_out,
+        "beyond": learned.beyond,
+        "families": [vars(family) for family in learned.families],
     }

@@ -7,7 +7,7 @@ import numpy as np
 from reliab.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_estimate, plain_part
+from reliab.assessment.plain_error import finite, plain_estimate, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error import Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.tracking_index import LEVEL
@@ -75,7 +75,7 @@ def _details(findings: Findings) -> dict[str, Any]:
     return {
         "would_turn": findings.turning.to_dict(),
         "budget": [item.to_dict() for item in findings.error.budget],
-        "specimen": _specimen(findings),
+        "specimen": plain_specimen(findings.error.specimen_known, findings.error.specimen),
         "improve": _improve(findings),
         "windows": _windows(findings),
         "noise": _noise(findings),
@@ -106,19 +106,6 @@ def _error(findings: Findings) -> dict[str, Any]:
         "otherwise_stated": [
             plain_estimate(rebuilt.estimate(findings.metric)) for rebuilt in findings.otherwise_stated
         ],
-    }
-
-
-def _specimen(findings: Findings) -> dict[str, Any]:
-    """How the specimen is known; of one that was learned, by what and how well."""
-    learned = findings.error.specimen
-    if learned is None:
-        return {"known": findings.error.specimen_known}
-    return {
-        "known": findings.error.specimen_known,
-        "held_out": learned.held_out,
-        "beyond": learned.beyond,
-        "families": [vars(family) for family in learned.families],
     }
 
 

@@ -223,7 +223,7 @@ def test_elements_are_seen_as_the_channels_are() -> None:
     expected = np.stack([noise.smooth(row) for row in rows])
     assert path.reach > path.every > 1
     assert path.seen(rows) == pytest.approx(path.thinned(expected), abs=1e-12)
-    assert path.blocks.size == path.wanted.size == path.seen(rows).shape[1]
+    assert path.blocks.size == path.force_seen.size == path.seen(rows).shape[1]
 
 
 def _load() -> np.ndarray:

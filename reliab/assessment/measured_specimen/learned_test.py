@@ -175,7 +175,7 @@ class LearnedTest:
             specimen = self.learned[family]
             strayed = np.array([of_force[name][row] for name in _OF_CHANNEL])
             weights = generator.exponential(size=blocks[-1] + 1)[blocks] if varied else None
-            coefficients = fit(seen[family], self.path.wanted - strayed @ added_seen, weights)
+            coefficients = fit(seen[family], self.path.force_seen - strayed @ added_seen, weights)
             coefficients = coefficients / max(1.0 + of_force["mass"][row], _LEAST)
             rows = specimen.elements.along(measured, step, used)
             felt, commanded = coefficients @ rows, coefficients @ of_command[family]

@@ -50,9 +50,11 @@ def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
     elements |= {family: _refined(path, elements[family]) for family in _REFINED}
     elements |= {"laws": elements["laws"].beside(laws), "everything": elements["all"].beside(laws)}
-    found = [_learned(path, family, elements[family]) for family in FAMILIES]
-    as_well = max(_AS_WELL * min(one.held_out for one in found), _LEAST_PART)
-    return sorted(found, key=lambda one: (not one.linear or one.held_out > as_well, one.held_out))
+    learned = [_learned(path, family, elements[family]) for family in FAMILIES]
+    as_well = max(_AS_WELL * min(specimen.held_out for specimen in learned), _LEAST_PART)
+    return sorted(
+        learned, key=lambda specimen: (not specimen.linear or specimen.held_out > as_well, specimen.held_out)
+    )
 
 
 def weights_of(learned: Sequence[LearnedSpecimen]) -> Array:
@@ -66,7 +68,7 @@ def weights_of(learned: Sequence[LearnedSpecimen]) -> Array:
 
 def _refined(path: MeasuredPath, elements: Elements) -> Elements:
     """Refine the sizes of elements that bear a part."""
-    wanted = path.wanted
+    wanted = path.force_seen
     for ratio in _REFINEMENTS:
         seen = path.responses(elements)
         distinct = _distinct(seen)
@@ -83,7 +85,7 @@ def _distinct(rows: Array) -> NDArray[np.int64]:
 
 def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpecimen:
     """Fit elements, and predict what had no part in the fit."""
-    wanted = path.wanted
+    wanted = path.force_seen
     seen = path.responses(elements)
     distinct = _distinct(seen)
     elements, seen = elements.only(distinct), seen[distinct]
@@ -107,7 +109,7 @@ def late_by(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> float
     `late`: what a unit of lag adds to the force [N/s], shape (n,). No specimen that stores and dissipates
     gives such a force; one that is early looks like a dashpot, and is not found.
     """
-    wanted = path.wanted
+    wanted = path.force_seen
     seen = path.responses(specimen.elements)
     rows = np.vstack([seen, path.thinned(late)])
     better = _held_out(rows, wanted, path.blocks) < _BETTER * specimen.held_out

@@ -61,7 +61,7 @@ class MeasuredPath:
         return reach if reach <= REACH * self.displacement.size else 0
 
     @cached_property
-    def wanted(self) -> Array:
+    def force_seen(self) -> Array:
         """Force that elements should have, as the channels see it [N], shape (m,)."""
         return np.asarray(self.thinned(self.force))
 
@@ -73,7 +73,7 @@ class MeasuredPath:
     @property
     def blocks(self) -> NDArray[np.int64]:
         """Number of the block of each sample that is fitted, shape (m,)."""
-        times = np.arange(self.wanted.size) * self.every * self.time_step
+        times = np.arange(self.force_seen.size) * self.every * self.time_step
         return np.asarray(times / self.block, dtype=np.int64)
 
     def responses(self, elements: Elements) -> Array:
@@ -89,7 +89,7 @@ class MeasuredPath:
             self.noise.filter, np.pad(rows, ((0, 0), (ahead, 0))), down=self.every, axis=1
         )
         first = (ahead + 2 * self.reach) // self.every
-        return np.asarray(passed[:, first : first + self.wanted.size])
+        return np.asarray(passed[:, first : first + self.force_seen.size])
 
 
 def fit(rows: Array, wanted: Array, weights: Array | None = None) -> Array:

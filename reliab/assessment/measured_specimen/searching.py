@@ -51,7 +51,7 @@ def _search(
     _, least, most, start = (np.array(column) for column in zip(_YIELDS, *traits, strict=True))
     least, most, start = (column.astype(np.float64) for column in (least, most, start))
     begin = scipy.special.logit(np.log(start / least) / np.log(most / least))
-    wanted = path.wanted
+    wanted = path.force_seen
     unit = float(np.sqrt(np.mean(wanted**2)))
 
     def element(logits: Array) -> Elements:

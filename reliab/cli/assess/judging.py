@@ -97,7 +97,8 @@ class JudgesTests(Demand):
             "--specimen",
             metavar="linear|measured",
             help="How the specimen is known: linear, or measured: learned from its recorded force, which "
-            "needs --mass. By default linear, but it may have yielded where no force was recorded.",
+            "needs --mass or --structure. By default linear, but it may have yielded where no force was "
+            "recorded.",
         ),
     ] = None
     force_channel: Annotated[

@@ -53,14 +53,10 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
 
 def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     recording, partition = assessment.recording, assessment.frame.partition
-    specimen = partition.specimen
     facts: dict[str, Prose] = {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": f"{assessment.frame.name}: {partition.frame.size} degrees of freedom",
-        "Specimen": (
-            f"stiffness {specimen.stiffness / _KILO:.4g} kN/m, damping {specimen.damping:.4g} N s/m, "
-            f"mass {specimen.mass:.4g} kg"
-        ),
+        "Specimen": _specimen(assessment),
         "Threshold and window": (
             f"{percent(assessment.error.threshold)} of the measured interface displacement, over the test's "
             f"own {recording.duration:.4g} s"
@@ -76,14 +72,31 @@ def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     return facts
 
 
+def _specimen(assessment: FrameAssessment) -> str:
+    """Say what is known of the specimen."""
+    stated, learned = assessment.frame.partition.specimen, assessment.error.specimen
+    if learned is not None:
+        missed = percent(learned.held_out, decimals=1)
+        return f"learned from its force, of which {missed} is missed where it was held out"
+    return (
+        f"stiffness {stated.stiffness / _KILO:.4g} kN/m, damping {stated.damping:.4g} N s/m, "
+        f"mass {stated.mass:.4g} kg"
+    )
+
+
 def _cautions(assessment: FrameAssessment) -> list[Prose]:
     verdict = assessment.verdict
+    of_what = (
+        "a linear frame with the stated matrices"
+        if assessment.error.specimen is None
+        else "the frame whose matrices without the specimen are as stated, and whose specimen its force shows"
+    )
     return [
         *(verdict.reasons if verdict.word is Word.UNDECIDED else ()),
         *(f"What would decide: {remedy}" for remedy in verdict.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
-        "The error is that of a linear frame with the stated matrices, whatever the actuator did.",
+        f"The error is that of {of_what}, whatever the actuator did.",
     ]
 
 
@@ -172,7 +185,7 @@ def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
         f"with 90 % intervals; the specimen is taken as linear. {sentence}",
         label="tab:responses",
     )
-    return (errors,)
+    return (Paragraph(text=sentence),) if assessment.responses.measured else (errors,)
 
 
 def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:

@@ -1,0 +1,69 @@
+"""The error of a frame's test whose specimen is known by its recorded force only."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reliab.assessment.frame_test import assess_frame
+from reliab.errors import InputError
+from reliab.vocabulary import Metric
+
+nonlinear_frames = pytest.importorskip("nonlinear_frames")
+
+_TIMES = np.arange(0.0, 20.0, nonlinear_frames.STEP)
+
+
+def _ground() -> np.ndarray:
+    """Ground acceleration of some strong seconds with a broad spectrum [m/s²]."""
+    noise = np.random.default_rng(4).standard_normal(_TIMES.size)
+    smooth = np.convolve(noise, np.hanning(100), mode="same")
+    return 0.3 * smooth * (_TIMES / 4.0) * np.exp(1.0 - _TIMES / 4.0)
+
+
+def _simulated(family: str, seed: int) -> Any:
+    draw = np.random.default_rng(seed)
+    while not 0.01 < (test := nonlinear_frames.simulate_frame_test(family, _ground(), draw)).error < 0.1:
+        pass
+    return test
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", ["bilinear", "Bouc-Wen", "cubic"])
+def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
+    test = _simulated(family, 1)
+    assessment = assess_frame(test.recording, test.frame, measured_specimen=True)
+    size = assessment.error.estimate(Metric.RMS)
+    assert size.value == pytest.approx(test.error, rel=0.1)
+    assert 0.9 * size.low < test.error < 1.1 * size.high
+    left = np.sqrt(np.mean((assessment.error.reference - test.exact) ** 2))
+    assert left < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
+    stated = assess_frame(test.recording, test.frame, linear_specimen=True).error.estimate(Metric.RMS)
+    assert abs(size.value - test.error) < 0.5 * abs(stated.value - test.error)
+    summary = assessment.to_dict()
+    assert summary["specimen"]["known"] == "measured"
+    assert "specimen" in {item["name"] for item in summary["budget"]}
+    assert sum(part["share"] for part in summary["error"]["parts"].values()) == pytest.approx(1.0)
+
+
+@pytest.mark.slow
+def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
+    test = _simulated("linear", 2)
+    measured, stated = (
+        assess_frame(test.recording, test.frame, **{known: True}).error.estimate(Metric.RMS)
+        for known in ("measured_specimen", "linear_specimen")
+    )
+    assert measured.value == pytest.approx(stated.value, rel=0.01)
+    assert measured.high - measured.low < 1.3 * (stated.high - stated.low)
+
+
+@pytest.mark.slow
+def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
+    test = _simulated("bilinear", 1)
+    with pytest.raises(InputError, match="needs its force"):
+        assess_frame(replace(test.recording, force=None), test.frame, measured_specimen=True)
+    partition = test.frame.partition
+    heavy = replace(partition, specimen=replace(partition.specimen, mass=10.0))
+    with pytest.raises(InputError, match=r"no mass of its own; found mass_kg = 10"):
+        assess_frame(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)

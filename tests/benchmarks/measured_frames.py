@@ -1,0 +1,87 @@
+"""Errors of frames' tests whose specimen is known by its force only, beside the true ones.
+
+python tests/benchmarks/measured_frames.py RECORDS --seed 371127 --count 5
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from reliab.assessment import assess_frame
+from reliab.motions import Motion, load_motions
+from reliab.study import folders  # noqa: F401 - makes the studies importable
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from nonlinear_frames import FAMILIES, STEP, FrameTest, simulate_frame_test
+
+_FAMILIES = (
+    *("linear", "bilinear", "cubic", "gap", "Bouc-Wen", "degrading", "Baber-Noori"),
+    *("Menegotto-Pinto", "peak-oriented", "LuGre friction", "Ramberg-Osgood"),
+)
+_GOOD = 0.05
+
+
+def drawn(family: str, motions: list[Motion], draw: np.random.Generator, decibels: float) -> FrameTest:
+    """Simulate a test whose error is neither tiny nor of a loop that diverges."""
+    times = np.arange(0.0, 40.0, STEP)
+    while True:
+        motion = motions[int(draw.integers(len(motions)))]
+        ends = motion.time_step * motion.acceleration.size
+        known = np.arange(motion.acceleration.size) * motion.time_step
+        ground = np.interp(times, known, motion.acceleration) * (times <= ends)
+        test = simulate_frame_test(family, ground, draw, decibels=decibels)
+        if np.isfinite(test.moved).all() and 0.003 < test.error < 0.3:
+            return test
+
+
+def judged(family: str, test: FrameTest) -> dict[str, object]:
+    """Judge a test by its force, and that of a linear specimen as it is stated, too."""
+    found = assess_frame(test.recording, test.frame, measured_specimen=True)
+    rebuilt, original = found.error.rebuilt, test.moved - test.exact
+    row = {
+        "family": family,
+        "true": test.error,
+        "value": rebuilt.rms.value,
+        "low": rebuilt.rms.low,
+        "high": rebuilt.rms.high,
+        "word": str(found.verdict.word),
+        "inside": np.mean((rebuilt.low <= original) & (original <= rebuilt.high)),
+        "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
+    }
+    if family == "linear":
+        stated = assess_frame(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms
+        row["width"] = (rebuilt.rms.high - rebuilt.rms.low) / (stated.high - stated.low)
+    return row
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("records")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=1)
+    asked = parser.parse_args()
+    motions, rows = list(load_motions(asked.records)), []
+    for number in range(asked.count):
+        for family in _FAMILIES:
+            draw = np.random.default_rng([asked.seed, list(FAMILIES).index(family), number])
+            rows.append(judged(family, drawn(family, motions, draw, (40.0, 30.0)[number % 2])))
+    tests = pd.DataFrame(rows)
+    away, good = (tests["value"] / tests["true"] - 1.0).abs(), tests["true"] <= _GOOD
+    tests = tests.assign(
+        near=away < 0.1,
+        wide=away < 0.25,
+        held=(tests["low"] <= tests["true"]) & (tests["true"] <= tests["high"]),
+        accepted=(tests["word"] == "reliable").where(good),
+        false_safe=(tests["word"] == "reliable") & ~good,
+    )
+    rates = ["near", "wide", "held", "inside", "accepted", "false_safe", "width"]
+    print(tests.groupby("family", sort=False)[rates].mean().round(2).to_string())
+    print(tests[rates].mean().round(3).to_string(), f"\nleft, median {tests['left'].median():.3f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""Hybrid tests of shear frames with one nonlinear specimen, simulated apart from the package's own loop."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STATES, resist
+
+from reliab.compiled import compiled
+from reliab.recordings import Recording
+from reliab.simulation.frames import FrameUnderTest
+from reliab.structures import Partition, Specimen
+from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.structures.partition import floor_interface
+
+STEP = 1.0 / 1024.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameTest:
+    """A recorded test of a frame with its truth."""
+
+    frame: FrameUnderTest
+    recording: Recording
+    moved: np.ndarray  # the true displacement of the specimen [m]
+    exact: np.ndarray  # with a perfect actuator [m]
+
+    @property
+    def error(self) -> float:
+        """True RMS error over the peak of the exact response."""
+        return float(np.sqrt(np.mean((self.moved - self.exact) ** 2)) / np.abs(self.exact).max())
+
+
+@compiled
+def _run(law, parameters, unit, stiffness_of_specimen, inverse, damping, stiffness, mass, load, actuator):
+    """Interface command, displacement of the specimen in the first storey and its force, by differences."""
+    gain, delay = actuator
+    whole, part = int(delay / STEP), delay / STEP - int(delay / STEP)
+    size = load.shape[1]
+    state, force, last = np.zeros(STATES), np.zeros(size), 0.0
+    command = np.zeros((load.shape[0] + 1, size))
+    moved, felt = np.zeros(load.shape[0]), np.zeros(load.shape[0])
+    for i in range(load.shape[0]):
+        near = command[i - whole, 0] if i >= whole else 0.0
+        far = command[i - whole - 1, 0] if i > whole else 0.0
+        moved[i] = gain * ((1.0 - part) * near + part * far)
+        by = (moved[i] - last) / unit
+        last = moved[i]
+        felt[i] = (
+            stiffness_of_specimen
+            * unit
+            * resist(law, moved[i] / unit, by, by / STEP, STEP, state, parameters)
+        )
+        force[0] = felt[i]
+        before = command[i - 1] if i > 0 else np.zeros(size)
+        right = load[i] - force - stiffness @ command[i] + damping @ before / (2.0 * STEP)
+        command[i + 1] = inverse @ (right + mass @ (2.0 * command[i] - before) / STEP**2)
+    return command[:-1, 0].copy(), moved, felt
+
+
+def simulate_frame_test(
+    family: str, ground: np.ndarray, draw: np.random.Generator, *, decibels: float = 40.0
+) -> FrameTest:
+    """Draw a frame, its specimen and actuator, run the test and record it with noise.
+
+    `ground`: acceleration [m/s²] at 1024 Hz.
+    """
+    storeys = int(draw.integers(2, 5))
+    mass, stiffness = shear_frame(
+        (1000.0 * draw.uniform(0.7, 1.3, storeys)).tolist(),
+        (draw.uniform(1e5, 3e5) * draw.uniform(0.8, 1.2, storeys)).tolist(),
+    )
+    damping = modal_damping(mass, stiffness, draw.uniform(0.02, 0.05))
+    of_specimen = draw.uniform(0.3, 0.9) * stiffness[0].sum()  # of the first storey
+    whole = Frame(mass=mass, stiffness=stiffness, damping=damping)
+    interface = floor_interface(whole, 1)
+    partition = Partition(frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen))
+    numerical = stiffness - of_specimen * np.outer(interface, interface)
+    inverse = np.linalg.inv(mass / STEP**2 + damping / (2.0 * STEP))
+    load = np.ascontiguousarray(-ground[:, np.newaxis] * mass.sum(axis=1))
+    law, traits = FAMILIES[family]
+    of_linear = np.zeros(PARAMETERS)
+    parameters = of_linear.copy()
+    drawn = traits(draw)
+    parameters[: len(drawn)] = drawn
+    matrices = (inverse, damping, numerical, mass, load)
+    perfect, linear = np.array([1.0, 0.0]), FAMILIES["linear"][0]
+    peak = float(np.abs(_run(linear, of_linear, 1.0, of_specimen, *matrices, perfect)[0]).max())
+    unit = peak / draw.uniform(1.5, 5.0)
+    late = abs(draw.normal()) * 0.003 / float(whole.modes.frequency[0])
+    actuator = np.array([1.0 + 0.01 * draw.normal(), late])
+    exact = _run(law, parameters, unit, of_specimen, *matrices, perfect)[0]
+    command, moved, force = _run(law, parameters, unit, of_specimen, *matrices, actuator)
+    noise = 10.0 ** (-decibels / 20.0)
+    recording = Recording(
+        name=family,
+        command=command,
+        measured=moved + noise * moved.std() * draw.standard_normal(moved.size),
+        force=force + noise * force.std() * draw.standard_normal(force.size),
+        time_step=STEP,
+    )
+    frame = FrameUnderTest(name=f"{storeys} storeys", partition=partition, output=None, error_of="interface")
+    return FrameTest(frame=frame, recording=recording, moved=moved, exact=exact)
