@@ -205,7 +205,10 @@ def _too_few(table: RigTable, frame: str, count: int) -> InputError:
     beside = f" beside those of {', '.join(others)}" if others else ""
     remedy = "Add tests with `reliab rig add`"
     if others and not frame:
-        remedy += ", or predict tests of the frame with `--structure`; plans are for structures of one mass"
+        remedy += (
+            ", or predict the next one of the frame with `reliab rig predict RIG --structure FRAME`; "
+            "plans are for structures of one mass"
+        )
     return InputError(
         f"A rig is learned from at least {FEWEST} tests with a finite error",
         value=f"{count} {kind}{beside}",

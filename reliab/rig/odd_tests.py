@@ -52,9 +52,9 @@ class OddTests:
 
     def learn(self, ordinary: float) -> None:
         """Count a test that is ordinary with some probability."""
-        kept = min(1.0, _REMEMBERED / (self.tests + 1.0))
-        self.odd = kept * (self.odd + 1.0 - ordinary)
-        self.tests = kept * (self.tests + 1.0)
+        memory = min(1.0, _REMEMBERED / (self.tests + 1.0))
+        self.odd = memory * (self.odd + 1.0 - ordinary)
+        self.tests = memory * (self.tests + 1.0)
 
     def evidence(self, score: float, step: float) -> float:
         """Logarithm of how much more probable a score is after a step, on its side, than before it."""
@@ -69,8 +69,8 @@ class OddTests:
 class OrdinaryTests:
     """Level and effects of ordinary tests, and which ones are."""
 
-    known: Array
-    unsure: Array  # Covariance of `known`, in squared spreads
+    effects: Array  # The level first
+    unsure: Array  # Covariance of `effects`, in squared spreads
     spread: float
     ordinary: Array  # Probability of each test
 
@@ -80,22 +80,22 @@ def ordinary_tests(values: Array, rows: Array, unsure: Array) -> OrdinaryTests:
 
     `rows`, shape (tests, effects): what each depends on, the level first; `unsure`: covariance before them.
     """
-    known: Array = np.zeros(rows.shape[1])
-    known[0] = np.median(values)
-    spread = 1.4826 * float(np.median(np.abs(values - known[0]))) or float(values.std()) or 1.0
+    effects: Array = np.zeros(rows.shape[1])
+    effects[0] = np.median(values)
+    spread = 1.4826 * float(np.median(np.abs(values - effects[0]))) or float(values.std()) or 1.0
     odd, prior = OddTests(), np.linalg.inv(unsure)
     for turn in range(_ROUNDS):
-        scores = (values - rows @ known) / spread
+        scores = (values - rows @ effects) / spread
         ordinary = np.minimum(1.0, _NEAR / np.maximum(np.abs(scores), _NEAR))
         if turn >= _CAUTIOUS:
             ordinary = np.array([odd.ordinary(score) for score in scores.tolist()])
         odd = OddTests(odd=float((1.0 - ordinary).sum()), tests=float(values.size))
         precision = prior + rows.T @ (ordinary[:, None] * rows)
-        known = np.asarray(np.linalg.solve(precision, rows.T @ (ordinary * values)))
-        residuals = values - rows @ known
-        taken = float(np.trace(np.linalg.solve(precision, precision - prior)))
+        effects = np.asarray(np.linalg.solve(precision, rows.T @ (ordinary * values)))
+        residuals = values - rows @ effects
+        degrees = float(np.trace(np.linalg.solve(precision, precision - prior)))
         squares = float(ordinary @ residuals**2)
-        spread = math.sqrt(max(squares / max(float(ordinary.sum()) - taken, 1.0), 1e-18))
+        spread = math.sqrt(max(squares / max(float(ordinary.sum()) - degrees, 1.0), 1e-18))
     return OrdinaryTests(
-        known=known, unsure=np.asarray(np.linalg.inv(precision)), spread=spread, ordinary=ordinary
+        effects=effects, unsure=np.asarray(np.linalg.inv(precision)), spread=spread, ordinary=ordinary
     )

@@ -230,7 +230,7 @@ class _Prediction:
         """Learn all tests anew, odd ones told from ordinary ones."""
         unsure = np.diag([_UNKNOWN, *[_EFFECT] * (self._known.size - 1)])
         found = ordinary_tests(values, rows, unsure)
-        self._known, self._unsure = found.known, found.unsure
+        self._known, self._unsure = found.effects, found.unsure
         ordinary = float(found.ordinary.sum())
         self._degrees *= ordinary / max(self.odd.tests - self.odd.odd, ordinary)
         self._squares = self._degrees * found.spread**2

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.frame_laboratory import Matrices, run, shear
+from assessment.frames_by_matrices import Matrices, run, shear
 
 from reliab.assessment.frame_test import assess_frame
 from reliab.motions import Motion

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.frame_laboratory import Matrices, run, shear
+from assessment.frames_by_matrices import Matrices, run, shear
 
 from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.coupled_test import assess_coupled

@@ -3,7 +3,7 @@
     python tests/benchmarks/uncertain_frames.py RECORDS --seed S --count N [--rows NAME …]
 
 The frames that ship, under the real records of RECORDS, with an actuator of second order that lags by up to
-16 ms and has a gain 3 % off, simulated by `tests/assessment/frame_laboratory.py`. True errors of the
+16 ms and has a gain 3 % off, simulated by `tests/assessment/frames_by_matrices.py`. True errors of the
 interface lie between 1 and 12 %, the rate is 1024 Hz, noise 45 dB below the displacement. In the row "K +3 %"
 the stiffness of frame and specimen is 3 % higher than stated, and nobody says so: the interval is that of
 ordinary equipment. In all others `[tolerances]` state by how much the matrices may be off, and all else is
@@ -22,7 +22,7 @@ import pandas as pd
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
 
-from assessment.frame_laboratory import Matrices, Outcome, run  # noqa: E402
+from assessment.frames_by_matrices import Matrices, Outcome, run  # noqa: E402
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 

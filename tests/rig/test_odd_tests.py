@@ -38,6 +38,6 @@ def test_level_effects_and_spread_are_those_of_ordinary_tests():
     values = rows @ [3.0, 5.0] + 0.1 * rng.normal(size=64)
     values[[5, 20, 33, 50, 61]] += [9.0, -7.0, 30.0, 4.0, -12.0]
     found = ordinary_tests(values, rows, np.diag([1e8, 1e4]))
-    assert found.known == pytest.approx([3.0, 5.0], abs=0.06)
+    assert found.effects == pytest.approx([3.0, 5.0], abs=0.06)
     assert found.spread == pytest.approx(0.1, rel=0.25)
     assert np.flatnonzero(found.ordinary < 0.1).tolist() == [5, 20, 33, 50, 61]

@@ -67,7 +67,7 @@ def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     )
     for one in content["responses"]["each"]:
         lengths = (
-            f"{size['value']:.3g} ({size['low']:.3g} to {size['high']:.3g})"
+            f"{significant(size['value'])} ({significant(size['low'])} to {significant(size['high'])})"
             for size in (one["rms_mm"], one["peak_mm"])
         )
         shares = (

@@ -167,7 +167,7 @@ def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
         (
             response.name.capitalize(),
             *(
-                f"{size.value:.3g} ({size.low:.3g} to {size.high:.3g})"
+                f"{significant(size.value)} ({significant(size.low)} to {significant(size.high)})"
                 for size in (response.rms_mm, response.peak_mm)
             ),
             *(
