@@ -62,11 +62,11 @@ class Equipment:
         if not assumed or self.skew(time_step) == self.skew_samples * time_step:
             return ""
         return (
-            f"The recording has {significant(1.0 / time_step, 3)} samples a second, and no `skew` of its "
-            f"channels was stated: {significant(self.skew_ms, 2)} ms is assumed, one standard deviation. "
+            f"The recording has {significant(1.0 / time_step, 3)} samples a second, and the skew of its "
+            f"channels was not stated: {significant(self.skew_ms, 2)} ms is assumed, one standard deviation. "
             "Converters that ran no faster may have shifted them by up to "
-            f"{significant(MILLI * time_step, 2)} ms: state the skew of such a rig, or `skew_ms` in its "
-            "`equipment`."
+            f"{significant(MILLI * time_step, 2)} ms: state the skew of such a rig, for the test or in the "
+            "file of its equipment."
         )
 
 
