@@ -112,7 +112,8 @@ def _what_it_does(
         drawing=rig_over_time(table, chart, prediction.intervals, prediction.threshold),
         caption=(
             "Every test beside its 90 % interval from those before it, which begins anew after a change and "
-            "needs some tests; at the right end the next test. Broken lines: a change was noticed."
+            "needs some tests; at the right end the next test. Broken lines: a change was noticed; dotted: "
+            "the next tests did not confirm it."
         ),
         label="fig:time",
     )
