@@ -295,6 +295,7 @@ def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
     assert (tmp_path / "new" / "one" / found["figures"][0]).read_bytes().startswith(b"<?xml")
 
 
+@pytest.mark.slow
 def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
     assert found["law"] == "guo_2017_18"

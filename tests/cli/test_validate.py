@@ -55,6 +55,7 @@ def test_printed_laws_are_judged_where_they_promise_only(table2):
     ]
 
 
+@pytest.mark.slow
 def test_shipped_results_say_what_became_of_tests(tmp_path):
     arguments = ("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
     shown, found = shown_and_found(tmp_path, *arguments)

@@ -108,6 +108,7 @@ def test_a_conjugate_posterior_is_met_exactly():
     assert drawn.std() == pytest.approx(np.sqrt(0.5), rel=0.04)
 
 
+@pytest.mark.slow
 def test_bounds_cut_the_posterior():
     """The same where the coordinate may not exceed 1.5: the lower half."""
     surface = LikelihoodSurface(

@@ -104,6 +104,7 @@ def test_a_hundred_calibrations(shape):
     assert (np.abs(errors) < 1.0).mean(axis=0) == pytest.approx([1.0, 1.0, 1.0], abs=0.05)
 
 
+@pytest.mark.slow
 def test_steps_of_an_actuator_give_scale_and_hysteresis_but_no_skew():
     omega = 2.0 * np.pi * 8.0
 

@@ -159,6 +159,7 @@ def test_too_short_a_run_warns_and_says_what_is_wrong():
     assert any("R-hat" in sentence for sentence in found.diagnostics.complaints)
 
 
+@pytest.mark.slow
 def test_too_few_ensembles_are_complained_about():
     with pytest.warns(ConvergenceWarning, match="Only 2 independent ensembles"):
         sample(MODEL, Ensembles(steps=1600, count=2, walkers=16))

@@ -46,6 +46,7 @@ def test_pole_and_spectral_engine_agree(random_record, seed):
     assert differences(loop, cells, Metric.MTE) < 2e-3
 
 
+@pytest.mark.slow
 def test_engines_agree_on_the_real_records(real_motions_folder):
     rng = np.random.default_rng(11)
     motions = load_motions(real_motions_folder)

@@ -112,6 +112,7 @@ class Namespace:
         return {"verdict": "named"}
 
 
+@pytest.mark.slow
 def test_what_blind_campaigns_showed_is_reported(tmp_path, text_of):
     study = open_study("blind_evaluation")
     run_study(study, tmp_path / "run")

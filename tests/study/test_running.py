@@ -181,6 +181,7 @@ def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
         run_study(study, tmp_path / "run")
 
 
+@pytest.mark.slow
 def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finished, small_study, monkeypatch):
     manifest = json.loads((finished / "manifest.json").read_text(encoding="utf-8"))
     for entry in manifest["stages"].values():
@@ -259,6 +260,7 @@ def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_pa
     assert (tmp_path / "run" / "ellipses.nc").exists()
 
 
+@pytest.mark.slow
 def test_a_report_is_titled_after_its_data_and_dated_today(finished, small_study):
     undated = small_study.model_copy(update={"date": None})
     document = KINDS["criterion"].report(undated, finished)

@@ -114,6 +114,7 @@ def test_memory_holds_double_precision(results):
     assert results.reliab.at_structure(1.0, 0.02)["rms"].dtype == np.float64
 
 
+@pytest.mark.slow
 def test_ellipses_from_the_store_are_those_traced_from_the_loop(tmp_path, suite):
     thresholds, metrics = (0.01, 0.02, 0.05, 0.10), (Metric.RMS, Metric.MTE)
     sweep = SweepRequest(frequencies=(0.5, 1.0), damping_ratios=(0.02, 0.05))

@@ -256,6 +256,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
         run_sweep(suite, request_, tmp_path / "file" / "results.zarr")
 
 
+@pytest.mark.slow
 def test_number_of_threads_does_not_change_a_bit(tmp_path, suite, request_):
     by_one, by_two = (
         open_results(run_sweep(suite, request_, tmp_path / f"{threads}.zarr", workers=threads))

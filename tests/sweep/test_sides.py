@@ -97,6 +97,7 @@ def test_file_of_an_older_version_holds_delays_only(tmp_path, traced):
     assert opened["side"].values.tolist() == ["lag"]
 
 
+@pytest.mark.slow
 def test_file_of_several_windows_gives_the_one_that_is_asked_for(tmp_path, traced):
     several = xr.concat(
         [traced, traced.assign(b=2.0 * traced["b"])], xr.Variable("window", ["record", "40"]), join="exact"

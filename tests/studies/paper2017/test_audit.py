@@ -146,6 +146,7 @@ def ellipses_of(table2):
     )
 
 
+@pytest.mark.slow
 def test_rows_are_compared_with_the_records(printed_rows):
     numbers = audit(ellipses=ellipses_of(printed_rows)).set_index(["item", "quantity"])
     names = printed_rows["record"].tolist()

@@ -115,6 +115,7 @@ def test_diagnostics_name_every_parameter(fit):
     assert (found["ensembles"], found["steps"], found["converged"]) == (4, 300, False)
 
 
+@pytest.mark.slow
 def test_missing_ellipses_are_drawn_and_leave_the_spread_as_it_is(ellipses):
     """The greatest tenth at the most damped structures is lost, as it is for real motions."""
     whole = hierarchical_model(Population.from_ellipses(ellipses, **ERROR))
