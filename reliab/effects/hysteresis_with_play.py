@@ -1,6 +1,6 @@
 """Hysteresis behind play that carries no force: a damper whose pins have clearance."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,16 +71,7 @@ class HysteresisWithPlay(SteppedEffect):
     members = (Hysteresis, SeriesPlay)
     parameters = (
         *Hysteresis.parameters,
-        Parameter(
-            name="width_m",
-            units="m",
-            meaning="whole play",
-            scale=(("displacement", 1.0),),
-            typical=0.03,
-            lower=1e-5,
-            upper=1.0,
-            starts=(0.1, 0.03, 0.01),
-        ),
+        *(replace(width, starts=width.starts[::-1]) for width in SeriesPlay.parameters),
         Parameter(
             name="asymmetry",
             units="-",

@@ -134,3 +134,13 @@ def _simulated(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) ->
         scipy.signal.lfilter([gain], [1.0, -pole], before) for gain, pole in zip(inputs, poles, strict=True)
     ]
     return np.asarray((output @ shapes @ np.array(modes)).real + at_once * values)
+
+
+TWO_STOREYS = Matrices(
+    mass=np.diag([2000.0, 1500.0]),
+    damping=shear(np.array([2400.0, 1800.0])),
+    stiffness=shear(np.array([4e5, 3e5])),
+    interface=np.array([1.0, 0.0]),
+    influence=np.ones(2),
+    specimen=(2e5, 0.0, 0.0),
+)

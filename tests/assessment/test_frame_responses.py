@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.frames_by_matrices import Matrices, run, shear
+from assessment.frames_by_matrices import TWO_STOREYS, run
 
 from reliab.assessment.frame_test import assess_frame
 from reliab.motions import Motion
@@ -16,18 +16,12 @@ from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
 
 RATE, DURATION = 256.0, 20.0
-TESTED = Matrices(
-    mass=np.diag([2000.0, 1500.0]),
-    damping=shear(np.array([2400.0, 1800.0])),
-    stiffness=shear(np.array([4e5, 3e5])),
-    interface=np.array([1.0, 0.0]),
-    influence=np.ones(2),
-    specimen=(2e5, 0.0, 0.0),
+WHOLE = Frame(
+    mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness, names=("low", "top")
 )
-WHOLE = Frame(mass=TESTED.mass, damping=TESTED.damping, stiffness=TESTED.stiffness, names=("low", "top"))
 STATED = FrameUnderTest(
     name="two",
-    partition=Partition(frame=WHOLE, interface=TESTED.interface, specimen=Specimen(stiffness=2e5)),
+    partition=Partition(frame=WHOLE, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)),
     output=None,
     error_of="interface",
 )
@@ -40,7 +34,7 @@ def test_and_truth():
     time = np.arange(int(DURATION * RATE)) / RATE
     coarse = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
     ground = coarse * np.minimum(time / 2.0, 1.0)
-    outcome = run(TESTED, 1.02, 150.0, ground, 1.0 / RATE)
+    outcome = run(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE)
     recording = Recording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, name="one"
     )
@@ -110,7 +104,7 @@ def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     rng = np.random.default_rng(8)
     time = np.arange(int(DURATION * RATE)) / RATE
     ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
-    tested = TESTED.with_storeys("stiffness", np.array([0.97, 1.03]))
+    tested = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))
     outcome = run(tested, 1.01, 200.0, ground, 1.0 / RATE)
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE)
     motion = Motion(name="ground", acceleration=ground, time_step=1.0 / RATE)

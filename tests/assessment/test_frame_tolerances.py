@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.frames_by_matrices import Matrices, run, shear
+from assessment.frames_by_matrices import TWO_STOREYS, run
 
 from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.coupled_test import assess_coupled
@@ -16,51 +16,42 @@ from reliab.structures import CoupledPartition, Partition, Specimen
 from reliab.structures.frames import Frame
 
 RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
-STATED = Matrices(
-    mass=np.diag([2000.0, 1500.0]),
-    damping=shear(np.array([2400.0, 1800.0])),
-    stiffness=shear(np.array([4e5, 3e5])),
-    interface=np.array([1.0, 0.0]),
-    influence=np.ones(2),
-    specimen=(2e5, 0.0, 0.0),
-)
-
 # what is off, what is stated of it, and the names of what is drawn
 CASES = {
     "stiffness": (
-        replace(STATED, stiffness=1.04 * STATED.stiffness, specimen=(2.08e5, 0.0, 0.0)),
+        replace(TWO_STOREYS, stiffness=1.04 * TWO_STOREYS.stiffness, specimen=(2.08e5, 0.0, 0.0)),
         {"stiffness": 0.03},
         {"frequency"},
     ),
-    "mass": (replace(STATED, mass=1.04 * STATED.mass), {"mass": 0.03}, {"frequency"}),
-    "damping": (replace(STATED, damping=0.75 * STATED.damping), {"damping": 0.2}, {"damping"}),
+    "mass": (replace(TWO_STOREYS, mass=1.04 * TWO_STOREYS.mass), {"mass": 0.03}, {"frequency"}),
+    "damping": (replace(TWO_STOREYS, damping=0.75 * TWO_STOREYS.damping), {"damping": 0.2}, {"damping"}),
     "specimen": (
-        STATED.with_specimen(0.9),
+        TWO_STOREYS.with_specimen(0.9),
         {"specimen_stiffness": 0.1, "specimen_changes_structure": True},
         {"specimen_stiffness"},
     ),
     "modes": (
-        STATED.with_modes(np.array([1.02, 0.98]), np.array([0.9, 1.2])),
+        TWO_STOREYS.with_modes(np.array([1.02, 0.98]), np.array([0.9, 1.2])),
         {"mode_frequencies": [0.02, 0.03], "mode_damping_ratios": 0.2},
         {"mode_frequency_1", "mode_frequency_2", "mode_damping_ratio_1", "mode_damping_ratio_2"},
     ),
     "storeys": (
-        STATED.with_storeys("stiffness", np.array([1.08, 0.97])),
+        TWO_STOREYS.with_storeys("stiffness", np.array([1.08, 0.97])),
         {"storey_stiffnesses": 0.05},
         {"storey_stiffness_1", "storey_stiffness_2"},
     ),
     "storeys alike": (
-        STATED.with_storeys("stiffness", np.array([1.05, 1.07])),
+        TWO_STOREYS.with_storeys("stiffness", np.array([1.05, 1.07])),
         {"storey_stiffnesses": 0.05, "storey_correlation": 0.8},
         {"storey_stiffness", "storey_stiffness_1", "storey_stiffness_2"},
     ),
     "floors": (
-        replace(STATED, mass=STATED.mass * np.array([1.06, 0.94])),
+        replace(TWO_STOREYS, mass=TWO_STOREYS.mass * np.array([1.06, 0.94])),
         {"floor_masses": [0.05, 0.05]},
         {"floor_mass_1", "floor_mass_2"},
     ),
     "dashpots": (
-        STATED.with_storeys("damping", np.array([0.7, 1.2])),
+        TWO_STOREYS.with_storeys("damping", np.array([0.7, 1.2])),
         {"storey_dampings": 0.25},
         {"storey_damping_1", "storey_damping_2"},
     ),
@@ -84,8 +75,8 @@ def simulated(tested):
 
 def frame(**tolerances):
     """The frame as stated, and how exactly it is known."""
-    whole = Frame(mass=STATED.mass, damping=STATED.damping, stiffness=STATED.stiffness)
-    partition = Partition(frame=whole, interface=STATED.interface, specimen=Specimen(stiffness=2e5))
+    whole = Frame(mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness)
+    partition = Partition(frame=whole, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5))
     return FrameUnderTest(
         name="two",
         partition=partition,
@@ -112,7 +103,7 @@ def test_an_interval_holds_where_tolerances_state_what_is_off(case):
 
 
 def test_parts_replace_what_is_assumed_of_the_whole():
-    recording, _ = simulated(STATED)
+    recording, _ = simulated(TWO_STOREYS)
     stated = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
     budget = assess_frame(recording, frame(**stated), equipment=ordinary_equipment()).to_dict()["budget"]
     names = {item["name"] for item in budget}
@@ -124,10 +115,10 @@ def test_several_actuators_have_the_same_tolerances():
     tested, stated, names = CASES["storeys"]
     recording, true = simulated(tested)
     partition = CoupledPartition(
-        mass=STATED.mass,
-        damping=STATED.damping,
-        stiffness=STATED.stiffness,
-        interface=STATED.interface[:, np.newaxis],
+        mass=TWO_STOREYS.mass,
+        damping=TWO_STOREYS.damping,
+        stiffness=TWO_STOREYS.stiffness,
+        interface=TWO_STOREYS.interface[:, np.newaxis],
         specimen_stiffness=np.array([[2e5]]),
     )
     several = CoupledRecording(

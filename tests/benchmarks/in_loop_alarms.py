@@ -96,19 +96,24 @@ def alarms_of(case: LoopCase, compiler: str) -> list[float | None]:
     return [(int(word) - 1) * step if int(word) else None for word in said.split()]
 
 
+def as_one_actuator_drives(partition: CoupledPartition) -> WholeStructure:
+    """Frame with one actuator, at the first interface displacement of a partition."""
+    return WholeStructure(
+        mass=partition.mass,
+        damping=partition.damping,
+        stiffness=partition.stiffness,
+        interface=partition.interface[:, 0],
+        specimen_stiffness=float(partition.specimen_stiffness[0, 0]),
+        specimen_damping=float(partition.specimen_damping[0, 0]),
+        specimen_mass=float(partition.specimen_mass[0, 0]),
+    )
+
+
 def alarm_of_python(case: LoopCase) -> float | None:
     """Time of the alarm of the energy of Python's monitor, which follows one actuator [s]."""
     structure, step = case.monitor.structure, case.monitor.time_step
     if isinstance(structure, CoupledPartition):
-        structure = WholeStructure(
-            mass=structure.mass,
-            damping=structure.damping,
-            stiffness=structure.stiffness,
-            interface=structure.interface[:, 0],
-            specimen_stiffness=float(structure.specimen_stiffness[0, 0]),
-            specimen_damping=float(structure.specimen_damping[0, 0]),
-            specimen_mass=float(structure.specimen_mass[0, 0]),
-        )
+        structure = as_one_actuator_drives(structure)
     elif isinstance(structure, HybridTest):
         structure = UpdatedModel(name="", test=structure)
     monitor, size = Monitor(structure, step), round(CHUNK / step)
@@ -220,14 +225,7 @@ def frame_case(kind: str, diverges: bool, motion: Motion, rng: np.random.Generat
         return None
     with np.errstate(over="ignore", invalid="ignore"):
         command, measured = loop_of_frame(partition, gain, delay, ground)
-    whole = WholeStructure(
-        mass=partition.mass,
-        damping=partition.damping,
-        stiffness=partition.stiffness,
-        interface=partition.interface[:, 0],
-        specimen_stiffness=float(partition.specimen_stiffness[0, 0]),
-        specimen_damping=float(partition.specimen_damping[0, 0]),
-    )
+    whole = as_one_actuator_drives(partition)
     monitor = LoopMonitor(structure=whole if degrees == 1 else partition, time_step=1.0 / RATE)
     return cut(kind, diverges, monitor, command, measured, exact, rng)
 
