@@ -6,7 +6,7 @@ line writes them as its options.
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from reliab.errors import InputError
 from reliab.stated_value import StatedValue
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
 
+LINEAR: Final = "linear"
+"""A specimen that is stated as linear."""
 
+_MEASURED = "measured"
 _POSITIVE = {
     "scale": "Give 1 for a sensor that reads true",
     "command_scale": "Give 1 for a command that is recorded as it was sent",
@@ -72,6 +75,23 @@ def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) 
     if isinstance(equipment, str | Path):
         return read_equipment(equipment)
     return equipment or ordinary_equipment()
+
+
+def require_known_specimen(specimen: str | None, *, beside_model: bool = False) -> bool:
+    """Refuse what no specimen is known by; return whether it is measured.
+
+    >>> require_known_specimen("measured"), require_known_specimen("linear"), require_known_specimen(None)
+    (True, False, False)
+    """
+    if specimen not in (None, LINEAR, _MEASURED):
+        raise InputError(
+            "The specimen is linear or measured",
+            value=repr(specimen),
+            remedy=f"Give `specimen` as one of: {LINEAR}, {_MEASURED}",
+        )
+    if specimen is not None and beside_model:
+        raise unused("specimen", "beside `model`, which says what the specimen does")
+    return specimen == _MEASURED
 
 
 def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":

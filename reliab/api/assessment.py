@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
 from reliab.api.arguments import (
+    LINEAR,
     Quantity,
     known_equipment,
+    require_known_specimen,
     require_positive,
     stated_filters,
     stated_values,
@@ -49,8 +51,6 @@ _ASSUMED = (
     "0.005 to 0.1 gives the same."
 )
 _BESIDE_SEVERAL = "beside a `structure` with several actuators"
-_LINEAR, _MEASURED = "linear", "measured"
-_SPECIMENS = (_LINEAR, _MEASURED)
 
 _NOT_FOR_FRAMES = {
     "model": "The error of a frame's test is rebuilt for a linear specimen",
@@ -386,7 +386,7 @@ class _Terms:
                 metric=str(self.metric or Metric.RMS),
                 model=model,
                 measured_specimen=measured,
-                linear_specimen=self.specimen == _LINEAR,
+                linear_specimen=self.specimen == LINEAR,
                 force_channel=of_force,
                 assumed=assumed,
             )
@@ -394,18 +394,10 @@ class _Terms:
         return judge
 
     def _specimen_is_measured(self) -> bool:
-        if self.specimen not in (None, *_SPECIMENS):
-            raise InputError(
-                "The specimen is linear or measured",
-                value=repr(self.specimen),
-                remedy="Give `specimen` as one of: " + ", ".join(_SPECIMENS),
-            )
-        if self.specimen is not None and self.model is not None:
-            raise unused("specimen", "beside `model`, which says what the specimen does")
-        return self.specimen == _MEASURED
+        return require_known_specimen(self.specimen, beside_model=self.model is not None)
 
     def _channel_of_force(self) -> ForceChannel | None:
-        if self.force_channel and self.specimen != _MEASURED:
+        if self.force_channel and not self._specimen_is_measured():
             raise unused("force_channel", "unless the `specimen` is measured")
         return ForceChannel.parse(self.force_channel) if self.force_channel else None
 
@@ -440,7 +432,7 @@ class _Terms:
                 metric=Metric.parse(self.metric or Metric.RMS),
                 stated={**stated, **of_filters},
                 equipment=equipment,
-                linear_specimen=self.specimen == _LINEAR,
+                linear_specimen=self.specimen == LINEAR,
                 motion=motion,
                 measured_specimen=measured,
                 force_channel=of_force,

@@ -1,14 +1,18 @@
 """`reliab.follow_test`: the error of a test while it runs, message by message."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from reliab.api.arguments import Quantity, known_equipment, require_positive, stated_values, unused
+from reliab.api.arguments import (
+    Quantity,
+    known_equipment,
+    require_known_specimen,
+    require_positive,
+    stated_values,
+    unused,
+)
 from reliab.assessment import require_linear_interface
 from reliab.assessment.budget import (
     Equipment,
@@ -18,6 +22,7 @@ from reliab.assessment.budget import (
     sizes_of_unknown,
     tolerances_of,
 )
+from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
 from reliab.assessment.rebuilt_error import (
     DRAWS,
     FALSE_ALARMS,
@@ -26,14 +31,17 @@ from reliab.assessment.rebuilt_error import (
     Monitor,
     RebuiltError,
 )
+from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
     chunks_of_text,
     rows_as_written,
+    rows_at_equal_steps,
     rows_without_skew,
     stated_by_options,
+    step_of_rows,
 )
 from reliab.shipped import or_shipped
 from reliab.significant import percent, significant
@@ -46,9 +54,6 @@ from reliab.vocabulary import Metric
 _MILLISECONDS = 1e-3
 _GLANCE = 0.1  # s of the test between two looks at the alarms
 _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
-_ROWS_FOR_STEP = 64
-_GAP = 0.6  # of a step that a sample may come late or early after the one before
-_WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +66,7 @@ class Message:
         Why it comes: time has passed, an alarm was raised, the test has ended.
     content : dict
         The numbers, with stable keys.
-    monitor : Monitor
+    monitor : Monitor or MeasuredMonitor
         The monitor, which goes on with the test.
     alarms : dict of str to str
         Sentences of the alarms that were raised so far, by name.
@@ -69,7 +74,7 @@ class Message:
 
     kind: str
     content: Mapping[str, Any]
-    monitor: Monitor
+    monitor: Monitor | MeasuredMonitor
     alarms: Mapping[str, str]
 
     def to_dict(self) -> dict[str, Any]:
@@ -85,6 +90,9 @@ def follow_test(
     alpha: Quantity = 1.0,
     model: str | Path | UpdatedModel | None = None,
     structure: str | Path | FrameUnderTest | None = None,
+    specimen: str | None = None,
+    mass: Quantity | None = None,
+    force_channel: Iterable[str] | None = None,
     scale: Quantity | None = None,
     feedback_lag: Quantity = 0.0,
     equipment: str | Path | Equipment | None = None,
@@ -117,6 +125,14 @@ def follow_test(
         Frame with a linear specimen that one actuator drives, in place of `f`, `xi` and `alpha`; with the
         tolerances that its file states. Several actuators are followed by what `reliab.export_monitor`
         writes.
+    specimen : {"linear", "measured"}, optional
+        How the specimen is known, linear by default; measured: learned from its recorded force as
+        `reliab.assess` does it, anew whenever the test has grown by a fourth. Until held-out parts of the
+        force are predicted to 10 %, no error is stated.
+    mass : float, str or StatedValue, optional
+        Mass of the structure [kg], which a measured specimen of one mass needs.
+    force_channel : iterable of str, optional
+        What the recorded force of a measured specimen holds beside it, as for `reliab.assess`.
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
         fed back late [ms].
@@ -172,21 +188,24 @@ def follow_test(
     frame = None
     if structure is not None:
         refuse_beside("structure", f=f, xi=xi, alpha=alpha, model=model)
-        frame = frame_of(structure)
+        frame = frame_of(structure, measured=require_known_specimen(specimen))
+    of_force = _channel_of_force(specimen, mass, force_channel, updated, frame)
     mode = _mode(updated, frame)
     if mode is not None:
         f, xi, alpha = mode.frequency, mode.damping_ratio, mode.experimental_fraction
-    of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag)
+    of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag, mass=mass)
     stated = {"scale": StatedValue(1.0), **laboratory.of_tests, **of_test}
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
         stated=laboratory.stated,
+        also=() if of_force is None else (Part.FORCE,),
     )
     watch = _Watch(
         stated=stated,
         model=updated,
         frame=frame,
+        of_force=of_force,
         equipment=known_equipment(equipment, exact=exact),
         threshold=threshold,
         metric=Metric.parse(metric),
@@ -216,8 +235,33 @@ def model_of(
     return read_model(model) if isinstance(model, str | Path) else model
 
 
-def frame_of(structure: str | Path | FrameUnderTest) -> FrameUnderTest:
-    """Read the frame of a test that is followed, which one actuator must drive."""
+def _channel_of_force(
+    specimen: str | None,
+    mass: Quantity | None,
+    force_channel: Iterable[str] | None,
+    model: UpdatedModel | None,
+    frame: FrameUnderTest | None,
+) -> ForceChannel | None:
+    """Read what is stated of the force of a measured specimen; None where the specimen is not measured."""
+    if require_known_specimen(specimen, beside_model=model is not None):
+        if mass is None and frame is None:
+            raise InputError(
+                "A measured specimen needs the `mass` of the structure", remedy="State it in kilograms"
+            )
+        if mass is not None and frame is not None:
+            raise unused("mass", "beside `structure`, which says what the test is of")
+        return ForceChannel.parse(force_channel or ())
+    for name, value in {"mass": mass, "force_channel": force_channel}.items():
+        if value is not None:
+            raise unused(name, "unless the `specimen` is measured")
+    return None
+
+
+def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) -> FrameUnderTest:
+    """Read the frame of a test that is followed, which one actuator must drive.
+
+    `measured`: whether its specimen is learned from its force.
+    """
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
     if isinstance(frame, CoupledFrame):
         raise InputError(
@@ -225,7 +269,7 @@ def frame_of(structure: str | Path | FrameUnderTest) -> FrameUnderTest:
             value=f"{frame.partition.degrees} actuators",
             remedy="Write the monitor for the loop, `export`, or assess the test afterwards",
         )
-    require_linear_interface(frame)
+    require_linear_interface(frame, measured=measured)
     return frame
 
 
@@ -263,6 +307,7 @@ class _Watch:
     stated: Mapping[str, StatedValue]
     model: UpdatedModel | None
     frame: FrameUnderTest | None
+    of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
     equipment: Equipment | None
     threshold: float  # [-]
     metric: Metric
@@ -275,18 +320,18 @@ class _Watch:
 
         `rate` [Hz].
         """
-        step, rows = _time_step(rows, rate)
+        step, rows = step_of_rows(rows, rate)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
         scale = self.stated["scale"].value
-        for part in _at_equal_steps(rows, step):
+        for part in rows_at_equal_steps(rows, step):
             begin = 0
             while begin < part.command.size:
                 to_next = min(count - monitor.samples % count for count in (between, glance))
                 end = min(begin + to_next, part.command.size)
-                monitor.feed(part.command[begin:end], part.measured[begin:end] / scale)
+                _feed(monitor, part, slice(begin, end), scale)
                 if monitor.samples % glance == 0 or monitor.samples % between == 0:
                     yield from self._new_alarms(monitor)
                 if monitor.samples % between == 0:
@@ -298,7 +343,7 @@ class _Watch:
         """Value of what is stated; zero where it is not."""
         return self.stated[name].value if name in self.stated else 0.0
 
-    def _monitor(self, step: float) -> Monitor:
+    def _monitor(self, step: float) -> Monitor | MeasuredMonitor:
         f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
         structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
         calibrated = self.model is not None
@@ -310,10 +355,23 @@ class _Watch:
         tolerances = tolerances_of(self.sizes)
         if "hysteresis" in self.stated:  # which is not taken off here
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        followed = self.model or (structure if self.frame is None else self.frame.partition)
-        return Monitor(followed, step, feedback_lag=lag * _MILLISECONDS, tolerances=tolerances)
+        followed = structure if self.frame is None else self.frame.partition
+        lag *= _MILLISECONDS
+        if self.of_force is None:
+            return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
+        mass, whole = self.stated.get("mass"), whole_structure(followed)
+        return MeasuredMonitor(
+            whole if mass is None else whole.in_kilograms(mass.value),
+            step,
+            StatedForce(
+                mass_deviation=0.0 if mass is None else mass.deviation / mass.value,
+                feedback_lag=lag,
+                channel=self.of_force,
+                tolerances=tolerances,
+            ),
+        )
 
-    def _new_alarms(self, monitor: Monitor) -> Iterator[Message]:
+    def _new_alarms(self, monitor: Monitor | MeasuredMonitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once."""
         if monitor.gains_energy_since is not None:
             yield from self._alarm(
@@ -330,22 +388,25 @@ class _Watch:
                 f"that threshold {percent(FALSE_ERROR_ALARMS)} at most have this alarm",
             )
 
-    def _alarm(self, name: str, monitor: Monitor, sentence: str) -> Iterator[Message]:
+    def _alarm(self, name: str, monitor: Monitor | MeasuredMonitor, sentence: str) -> Iterator[Message]:
         if name not in self.alarms:
             self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
             yield self._message(monitor, "alarm")
 
-    def _update(self, monitor: Monitor) -> Message:
-        if not monitor.due or (asked := monitor.ask()) is None:
+    def _update(self, monitor: Monitor | MeasuredMonitor) -> Message:
+        asked = monitor.ask() if monitor.due else None
+        if asked is None:
             return self._message(monitor, "update")
         return self._message(monitor, "update", error=self._intervals(asked, monitor))
 
-    def _end(self, monitor: Monitor) -> Message:
-        asked = monitor.ask(draws=DRAWS)
+    def _end(self, monitor: Monitor | MeasuredMonitor) -> Message:
+        asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
+        if asked is None:
+            return self._message(monitor, "end", above_threshold=None)
         above = asked.estimate(self.metric).value > self.threshold
         return self._message(monitor, "end", error=self._intervals(asked, monitor), above_threshold=above)
 
-    def _message(self, monitor: Monitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
+    def _message(self, monitor: Monitor | MeasuredMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
         now = monitor.now
         damping = None if now.damping is None else now.damping.ratio
         content = {
@@ -359,11 +420,14 @@ class _Watch:
             "near_instability": damping is not None and damping < _CRITICAL * self.stated["xi"].value,
             "alarms": list(self.alarms),
             "false_alarm_rates": {"unstable": FALSE_ALARMS, "error": FALSE_ERROR_ALARMS},
+            **_learning(monitor),
             **more,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(self, asked: ErrorSoFar | RebuiltError, monitor: Monitor) -> dict[str, Any]:
+    def _intervals(
+        self, asked: ErrorSoFar | RebuiltError, monitor: Monitor | MeasuredMonitor
+    ) -> dict[str, Any]:
         return {
             "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
             "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
@@ -374,67 +438,20 @@ class _Watch:
         }
 
 
-def _time_step(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
-    """Step between samples, from the rate or the first times.
-
-    `rate` [Hz]; returns step [s].
-    """
-    if rate is not None:
-        return 1.0 / rate, rows
-    first: list[Rows] = []
-    count = 0
-    for part in rows:
-        first.append(part)
-        count += part.command.size
-        if count > _ROWS_FOR_STEP:
-            break
-    if any(part.time is None for part in first):
-        raise InputError(
-            "A test that is followed needs times or a sampling rate",
-            remedy="Add a column time, or give the sampling rate with `rate`",
-        )
-    if count <= _ROWS_FOR_STEP:
-        raise InputError(
-            f"A test that is followed needs more than {_ROWS_FOR_STEP} rows",
-            value=count,
-            remedy="Wait until the test runs, or wait longer with `wait`",
-        )
-    times = np.concatenate([part.time for part in first if part.time is not None])
-    step = float(times[-1] - times[0]) / (times.size - 1)
-    if not step > 0.0:
-        raise InputError("Times must grow", value=f"{times[-1]:g} s after {times[0]:g} s")
-    whole = round(1.0 / step)
-    if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
-        step = 1.0 / whole
-    return step, chain(first, rows)
+def _feed(monitor: Monitor | MeasuredMonitor, rows: Rows, part: slice, scale: float) -> None:
+    """Feed a part of some rows; `scale` of the displacement sensor."""
+    command, measured = rows.command[part], rows.measured[part] / scale
+    if isinstance(monitor, Monitor):
+        monitor.feed(command, measured)
+    elif rows.force is not None:
+        monitor.feed(command, measured, rows.force[part])
 
 
-def _at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
-    """Pass rows on while their times, where there are any, follow at equal steps.
-
-    A time may come 0.6 of a step early or late after the one before it, which rounded times do; a missing
-    sample does more.
-
-    `step` [s].
-    """
-    begin: float | None = None
-    count, drift = 0, 0.0
-    for part in rows:
-        if part.time is not None:
-            begin = float(part.time[0]) if begin is None else begin
-            due = begin + step * np.arange(count, count + part.time.size)
-            # what a clock may drift from the nominal rate counts as no gap; a missing sample does
-            late = part.time - due
-            gap = np.flatnonzero(
-                np.abs(np.diff(late, prepend=late[0] if count == 0 else drift)) > _GAP * step
-            )
-            if gap.size:
-                row = int(gap[0])
-                raise InputError(
-                    f"Samples must follow each other at equal steps, here of {step:.6g} s",
-                    value=f"{part.time[row]:.10g} s for sample {count + row + 1}",
-                    remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
-                )
-            drift = float(late[-1])
-        count += part.command.size
-        yield part
+def _learning(monitor: Monitor | MeasuredMonitor) -> dict[str, Any]:
+    """Say whether a measured specimen is still being learned, and what it misses; nothing of others."""
+    if isinstance(monitor, Monitor):
+        return {}
+    specimen = monitor.specimen
+    held_out = None if specimen is None else specimen.held_out
+    of_force = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
+    return {"specimen": of_force}

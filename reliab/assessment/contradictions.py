@@ -22,7 +22,6 @@ records it was 5 to 350 for structures of 0.5 to 8 Hz, and 0.1 to 10 at frequenc
 
 _AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural frequency
 _LEAD = 1e-5  # s
-_MISSED = 0.3  # of the force on held-out parts, above which a specimen is not learned
 _BEYOND = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
 _NOISIER, _ROUNDING = 10.0, 1e-8  # in power
@@ -81,7 +80,7 @@ def of_specimen(specimen: MeasuredSpecimen | None) -> Iterator[Contradiction]:
     """Say where the recorded force did not show well enough what the specimen does."""
     if specimen is None:
         return
-    if specimen.held_out > _MISSED:
+    if not specimen.learned:
         yield Contradiction(
             finding=f"No representation of the specimen predicts its force: "
             f"{percent(specimen.held_out, decimals=0)} of it is missed on parts of the test that were held "

@@ -172,6 +172,25 @@ EquipmentFile = Annotated[
         help="Accuracy of your equipment where no option states it; ordinary equipment by default.",
     ),
 ]
+SpecimenKnown = Annotated[
+    str | None,
+    typer.Option(
+        "--specimen",
+        metavar="linear|measured",
+        help="How the specimen is known: linear, or measured: learned from its recorded force, which "
+        "needs --mass or --structure. By default linear, but it may have yielded where no force was "
+        "recorded.",
+    ),
+]
+HeldByForce = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--force-channel",
+        metavar="NAME=VALUE",
+        help="What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
+        "friction_n=40±20.",
+    ),
+]
 TakenAsExact = Annotated[
     bool,
     typer.Option(

@@ -15,6 +15,7 @@ from .coupled_recording import (
     read_coupled_recording as read_coupled_recording,
 )
 from .followed_skew import rows_without_skew as rows_without_skew
+from .followed_steps import rows_at_equal_steps as rows_at_equal_steps, step_of_rows as step_of_rows
 from .following import Rows as Rows, rows_as_written as rows_as_written
 from .growing_file import chunks_of_text as chunks_of_text
 from .naming import page_words as page_words

@@ -39,6 +39,7 @@ def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
                 time=None if waiting.time is None else waiting.time[:ready],
                 command=waiting.command[:ready],
                 measured=moved,
+                force=None if waiting.force is None else waiting.force[:ready],
             )
             waiting, read = _after(waiting, ready), read[ready:]
 
@@ -51,12 +52,16 @@ def _cubic(place: float) -> Array:
 
 
 def _joined(before: Rows, after: Rows) -> Rows:
-    time = None if before.time is None or after.time is None else np.concatenate([before.time, after.time])
     return Rows(
-        time=time,
+        time=_one_after_the_other(before.time, after.time),
         command=np.concatenate([before.command, after.command]),
         measured=after.measured,
+        force=_one_after_the_other(before.force, after.force),
     )
+
+
+def _one_after_the_other(before: Array | None, after: Array | None) -> Array | None:
+    return None if before is None or after is None else np.concatenate([before, after])
 
 
 def _after(rows: Rows, count: int) -> Rows:
@@ -64,4 +69,5 @@ def _after(rows: Rows, count: int) -> Rows:
         time=None if rows.time is None else rows.time[count:],
         command=rows.command[count:],
         measured=rows.measured,
+        force=None if rows.force is None else rows.force[count:],
     )

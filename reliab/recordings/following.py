@@ -5,7 +5,7 @@ another one of the same name, or shortened) an empty piece comes first; its head
 the file before where it has none.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -38,6 +38,7 @@ class Rows:
     time: Array | None  # Times [s], shape (k,); None without a column of time
     command: Array  # command, measured: x_c and x_m [m], shape (k,)
     measured: Array
+    force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,8 +51,17 @@ class _Layout:
     channels: Mapping[Part, Channel]
 
 
-def rows_as_written(pieces: Iterator[bytes], *, name: str, stated: Mapping[Part, Stated]) -> Iterator[Rows]:
-    """Rows of a text that comes in pieces; `name` is that of its file."""
+def rows_as_written(
+    pieces: Iterator[bytes],
+    *,
+    name: str,
+    stated: Mapping[Part, Stated],
+    also: Sequence[Part] = (),
+) -> Iterator[Rows]:
+    """Rows of a text that comes in pieces.
+
+    `name` is that of its file, `also` which columns it must have beside both displacements.
+    """
     remainder, number = b"", 0
     layout: _Layout | None = None
     waiting: list[tuple[int, str]] = []
@@ -75,14 +85,16 @@ def rows_as_written(pieces: Iterator[bytes], *, name: str, stated: Mapping[Part,
         number += len(whole)
         if layout is None:
             waiting += lines
-            layout, lines = _begun(waiting, name, stated, before)
+            layout, lines = _begun(waiting, name, stated, before, also)
         if layout is not None and (rows := [line for line in lines if not is_comment(line[1])]):
             yield _parsed(rows, layout, name)
     if layout is None and before is None:
-        _explain(waiting, name, stated)
+        _explain(waiting, name, stated, also)
 
 
-def _explain(waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated]) -> None:
+def _explain(
+    waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated], also: Sequence[Part]
+) -> None:
     """Say what is wrong with a text in which no two rows of numbers stand below names."""
     lines = [(number, line) for number, line in waiting if not is_comment(line)]
     if len(lines) > 1:
@@ -90,7 +102,7 @@ def _explain(waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, St
         first = next((k for k, (_, line) in enumerate(lines) if _has_number(line, delimiter)), len(lines))
         if 0 < first < len(lines):
             above = [line for _, line in lines[:first]]
-            _parsed(lines[first:], _layout(above, above[-1], delimiter, name, stated), name)
+            _parsed(lines[first:], _layout(above, above[-1], delimiter, name, stated, also), name)
 
 
 def _has_number(line: str, delimiter: str) -> bool:
@@ -98,7 +110,11 @@ def _has_number(line: str, delimiter: str) -> bool:
 
 
 def _begun(
-    waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated], before: _Layout | None
+    waiting: list[tuple[int, str]],
+    name: str,
+    stated: Mapping[Part, Stated],
+    before: _Layout | None,
+    also: Sequence[Part],
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
     """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
@@ -109,7 +125,9 @@ def _begun(
         if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
             above = [text for text in lines[:place] if text.strip()]
             named = (
-                before if before is not None and not above else _layout(above, line, delimiter, name, stated)
+                before
+                if before is not None and not above
+                else _layout(above, line, delimiter, name, stated, also)
             )
             return named, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:
@@ -133,7 +151,14 @@ def _stands_below_names(lines: list[str], delimiter: str) -> bool:
     )
 
 
-def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapping[Part, Stated]) -> _Layout:
+def _layout(
+    above: list[str],
+    line: str,
+    delimiter: str,
+    name: str,
+    stated: Mapping[Part, Stated],
+    also: Sequence[Part],
+) -> _Layout:
     width = len(cells_of(line, delimiter))
     header = header_of(above, width, delimiter)
     if not header.named:
@@ -148,7 +173,7 @@ def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapp
         values={column: np.zeros(0) for column in header.names},
         units=dict(zip(header.names, header.units, strict=False)),
     )
-    recognised = recognise(columns, stated, needed=DISPLACEMENTS, histories=False)
+    recognised = recognise(columns, stated, histories=False)
     if any(channel.actuator for channel in recognised):
         raise InputError(
             "A test that is followed must be of one actuator",
@@ -156,7 +181,16 @@ def _layout(above: list[str], line: str, delimiter: str, name: str, stated: Mapp
             remedy="Choose a pair with `command` and `measured`",
             where=name,
         )
-    wanted = {channel.part: channel for channel in recognised if channel.part in {Part.TIME, *DISPLACEMENTS}}
+    parts = {Part.TIME, *DISPLACEMENTS, *also}
+    wanted = {channel.part: channel for channel in recognised if channel.part in parts}
+    for part in also:
+        if part not in wanted:
+            raise InputError(
+                f"A test that is followed like this needs a column of its {part}",
+                value=", ".join(header.names),
+                remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`",
+                where=name,
+            )
     return _Layout(
         delimiter=delimiter,
         width=width,
@@ -188,5 +222,8 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
             read[part].append(value)
     histories = {part: layout.channels[part].in_si(np.array(values)) for part, values in read.items()}
     return Rows(
-        time=histories.get(Part.TIME), command=histories[Part.COMMAND], measured=histories[Part.MEASURED]
+        time=histories.get(Part.TIME),
+        command=histories[Part.COMMAND],
+        measured=histories[Part.MEASURED],
+        force=histories.get(Part.FORCE),
     )

@@ -60,6 +60,7 @@ _PER_PERIOD = 100.0
 _FORESEEN = 0.01  # of a displacement, that the specimen's force at the end of a step may move at most
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
+_MISSED = 0.3  # of the force on held-out parts, above which a specimen is not learned
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
 
 
@@ -88,6 +89,11 @@ class MeasuredSpecimen:
     def held_out(self) -> float:
         """What the best family leaves unexplained of held-out parts of the force, RMS over RMS [-]."""
         return self.families[0].held_out
+
+    @property
+    def learned(self) -> bool:
+        """Whether held-out parts of the force are predicted so well that the specimen counts as learned."""
+        return self.held_out <= _MISSED
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force.

@@ -2,12 +2,7 @@ from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
 from .initial import FEWEST as FEWEST, SIGNIFICANT as SIGNIFICANT, STANDS as STANDS
-from .monitor import (
-    CALM as CALM,
-    FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
-    SHRINKS as SHRINKS,
-    Monitor as Monitor,
-)
+from .monitor import Monitor as Monitor
 from .nonlinear_reference import (
     rebuild_with_specimen as rebuild_with_specimen,
     tangent_structure as tangent_structure,
@@ -23,6 +18,14 @@ from .running_specimen import (
     NOISE_OF_SPEED as NOISE_OF_SPEED,
     TINY as TINY,
     TRIES as TRIES,
+)
+from .running_test import (
+    CALM as CALM,
+    FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
+    SHRINKS as SHRINKS,
+    Now as Now,
+    RunningTest as RunningTest,
+    require_readings as require_readings,
 )
 from .specimen_check import (
     FEWEST_PERIODS as FEWEST_PERIODS,

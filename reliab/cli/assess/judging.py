@@ -16,8 +16,10 @@ from reliab.cli.options import (
     EquipmentFile,
     ErrorThreshold,
     FeedbackLag,
+    HeldByForce,
     MassOfStructure,
     SensorScale,
+    SpecimenKnown,
     StatedDampingRatio,
     StatedShare,
     StructureFile,
@@ -91,25 +93,8 @@ class JudgesTests(Demand):
             help="Model of a nonlinear specimen, as `reliab diagnose` writes it.",
         ),
     ] = None
-    specimen: Annotated[
-        str | None,
-        typer.Option(
-            "--specimen",
-            metavar="linear|measured",
-            help="How the specimen is known: linear, or measured: learned from its recorded force, which "
-            "needs --mass or --structure. By default linear, but it may have yielded where no force was "
-            "recorded.",
-        ),
-    ] = None
-    force_channel: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--force-channel",
-            metavar="NAME=VALUE",
-            help="What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
-            "friction_n=40±20.",
-        ),
-    ] = None
+    specimen: SpecimenKnown = None
+    force_channel: HeldByForce = None
     structure: StructureFile = None
     threshold: ErrorThreshold = None
     confidence: Annotated[

@@ -11,7 +11,15 @@ import typer
 
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import ChannelsFile, Column, EquipmentFile, MetricName, TakenAsExact
+from reliab.cli.options import (
+    ChannelsFile,
+    Column,
+    EquipmentFile,
+    HeldByForce,
+    MassOfStructure,
+    MetricName,
+    TakenAsExact,
+)
 from reliab.cli.output import console, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
@@ -70,7 +78,7 @@ class MonitorDemand(Demand):
         typer.Option(
             "--structure",
             metavar="FRAME.toml",
-            help="Frame with a linear specimen in the laboratory, in place of --f, --xi and --alpha; with "
+            help="Frame with its specimen in the laboratory, in place of --f, --xi and --alpha; with "
             "--export also one that several actuators drive.",
         ),
     ] = None
@@ -82,6 +90,17 @@ class MonitorDemand(Demand):
             help="Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha.",
         ),
     ] = None
+    specimen: Annotated[
+        str | None,
+        typer.Option(
+            "--specimen",
+            metavar="linear|measured",
+            help="How the specimen is known: linear (default), or measured: learned while the test runs from "
+            "its recorded force, which needs --mass or --structure.",
+        ),
+    ] = None
+    mass: MassOfStructure = None
+    force_channel: HeldByForce = None
     threshold: Annotated[
         float,
         typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %."),
@@ -145,7 +164,10 @@ def monitor(demand: MonitorDemand) -> None:
     may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
     response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB; but
-    with --model it is held whole, and may last about an hour. What --export writes has no such limit.
+    with --model or a measured specimen it is held whole, and may last about an hour. What --export writes
+    has no such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its
+    force is predicted to 10 % on parts of the test that were held out, no error is stated, and where that is
+    so at the end the exit code is 0.
     """
     if demand.export is not None:
         _export(demand)
@@ -181,7 +203,7 @@ def _follow(demand: MonitorDemand) -> None:
                 lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
                 lines.flush()
             screen.show(message)
-            above = message.to_dict().get("above_threshold", False)
+            above = message.to_dict().get("above_threshold") or False
     if demand.source != "-" and not quiet:
         console().print(
             f"No new row came for {demand.wait:g} s: the test counts as finished. A new call reads the file "

@@ -43,6 +43,11 @@ class Screen:
             self._print(list(message.alarms.values())[-1], style="red")
         elif message.kind == "end":
             self._stop()
+            if content["above_threshold"] is None:
+                self._print(_still_learning(content))
+                limit = percent(self._threshold, decimals=2)
+                self._print(f"Whether the error of the whole test is above {limit} is undecided.")
+                return
             self._print(_line(content, self._metric, self._threshold))
             side = "above" if content["above_threshold"] else "not above"
             self._print(f"The error of the whole test is {side} {percent(self._threshold, decimals=2)}.")
@@ -50,11 +55,20 @@ class Screen:
             self._live.update(_table(message, self._metric, self._threshold))
         elif "error" in content:
             self._print(_line(content, self._metric, self._threshold))
+        elif content.get("specimen", {}).get("until_s") == content["time_s"]:
+            self._print(_still_learning(content))
 
     def _print(self, text: str, style: str | None = None) -> None:
         """Print a line at once, in a pipe too."""
         self._terminal.print(text, style=style, highlight=False)
         self._terminal.file.flush()
+
+
+def _still_learning(message: Mapping[str, Any]) -> str:
+    """Say that the specimen is not learned yet, and how far that is."""
+    missed = message["specimen"]["held_out"]
+    far = "nothing was learned" if missed is None else f"{percent(missed, decimals=0)} of its force is missed"
+    return f"{message['time_s']:8.2f} s  still learning the specimen: {far} on parts that were held out"
 
 
 def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
@@ -74,9 +88,12 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
     shown = table(
         f"{now.time:.2f} s of the test, {now.samples} samples", {"quantity": "left", "value": "right"}
     )
-    shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
-    shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
-    shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))
+    if now.error is None or now.rms is None or now.mte is None:
+        shown.add_row("specimen", "still learning")
+    else:
+        shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
+        shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
+        shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))
     if result is not None:
         error = result.estimate(metric)
         shown.add_row(

@@ -1,0 +1,136 @@
+"""A test while it runs whose specimen is known by its force only: learned anew whenever enough was added.
+
+Whenever the test has grown by a fourth, it is learned and judged as `rebuild_with_force` does it after the
+test. While held-out parts of the force are predicted badly the specimen counts as not learned, and no error
+is stated. The test is held whole.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.measured_specimen.force_channel import ForceChannel
+from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.rebuilt_error import (
+    Now,
+    RebuiltError,
+    RunningTest,
+    Tolerances,
+    WholeStructure,
+    require_readings,
+)
+from reliab.errors import InputError
+
+_ENOUGH = 0.1  # of the force on held-out parts, above which a running test has not shown enough
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedForce:
+    """What is stated of a test whose specimen is known by its force, beside its structure."""
+
+    mass_deviation: float = 0.0  # Of the mass, over the mass [-]
+    feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
+    channel: ForceChannel = ForceChannel()  # noqa: RUF009 - What the force holds beside that of the specimen
+    tolerances: Tolerances = Tolerances()  # noqa: RUF009 - How far stated values may be off
+    seed: int = 0  # Seed of the draws
+
+
+class MeasuredMonitor(RunningTest):
+    """Follow the error of a test whose specimen is learned from its force; `time_step` [s].
+
+    `structure` [kg, N·s/m, N/m]: the computer's part and the specimen's initial stiffness.
+    """
+
+    growth: ClassVar[float] = 0.25
+
+    def __init__(self, structure: WholeStructure, time_step: float, stated: StatedForce) -> None:
+        super().__init__(structure, time_step)
+        self._stated = stated
+        self._parts: list[Array] = []
+        self._samples = 0
+        self._specimen: MeasuredSpecimen | None = None
+        self._known: RebuiltError | None = None
+
+    @property
+    def samples(self) -> int:
+        """Samples so far."""
+        return self._samples
+
+    @property
+    def specimen(self) -> MeasuredSpecimen | None:
+        """What was learned last; None before anything could be."""
+        return self._specimen
+
+    @property
+    def asked_at(self) -> float | None:
+        """Time up to which the specimen was learned last [s]; None before it was tried."""
+        return (self._asked - 1) * self.time_step if self._asked else None
+
+    def feed(self, command: Array, measured: Array, force: Array) -> None:
+        """Add the next samples.
+
+        `command`, `measured` [m]; `force` [N].
+        """
+        require_readings(command, measured)
+        self._parts.append(np.stack([command, measured, force]))
+        self._samples += command.size
+        self._energy.feed(command, measured)
+
+    @property
+    def now(self) -> Now:
+        """What is known at the last sample, errors as they were last computed."""
+        last = self._known
+        return Now(
+            samples=self.samples,
+            time=(self.samples - 1) * self.time_step,
+            error=None if last is None else float(last.error[-1]),
+            rms=None if last is None else last.rms.value,
+            mte=None if last is None else last.mte.value,
+            damping=self._energy.net,
+        )
+
+    @property
+    def _calm(self) -> float:
+        if self._known is None:
+            return 0.0
+        peaks, doubled, level = np.maximum.accumulate(np.abs(self._known.reference)), 0, 0.0
+        while peaks[-1] > 2.0 * level:
+            doubled = int(np.argmax(peaks > 2.0 * level))
+            level = float(peaks[doubled])
+        return float((peaks.size - 1 - doubled) * self.time_step)
+
+    def ask(self, *, at_end: bool = False) -> RebuiltError | None:
+        """Learn the specimen from all samples so far, and compute the error; None while it is not learned.
+
+        At the end it counts as learned where `assess` takes it so, which is less than while it runs.
+        """
+        self._specimen, self._known = self._learned(at_end=at_end), None
+        if self._specimen is not None:
+            known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
+            self._known = self._specimen.rebuilt if known else None
+        self._conclude(self._known)
+        return self._known
+
+    def _learned(self, *, at_end: bool) -> MeasuredSpecimen | None:
+        """Learn the specimen from all samples so far; None while they are too few to learn anything."""
+        self._parts = [np.concatenate(self._parts, axis=1)]
+        command, measured, force = self._parts[0]
+        try:
+            return rebuild_with_force(
+                command,
+                measured,
+                force,
+                self.time_step,
+                self.structure,
+                mass_deviation=self._stated.mass_deviation,
+                feedback_lag=self._stated.feedback_lag,
+                force_channel=self._stated.channel,
+                tolerances=self._stated.tolerances,
+                seed=self._stated.seed,
+            )
+        except InputError:
+            if at_end:
+                raise
+            return None

@@ -1,0 +1,174 @@
+"""A test that is followed while its specimen is learned from its force."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reliab import assess, follow_test
+from reliab.assessment.measured_specimen import MeasuredMonitor, StatedForce, monitor as following
+from reliab.assessment.rebuilt_error import CALM, WholeStructure
+from reliab.cli import run
+from reliab.errors import InputError
+from reliab.structures import Structure
+from reliab.vocabulary import Metric
+
+simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
+
+_STEP = 1.0 / 256.0
+_TIMES = np.arange(0.0, 16.0, _STEP)
+_STRUCTURE = WholeStructure.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
+
+
+@pytest.fixture
+def learned(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """What would be learned: a specimen with a share of the force that is missed, and an error of 20 %."""
+    size = SimpleNamespace(value=0.2, low=0.15, high=0.25)
+    peak = np.where(_TIMES > 1.0, 1.0, 0.1)
+    rebuilt = SimpleNamespace(
+        rms=size, mte=size, error=0.2 * peak, reference=peak, estimate=lambda _metric: size
+    )
+    specimen = SimpleNamespace(held_out=0.2, learned=True, rebuilt=rebuilt)
+
+    def learn(command: np.ndarray, *_: Any, **__: Any) -> SimpleNamespace:
+        if command.size < 300:
+            raise InputError("Too short")
+        rebuilt.reference = peak[: command.size]
+        return specimen
+
+    monkeypatch.setattr(following, "rebuild_with_force", learn)
+    return specimen
+
+
+def _monitor(seconds: float) -> MeasuredMonitor:
+    monitor = MeasuredMonitor(_STRUCTURE, _STEP, StatedForce())
+    path = np.sin(6.0 * _TIMES[: round(seconds / _STEP)])
+    monitor.feed(path, path, path)
+    return monitor
+
+
+def test_no_error_is_stated_before_the_force_is_predicted_to_a_tenth(learned: SimpleNamespace) -> None:
+    monitor = _monitor(8.0)
+    assert monitor.ask() is None
+    assert (monitor.now.rms, monitor.now.error, monitor.specimen.held_out) == (None, None, 0.2)
+    assert monitor.ask(at_end=True) is learned.rebuilt  # as `assess` takes it
+    learned.held_out = 0.09
+    assert monitor.ask() is learned.rebuilt
+    assert monitor.now.rms == 0.2
+    learned.held_out, learned.learned = 0.4, False
+    assert monitor.ask(at_end=True) is None
+
+
+@pytest.mark.usefixtures("learned")
+def test_too_short_a_test_is_still_learned() -> None:
+    monitor = _monitor(1.0)
+    assert monitor.ask() is None
+    assert monitor.specimen is None
+    with pytest.raises(InputError, match="Too short"):
+        monitor.ask(at_end=True)
+
+
+def test_a_measured_specimen_is_learned_at_each_fourth(learned: SimpleNamespace) -> None:
+    learned.held_out = 0.01
+    monitor, asked = _monitor(4.0), []
+    for _ in range(1, round(12.0 / 0.25)):
+        if monitor.due:
+            asked.append(monitor.samples)
+            monitor.ask()
+        path = 0.1 * np.ones(round(0.25 / _STEP))
+        monitor.feed(path, path, path)
+    assert len(asked) > 2
+    assert all(later >= 1.25 * before for before, later in pairwise(asked))
+
+
+def test_the_alarm_waits_until_the_peak_is_calm(learned: SimpleNamespace) -> None:
+    """The peak last doubled at one second, and half of the low end of 15 % is above 5 % but not 8 %."""
+    learned.held_out = 0.01
+    for seconds, calm in ((1.0 + CALM - 0.1, False), (1.0 + CALM + 0.1, True)):
+        monitor = _monitor(seconds)
+        monitor.ask()
+        assert [monitor.exceeds(limit, Metric.RMS) for limit in (0.05, 0.08)] == [calm, False]
+
+
+def test_no_reading_is_too_large() -> None:
+    with pytest.raises(InputError, match="finite number below"):
+        MeasuredMonitor(_STRUCTURE, _STEP, StatedForce()).feed(np.array([1e30]), np.zeros(1), np.zeros(1))
+
+
+_STATED = {"f": 1, "xi": 0.02}
+
+
+@pytest.mark.parametrize(
+    ("stated", "says"),
+    [
+        ({"specimen": "measured"}, "needs the `mass`"),
+        ({"specimen": "elastic"}, "linear or measured"),
+        ({"mass": 1.0}, "unless the `specimen` is measured"),
+        ({"force_channel": ["lag_ms=2"]}, "unless the `specimen` is measured"),
+        ({"specimen": "measured", "mass": 1.0}, "needs a column of its force"),
+        ({"specimen": "measured", "mass": -1.0}, "must be positive"),
+    ],
+)
+def test_what_cannot_be_followed_is_refused(stated: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        list(follow_test("sample_test", **_STATED, **stated, wait=0.05))
+
+
+def _written(path: Path, family: str, seconds: float) -> tuple[Any, dict[str, Any]]:
+    """Write a simulated test of a structure of 1000 kg; return it with what is stated of it."""
+    times = np.arange(0.0, seconds, _STEP)
+    noise = np.random.default_rng(4).standard_normal(times.size)
+    load = np.convolve(noise, np.hanning(25), mode="same") * np.minimum(times, 1.0)
+    draw = np.random.default_rng(8)
+    while not 0.01 < (test := simulated_tests.simulate(family, load, _STEP, draw)).error < 0.1:
+        pass
+    columns = {"time_s": times, "command_m": test.command, "measured_m": test.measured}
+    pd.DataFrame({**columns, "force_kn": test.force}).to_csv(path, index=False)
+    loop = test.loop
+    return test, {"f": loop.frequency, "xi": loop.damping_ratio, "alpha": loop.share, "mass": 1000.0}
+
+
+@pytest.mark.slow
+def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path) -> None:
+    test, stated = _written(tmp_path / "test.csv", "bilinear", 20.0)
+    said = {**stated, "specimen": "measured", "exact": True}
+    *running, end = (message.to_dict() for message in follow_test(tmp_path / "test.csv", **said, wait=0.05))
+    found = assess(tmp_path / "test.csv", **said).error.rebuilt.rms
+    assert [end["error"]["rms"][name] for name in ("value", "low", "high")] == [
+        found.value,
+        found.low,
+        found.high,
+    ]
+    assert running[0]["specimen"] == {"learning": True, "held_out": None, "until_s": None}
+    assert running[0]["rms"] is None
+    known = [message for message in running if "error" in message]
+    assert len(known) > 3
+    for message in known:
+        moved, exact = (history[: message["samples"]] for history in (test.moved, test.exact))
+        true = np.sqrt(np.mean((moved - exact) ** 2)) / np.abs(exact).max()
+        assert message["error"]["rms"]["value"] == pytest.approx(true, rel=0.15)
+
+
+@pytest.mark.slow
+def test_the_command_says_that_it_is_still_learning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A force that is noise is never learned: the exit code is 0, and the answer undecided."""
+    _, stated = _written(tmp_path / "test.csv", "linear", 12.0)
+    table = pd.read_csv(tmp_path / "test.csv")
+    table["force_kn"] = np.random.default_rng(0).standard_normal(len(table))
+    table.to_csv(tmp_path / "test.csv", index=False)
+    options = [part for name, value in stated.items() for part in (f"--{name}", f"{value}")]
+    command = ["monitor", str(tmp_path / "test.csv"), *options, "--specimen", "measured", "--wait", "0.05"]
+    assert run(command) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "still learning the specimen" in printed
+    assert "Whether the error of the whole test is above 5.00 % is undecided." in printed
+    assert run([*command, "--json", "-"]) == 0
+    end = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert (end["above_threshold"], end["specimen"]["learning"]) == (None, True)
