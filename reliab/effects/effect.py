@@ -174,11 +174,14 @@ class Setting:
         Stiffness of the linear specimen [N/m].
     damping : float
         Damping coefficient of the linear specimen [N·s/m].
+    moved_before : float
+        Largest displacement of the specimen in earlier tests [m].
     """
 
     step: float
     stiffness: float = 0.0
     damping: float = 0.0
+    moved_before: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from benchmarks.campaign_variants import NOISY_DB, VARIANTS  # noqa: E402
+from benchmarks.campaign_variants import MIXED, NOISY_DB, VARIANTS, changes_of  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
 from blind_campaigns.kinds import Kind  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
@@ -48,9 +48,10 @@ def evaluate(
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
-        if variant is not None:
-            VARIANTS[variant](campaign)
-        result = answer(campaign)
+        changes = changes_of(variant, seed, nothing_hidden=not label.effects)
+        for change in changes:
+            VARIANTS[change](campaign)
+        result = {**answer(campaign), "changed": changes}
         shutil.rmtree(campaign)
     (folder / "results" / f"{name}.json").write_text(json.dumps(result), encoding="utf-8")
     write_label(label, folder / "labels")
@@ -66,6 +67,7 @@ def answer(folder: Path) -> dict[str, Any]:
     except InputError as refusal:
         return {"verdict": "refused", "effects": [], "refusal": str(refusal)}
     result = found.to_dict()
+    result["misstated"] = [item.name for block in found.blocks for item in block.misstated]
     result["foretold"] = [row for block in found.blocks for row in foretold(block)]
     result["seconds"] = time.perf_counter() - begin
     add(found)
@@ -128,7 +130,9 @@ def main() -> None:
         action="store_true",
         help="Do not find out which other effects could pass for the hidden one: the same campaigns, faster.",
     )
-    parser.add_argument("--variant", choices=sorted(VARIANTS), help="Make every campaign harder in this way.")
+    parser.add_argument(
+        "--variant", choices=sorted([*VARIANTS, MIXED]), help="Make every campaign harder in this way."
+    )
     parser.add_argument(
         "--kind", choices=[str(kind) for kind in Kind], help="Draw campaigns of one kind only."
     )

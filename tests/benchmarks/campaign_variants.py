@@ -1,14 +1,22 @@
 """Harder campaigns: nominal values that are wrong, few tests, short ones, and noisy channels."""
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
+
+from blind_campaigns.outcomes import WRONG_STRUCTURE
 
 SHORT = 5.0
 """Length of a short record [s]."""
 
 NOISY_DB = 15.0
 """Signal-to-noise ratio of noisy channels, the middle of 10 to 20 dB."""
+
+FORCE_OFFSET = "force_offset"
+MIXED = "mixed"
+_OFFSET = 0.1  # of the RMS of a test's force
+_EVERY_THIRD = 3
 
 
 def _scaled(key: str, factor: float) -> Callable[[Path], None]:
@@ -47,6 +55,34 @@ def _of_two_tests(campaign: Path) -> None:
     file.write_text(text, encoding="utf-8")
 
 
+def _with_offset_of_force(campaign: Path) -> None:
+    """Add a constant to the recorded force, which the loop did not feel."""
+    offset = None
+    for file in sorted(campaign.glob("*.csv")):
+        header, *rows = file.read_text(encoding="ascii").splitlines()
+        if not header.endswith(",force_n"):
+            return
+        split = [row.rsplit(",", 1) for row in rows]
+        forces = [float(force) for _, force in split]
+        if offset is None:
+            offset = _OFFSET * math.sqrt(sum(force**2 for force in forces) / len(forces))
+        lines = [header, *(f"{left},{force + offset:.12g}" for (left, _), force in zip(split, forces))]
+        file.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def changes_of(variant: str | None, seed: int, *, nothing_hidden: bool) -> tuple[str, ...]:
+    """Names of the changes of a campaign.
+
+    In the mixed variant every third one gets an offset of the force, and where nothing is hidden frequency,
+    damping ratio or mass of the structure are stated wrongly in turn.
+    """
+    if variant != MIXED:
+        return () if variant is None else (variant,)
+    offset = (FORCE_OFFSET,) if seed % _EVERY_THIRD == 0 else ()
+    wrong = (tuple(WRONG_STRUCTURE)[seed // _EVERY_THIRD % len(WRONG_STRUCTURE)],) if nothing_hidden else ()
+    return offset + wrong
+
+
 VARIANTS: dict[str, Callable[[Path], None]] = {
     "frequency": _scaled("frequency_hz", 1.02),
     "damping": _scaled("damping_ratio", 1.2),
@@ -54,5 +90,6 @@ VARIANTS: dict[str, Callable[[Path], None]] = {
     "short": _shortened,
     "two_tests": _of_two_tests,
     "noisy": lambda _campaign: None,
+    FORCE_OFFSET: _with_offset_of_force,
 }
 """What is changed in the folder of a campaign, by name; noise is drawn by the laboratory itself."""

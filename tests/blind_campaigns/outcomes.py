@@ -11,6 +11,13 @@ from blind_campaigns.labels import Label
 CALIBRATION_NAMES = {"gain_error", "delay_error"}
 """Names in a result that are calibration and not missing effects."""
 
+WRONG_STRUCTURE = {
+    "frequency": "structure_frequency",
+    "damping": "structure_damping",
+    "mass": "structure_mass",
+}
+"""Variants in which the structure is stated wrongly, and the calibrated value that tells it."""
+
 Names = dict[str, dict[str, Any]]
 """By effect and parameter of the label: the product's parameter, `{name, factor}` (label × factor), or
 false to skip.
@@ -35,7 +42,24 @@ class Outcome:
         if self.result is None:
             return set()
         names = {str(effect["name"]) for effect in self.result.get("effects", [])}
+        if "force_offset" in self.changed:  # which is then rightly named
+            names -= {"force_bias"} - self.label.names
         return names - CALIBRATION_NAMES if self.verdict == "named" else set()
+
+    @property
+    def changed(self) -> set[str]:
+        """Names of the variants by which the campaign was changed after it was drawn."""
+        return set((self.result or {}).get("changed", []))
+
+    @property
+    def wrongly_stated(self) -> set[str]:
+        """Calibrated values of the structure that a variant stated wrongly."""
+        return {WRONG_STRUCTURE[name] for name in self.changed & set(WRONG_STRUCTURE)}
+
+    @property
+    def misstated(self) -> set[str]:
+        """Calibrated values that contradict what was stated."""
+        return set((self.result or {}).get("misstated", []))
 
     @property
     def exact(self) -> bool:

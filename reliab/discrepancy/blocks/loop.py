@@ -33,7 +33,8 @@ _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss i
 _ROUNDING = 0.05
 _SPRINGS = 9
 _DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
-_SKETCHED = 0.5  # of the rate of integration, for derivatives
+_SKETCHED = 0.25  # of the rate of integration, for derivatives
+_FEWEST_SKETCHED = 30.0  # of their steps in a natural period
 _LOOSE = 0.2  # spread of a gain that no channel shows by itself
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
@@ -100,7 +101,8 @@ class LoopBlock(ObservedBlock):
     def sketch(self) -> ObservedBlock:
         """The same, integrated at a longer step."""
         thinned = copy(self)
-        thinned.integrate_at(_SKETCHED * self._wanted)
+        natural = 0.0 if self.nominal.structure is None else self.nominal.structure.frequency
+        thinned.integrate_at(max(_SKETCHED * self._wanted, _FEWEST_SKETCHED * natural))
         return thinned
 
     @property

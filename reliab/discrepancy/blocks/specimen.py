@@ -18,7 +18,7 @@ from reliab.discrepancy.blocks.calibration import (
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import ClockOffset, outside_terms, with_clock
+from reliab.discrepancy.terms import ClockOffset, SoftenedSpring, outside_terms, with_clock
 from reliab.effects import (
     AddedMass,
     Effect,
@@ -69,7 +69,7 @@ class SpecimenBlock(ObservedBlock):
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
         self.candidates = (*in_force, *of_sensor, ClockOffset)
-        self.outside = outside_terms(self.block)
+        self.outside = (*outside_terms(self.block), SoftenedSpring)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
         self.move(pistons)
@@ -77,6 +77,8 @@ class SpecimenBlock(ObservedBlock):
     def move(self, pistons: Sequence[Motion3]) -> None:
         """Compute the motion of the piston in every test."""
         self.motions = tuple(pistons)
+        peaks = [float(np.abs(piston.values[0]).max()) for piston in self.motions]
+        self._moved_before = np.maximum.accumulate([0.0, *peaks]).tolist()
         self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
 
     def with_open_stiffness(self) -> "SpecimenBlock":
@@ -119,7 +121,8 @@ class SpecimenBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
-        return with_clock(model, self._force(model, test), self.motions[test].step)
+        followed = replace(model, moved_before=self._moved_before[test])
+        return with_clock(model, self._force(followed, test), self.motions[test].step)
 
     def _force(self, model: HybridTest, test: int) -> Array:
         """Predict the force as if all channels had one clock."""

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar
 
+import numpy as np
+
+from reliab.arrays import Array
 from reliab.discrepancy.terms.monomial import monomial
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Effect, Kernel, Numbers, Parameter, Role
+from reliab.effects import Effect, Kernel, Numbers, Parameter, Role, Setting
 from reliab.vocabulary import Block
 
 _FORCES = (
@@ -154,6 +157,50 @@ class GrowingSlack(OutsideTerm):
 
     stiffness_n_per_m: float  # c [N/m], minus the spring's stiffness for a slack
     share: float  # s [-]
+
+
+def _softened(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
+    # Coefficients: c, p, largest displacement in earlier tests. State: largest displacement so far.
+    state[0] = max(state[0], coefficients[2], abs(motion[0]))
+    below = 1.0 - (abs(motion[0]) / state[0]) ** coefficients[1] if state[0] > 0.0 else 0.0
+    return -coefficients[0] * motion[0] * below
+
+
+@dataclass(frozen=True, kw_only=True)
+class SoftenedSpring(OutsideTerm):
+    """A force −c·x·(1 − (|x|/max|x|)ᵖ), where the maximum is that of this test and of all earlier ones.
+
+    Rubber that was stretched once is softer up to there, and as stiff as it was beyond (Mullins 1969, Rubber
+    Chemistry and Technology 42, 339). Tests follow each other as the campaign lists them.
+    """
+
+    expression: ClassVar[str] = "−x (1 − (|x|/max|x|)^p)"
+    name = "softened spring"
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = (
+        "the specimen is softer while it moves less than it did before, in this test or in an earlier one, as "
+        "rubber is (the effect of Mullins)"
+    )
+    parameters = (
+        Parameter(
+            name="lost_n_per_m", units="N/m", meaning="stiffness that is lost far below the largest displacement",
+            scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.5, lower=-10.0, upper=10.0,
+            starts=(0.1, 0.1, 0.1),
+        ),
+        Parameter(
+            name="power", units="-", meaning="power with which the stiffness returns",
+            typical=2.0, spread=1.0, lower=0.2, upper=20.0, starts=(4.0, 2.0, 1.0),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_softened, states=1)
+
+    lost_n_per_m: float  # c [N/m]
+    power: float  # p [-]
+
+    def coefficients(self, setting: Setting) -> Array:
+        """Parameters, and the largest displacement in earlier tests [m]."""
+        return np.array([*self.values, setting.moved_before])
 
 
 def _delay(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:

@@ -25,6 +25,7 @@ class HybridTest:
     actuator: Actuator = field(default_factory=Actuator)  # Gain and delay
     specimen: Specimen | None = None  # The linear specimen; by default the structure's own spring αω₀²m
     effects: tuple[Effect, ...] = ()  # Further effects; within a block they act in the order of the library
+    moved_before: float = 0.0  # Largest displacement of the specimen in earlier tests [m]
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.mass) and self.mass > 0.0):
@@ -51,7 +52,12 @@ class HybridTest:
     def setting(self, step: float) -> Setting:
         """Properties of this test that effects need, for a step [s]."""
         specimen = self.specimen or Specimen(stiffness=0.0)
-        return Setting(step=step, stiffness=specimen.stiffness, damping=specimen.damping)
+        return Setting(
+            step=step,
+            stiffness=specimen.stiffness,
+            damping=specimen.damping,
+            moved_before=self.moved_before,
+        )
 
     @property
     def substructure(self) -> LinearSubstructure:
