@@ -63,11 +63,10 @@ def _with_offset_of_force(campaign: Path) -> None:
         if not header.endswith(",force_n"):
             return
         split = [row.rsplit(",", 1) for row in rows]
-        forces = [float(force) for _, force in split]
         if offset is None:
-            offset = _OFFSET * math.sqrt(sum(force**2 for force in forces) / len(forces))
-        lines = [header, *(f"{left},{force + offset:.12g}" for (left, _), force in zip(split, forces))]
-        file.write_text("\n".join(lines) + "\n", encoding="ascii")
+            offset = _OFFSET * math.sqrt(sum(float(force) ** 2 for _, force in split) / len(split))
+        shifted = [f"{left},{float(force) + offset:.12g}" for left, force in split]
+        file.write_text("\n".join([header, *shifted]) + "\n", encoding="ascii")
 
 
 def changes_of(variant: str | None, seed: int, *, nothing_hidden: bool) -> tuple[str, ...]:

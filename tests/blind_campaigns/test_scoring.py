@@ -141,3 +141,16 @@ def test_shipped_translation_is_readable() -> None:
 
     names = read_names(Path(__file__).with_name("parameter_names.toml"))
     assert all(set(entries) <= set(registry()[effect].units) for effect, entries in names.items())
+
+
+def test_an_offset_that_was_added_to_the_force_is_no_false_name() -> None:
+    told = answer("named", "gap", "force_bias", changed=["force_offset"])
+    assert Outcome(label=label("single", "gap"), result=told).exact
+    assert not Outcome(label=label("single", "gap"), result={**told, "changed": []}).exact
+
+
+@pytest.mark.parametrize(("misstated", "told"), [(["structure_mass", "stiffness"], 1), (["stiffness"], 0)])
+def test_a_structure_that_is_stated_wrongly_is_told_by_the_calibrated_value(misstated, told) -> None:
+    result = answer("no_missing_effect", changed=["mass"], misstated=misstated)
+    figures = score([Outcome(label=label("none"), result=result)], NAMES)
+    assert figures["rates"]["f, xi or mass stated wrongly, told"]["count"] == told

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
+from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, sharpened
@@ -19,7 +20,7 @@ from reliab.effects import find_effect
 from reliab.signals import NoiseModel
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, read_force
-from reliab.structures import Specimen
+from reliab.structures import Specimen, Structure
 
 RATE, NOISE = 1024.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)
@@ -174,3 +175,29 @@ def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, te
     assert errors.signals.sum() == pytest.approx(whole, rel=0.02)
     lengths = [power * (s.end - s.begin) for power, s in zip(relative_powers(few), few.segments, strict=True)]
     assert errors.units.sum() == pytest.approx(sum(lengths))
+
+
+@pytest.mark.parametrize(("frequency", "fewest"), [(0.8, 120.0), (6.0, 180.0)])
+def test_sketch_of_a_closed_loop_has_its_derivatives_at_fewer_steps(frequency, fewest):
+    structure = Structure(frequency=frequency, damping_ratio=0.03)
+    time = np.arange(0.0, 8.0, 1.0 / RATE)
+    ground = np.sin(2.0 * np.pi * 1.3 * time) * np.sin(np.pi * time / time[-1]) ** 2
+    channels = {Channel.GROUND: ground, Channel.MEASURED: 0.01 * ground}
+    tests = tuple(
+        MeasuredTest(file=f"{k}", motion="wave", held_out=k == 1, channels=channels) for k in range(2)
+    )
+    campaign = Campaign(
+        name="", structure=structure, mass=1000.0, actuator=Actuator(delay=0.001), specimen=None, rate=RATE,
+        tests=tests,
+    )  # fmt: skip
+    motions = motions_of(campaign)
+    block = LoopBlock(campaign, scales_of(campaign, motions), motions)
+    assert fewest <= RATE / block.sketch.every < 0.6 * RATE / block.every
+    segments = cut_segments(campaign.training, RATE, lambda _: 10.0, block.sketch.every)
+    problem, noise = Problem(block=block, segments=segments), NoiseModel.white(RATE, 1e-8)
+    space = ModelSpace(block, ())
+    sketched, exact = (
+        find(problem, space, np.zeros(space.size), noise) for find in (jacobian, exact_jacobian)
+    )
+    size = np.linalg.norm(exact, axis=0)
+    assert (np.linalg.norm(sketched - exact, axis=0) < 0.05 * size).all()

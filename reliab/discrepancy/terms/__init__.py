@@ -5,5 +5,4 @@ import lazy_loader
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 # modules of these names would hide what they hold
-from reliab.discrepancy.terms.outside_terms import SoftenedSpring as SoftenedSpring  # noqa: E402
 from reliab.discrepancy.terms.outside_terms import outside_terms as outside_terms  # noqa: E402

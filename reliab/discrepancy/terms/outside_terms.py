@@ -179,12 +179,12 @@ class SoftenedSpring(OutsideTerm):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = (
-        "the specimen is softer while it moves less than it did before, in this test or in an earlier one, as "
-        "rubber is (the effect of Mullins)"
+        "the specimen is softer while it moves less than it did before, in this test or in an earlier one, "
+        "as rubber is (the effect of Mullins)"
     )
     parameters = (
         Parameter(
-            name="lost_n_per_m", units="N/m", meaning="stiffness that is lost far below the largest displacement",
+            name="lost_n_per_m", units="N/m", meaning="stiffness lost far below the largest displacement",
             scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.5, lower=-10.0, upper=10.0,
             starts=(0.1, 0.1, 0.1),
         ),

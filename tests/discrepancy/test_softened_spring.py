@@ -1,0 +1,67 @@
+"""Rubber that is softer below its largest displacement so far, in this test or in an earlier one."""
+
+import numpy as np
+import pytest
+from discrepancy.test_specimen_forms import RATE, STIFFNESS, written
+
+from reliab.discrepancy import Verdict, diagnose
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
+from reliab.discrepancy.terms.outside_terms import SoftenedSpring
+from reliab.simulation.hybrid_test import HybridTest, Motion3, load
+from reliab.structures import Specimen
+
+SPRING = Specimen(stiffness=1000.0)
+RUBBER = HybridTest(specimen=SPRING, effects=(SoftenedSpring(lost_n_per_m=400.0, power=2.0),))
+TIME = np.arange(0.0, 3.0, 0.002)
+GROWING = np.sin(2.0 * np.pi * TIME) * TIME / TIME[-1] * 0.1
+
+
+def force_of(moved, before=0.0):
+    test = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=before)
+    return load(test, Motion3.through(moved, TIME[1]))
+
+
+def test_at_a_new_largest_displacement_it_is_as_stiff_as_ever():
+    largest = np.maximum.accumulate(np.abs(GROWING))
+    new = np.abs(GROWING) == largest
+    assert new.sum() > 100
+    np.testing.assert_allclose(force_of(GROWING)[new], 1000.0 * GROWING[new], rtol=1e-12)
+
+
+def test_below_an_earlier_one_it_has_lost_stiffness_which_returns_with_the_power():
+    force = force_of(0.5 * GROWING, before=0.1)
+    expected = (1000.0 - 400.0 * (1.0 - (np.abs(0.5 * GROWING) / 0.1) ** 2)) * 0.5 * GROWING
+    np.testing.assert_allclose(force, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_it_remembers_the_tests_before_in_the_order_of_the_campaign(tmp_path):
+    sizes = iter([1.0, 0.3, 2.0, 0.3])
+    campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: STIFFNESS * moved)
+    moved = tuple(
+        Motion3.through(next(sizes) * test.channels["measured_m"][::8], 8.0 / RATE) for test in campaign.tests
+    )
+    block = SpecimenBlock(campaign, scales_of(campaign, motions_of(campaign)), moved)
+    peaks = [np.abs(motion.values[0]).max() for motion in moved]
+    for test, before in enumerate([0.0, peaks[0], peaks[0], peaks[2]]):
+        alone = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=before)
+        np.testing.assert_allclose(block.predict(RUBBER, test), load(alone, moved[test]), atol=1e-9)
+
+
+@pytest.mark.slow
+def test_it_is_told_in_these_words_and_given_no_other_name(tmp_path):
+    """The stiffness falls along a straight line with what is missing to the largest displacement."""
+    largest = 0.0
+
+    def rubber(moved):
+        nonlocal largest
+        so_far = np.maximum(np.maximum.accumulate(np.abs(moved)), largest)
+        largest = so_far[-1]
+        below = 1.0 - np.abs(moved) / np.maximum(so_far, 1e-12)
+        return STIFFNESS * moved * (1.0 - 0.5 * np.minimum(2.0 * below, 1.0))
+
+    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", rubber))
+    assert found.verdict is Verdict.UNKNOWN_EFFECT
+    assert found.effects == ()
+    assert "Mullins" in found.unknown.description
+    assert found.gap.after < 0.2 * found.gap.before
