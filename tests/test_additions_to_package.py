@@ -220,6 +220,7 @@ def copy(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
     touched = {thing: add(thing, copy / "reliab") for thing in FILES}
     assert {thing: len(files) for thing, files in touched.items()} == MOST_FILES

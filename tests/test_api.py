@@ -109,6 +109,7 @@ def test_a_criterion_is_derived_from_a_name_a_file_a_table_or_a_dataset():
     assert float(by_name.limits(1.0, 0.02)[1]) == pytest.approx(1.163, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_criterion_between_the_stored_structures_is_that_of_the_command(capsys):
     asked = ("--ellipses", "real_suite", "--method", "quantile", "--f", "1.3", "--xi", "0.02", "--json", "-")
     assert cli.run(["criterion", *asked]) == 0
@@ -119,6 +120,7 @@ def test_a_criterion_between_the_stored_structures_is_that_of_the_command(capsys
         reliab.derive_criterion("real_suite", f=13.0)
 
 
+@pytest.mark.slow
 def test_former_names_of_arguments_do_what_they_did():
     wanted = {"method": "quantile"}
     with pytest.warns(DeprecationWarning, match="`frequency` is called `f`"):

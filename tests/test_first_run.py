@@ -90,6 +90,7 @@ def read_only(tmp_path):
     return tmp_path / "installed"
 
 
+@pytest.mark.slow
 def test_info_states_the_folder_in_which_compiled_code_is_kept(read_only, tmp_path):
     def stated(**environment):
         done = run(["-B", "-m", "reliab", "info", "--json", "-"], read_only, **environment)

@@ -142,6 +142,7 @@ def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(assess
         assert any(words in warning for warning in warnings)
 
 
+@pytest.mark.slow
 def test_partial_experimental_fraction_is_said(simulate):
     half = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5)
     assert any("it is conservative." in warning for warning in assess(simulate(), half).warnings)

@@ -103,6 +103,7 @@ def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulat
     assert below > 0
 
 
+@pytest.mark.slow
 def test_a_frame_is_doubted_as_well(simulate):
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e7, 3e7])
     whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))

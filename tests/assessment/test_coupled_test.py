@@ -179,6 +179,7 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
     assert 0.01 <= assessed.probability <= 0.99
 
 
+@pytest.mark.slow
 def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_answers():
     partition = CoupledPartition(
         mass=np.eye(2),

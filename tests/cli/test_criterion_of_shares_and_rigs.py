@@ -98,6 +98,7 @@ delay_ms = {delay}
 """
 
 
+@pytest.mark.slow
 def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_path):
     (tmp_path / "one.toml").write_text(FRAME.format(delay=4.0))
     (tmp_path / "two.toml").write_text(SEVERAL.format(delay=4.0))

@@ -88,6 +88,7 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
 
+@pytest.mark.slow
 def test_an_error_that_crossed_the_threshold_early_is_no_answer(tmp_path, capsys):
     """A threshold between the largest error so far and the one of the whole test."""
     path = tmp_path / "early.csv"
@@ -307,6 +308,7 @@ def test_every_option_changes_the_answer(short, capsys, option, value):
     assert capsys.readouterr().out != plain
 
 
+@pytest.mark.slow
 def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     """A reading that is late and too large, told so by channels.toml, has the error of the sound reading."""
     run(follow(good, "--threshold", "1", "--exact"))

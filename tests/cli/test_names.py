@@ -61,6 +61,7 @@ def test_records_of_any_name_are_listed(tmp_path, capsys, name):
         assert not written.err
 
 
+@pytest.mark.slow
 def test_a_record_whose_name_is_no_text_is_listed(tmp_path):
     (tmp_path / os.fsdecode(b"\xff\xfe.AT2")).write_text(AT2)
     program = "from reliab.cli import main; main()"

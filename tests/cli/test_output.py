@@ -147,6 +147,7 @@ def characters_that_are_shown():
     return {character for character in characters if character == printable(character)}
 
 
+@pytest.mark.slow
 def test_no_character_of_ours_becomes_a_question_mark():
     shown = characters_that_are_shown()
     assert {"ξ", "█", "±", "²", "−"} <= shown

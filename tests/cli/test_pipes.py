@@ -52,6 +52,7 @@ def test_a_command_that_nobody_reads_ends_with_141(arguments, errors):
     assert (process.wait(), said) == (141, b"")
 
 
+@pytest.mark.slow
 def test_a_refusal_that_nobody_reads_ends_with_141_too():
     command = [sys.executable, "-m", "reliab", "assess", "missing.csv", "--f", "1"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # noqa: S603 - the line above

@@ -143,6 +143,7 @@ def agree(capsys, tests, stated):
     return code
 
 
+@pytest.mark.slow
 def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(assessment, "assess_structure", Answer)

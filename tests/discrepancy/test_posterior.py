@@ -67,6 +67,7 @@ def damped():
     return problem, fitted, sample_posterior(problem, fitted)
 
 
+@pytest.mark.slow
 def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
     _, fitted, posterior = damped
     exact = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)

@@ -58,6 +58,7 @@ def updated():
     return updated_model(diagnose(campaign))
 
 
+@pytest.mark.slow
 def test_calibrated_values_are_the_true_ones(updated):
     sd = updated.deviations
     assert abs(updated.test.actuator.gain - 1.01) < 4.0 * sd["gain"] < 0.01

@@ -62,6 +62,7 @@ def test_events_are_told_by_the_headers_without_the_catalogue(real_motions_folde
         assert len(set(scanned.events)) == events
 
 
+@pytest.mark.slow
 def test_an_imported_suite_reads_back_bit_by_bit(suite: MotionSuite, tmp_path: Path) -> None:
     write_suite(suite, tmp_path / "suite")
     assert list(load_motions(tmp_path / "suite", sets=ALL)) == list(suite)

@@ -88,6 +88,7 @@ def test_emcee_reads_the_file_of_chains(tmp_path):
     np.testing.assert_array_equal(backend.get_chain(discard=10), sampled.draws[0])
 
 
+@pytest.mark.slow
 @SHORT
 def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
     monkeypatch.setattr(chain_file, "_EVERY", 0.0)

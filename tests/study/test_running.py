@@ -51,6 +51,7 @@ def stages_of(study, folder):
     return {name for name, worked in done.items() if worked}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("finished_once")
 def test_every_long_task_is_shown_in_words_and_to_its_end(shown):
     assert "Cross-validating, k fold" in shown
@@ -120,6 +121,7 @@ def test_a_missing_key_is_named(finished):
         write_report(finished)
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
     finished, tmp_path, small_study, monkeypatch
 ):
@@ -235,6 +237,7 @@ def test_a_study_judges_the_law_that_it_reports(small_study):
     assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 @pytest.mark.of_studies
 def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_path, suite_folder):
     study = study_from(

@@ -140,6 +140,7 @@ def three_storeys(time_constant: float, ground):
     return np.array(rows).T, whole
 
 
+@pytest.mark.slow
 def test_three_storeys_of_which_one_is_tested():
     ground = synthetic_ground(3, 8.0)
     tested, whole = three_storeys(0.003, ground)

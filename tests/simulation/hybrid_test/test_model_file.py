@@ -131,6 +131,7 @@ def test_commands_take_the_model(motions):
     assert "brings its own structure" in str(both.exception)
 
 
+@pytest.mark.slow
 def test_a_model_is_simulated_and_stored(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     model, store = motions / "model.toml", motions / "results.zarr"

@@ -28,6 +28,7 @@ def parts(ellipses_of):
     return run_paper_example(motion), ellipses, cases_dataset(run_paper_cases(motion), motion)
 
 
+@pytest.mark.slow
 def test_what_has_a_printed_number_is_recomputed_or_said_to_be_beyond_it(parts):
     example, ellipses, cases = parts
     numbers = audit(ellipses=ellipses, example=example, cases=cases)

@@ -81,6 +81,7 @@ def test_skewness_spoils_the_lognormal_quantile_and_not_the_recommended_one():
     assert learned == pytest.approx(0.95, abs=0.005)
 
 
+@pytest.mark.slow
 def test_the_table_has_one_row_for_each_combination():
     table = coverage_table(
         [(method_of(name), joint) for name in BOUND_METHODS for joint in (False, True)],

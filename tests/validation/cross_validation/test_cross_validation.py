@@ -138,6 +138,7 @@ def test_bootstrap_interval_is_wider_when_motions_of_an_earthquake_are_alike():
     assert widths[0] > 1.5 * widths[1]
 
 
+@pytest.mark.slow
 def test_bootstrap_interval_covers_the_rate():
     rng = np.random.default_rng(7)
     covered = 0

@@ -15,6 +15,7 @@ def by_region():
     return found.to_dict()["outside"]
 
 
+@pytest.mark.slow
 def test_a_region_whose_records_are_shorter_than_all_others_is_named(by_region):
     """Nahanni's, the only ones of Canada, by a plain comparison of lengths."""
     ellipses = read_ellipses("real_suite")
