@@ -156,7 +156,7 @@ def test_what_is_none_of_these_is_refused(call, rule):
 def test_a_data_frame_is_judged_as_its_file_is():
     file = shipped("datasets", "sample_test/test.csv")
     frame = pd.read_csv(file, comment="#")
-    frame.attrs = {"f": 1.0, "xi": 0.02}
+    frame.attrs = {"f": 1.0, "xi": 0.02, "skew_ms": "0±0.41"}
     by_frame, by_file = reliab.assess(frame).to_dict(), reliab.assess(file, f=1, xi=0.02).to_dict()
     assert by_frame["error"]["rms"]["value"] == by_file["error"]["rms"]["value"]
     assert by_frame["verdict"] == by_file["verdict"]

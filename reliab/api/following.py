@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -304,7 +305,7 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
 class _Watch:
     """Follows rows, and says what is known."""
 
-    stated: Mapping[str, StatedValue]
+    stated: dict[str, StatedValue]
     model: UpdatedModel | None
     frame: FrameUnderTest | None
     of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
@@ -321,6 +322,7 @@ class _Watch:
         `rate` [Hz].
         """
         step, rows = step_of_rows(rows, rate)
+        rows = self._with_header(rows)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
@@ -338,6 +340,13 @@ class _Watch:
                     yield self._update(monitor)
                 begin = end
         yield self._end(monitor)
+
+    def _with_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
+        """Take the skew that the header of a test states, where nothing else states it."""
+        first = list(islice(rows, 1))
+        if first and first[0].skew is not None:
+            self.stated.setdefault("skew", first[0].skew)
+        return chain(first, rows)
 
     def _value(self, name: str) -> float:
         """Value of what is stated; zero where it is not."""

@@ -56,7 +56,7 @@ class CoupledAssessment:
     limit_of_gains : bool
         Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
     doubt_of_skew : str
-        That converters as slow as the recording shift its channels by more than is assumed; empty where not.
+        What is assumed of the skew of a slow recording; empty where it was stated.
     shown_by_ground : ShownByGround, optional
         What the recorded ground acceleration shows of the structure; None where it was not recorded.
     """

@@ -43,7 +43,7 @@ class Turning:
     error_if_hardening: tuple[float, float] | None = None
     # Highest of `CORNERS` with which it does, on command or measured displacement alone [Hz]
     highest_filter: float | None = None
-    # That converters as slow as the recording shift its channels by more than is assumed; empty where not
+    # What is assumed of the skew of a slow recording; empty where it was stated
     doubt_of_skew: str = ""
 
     def limit(self, verdict: Verdict) -> Verdict:

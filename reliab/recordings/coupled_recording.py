@@ -1,6 +1,5 @@
 """A test with several actuators: commands and measured displacements at equal steps, checked."""
 
-import math
 import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
@@ -84,7 +83,6 @@ _NAMED_SO: Final = re.compile(
     r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
 )
 _OF_RECORD: Final = "the record says so"
-_ROTATIONS: Final = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}
 
 
 def read_coupled_recording(
@@ -101,19 +99,7 @@ def read_coupled_recording(
     parts = {name: (match[1], match[2]) for name, match in matches.items()}
     if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
         columns = replace(columns, parts={**columns.parts, **parts})
-    recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
-    factors = {
-        (match[1], match[2]): _ROTATIONS[match[3]] for match in matches.values() if match[3] in _ROTATIONS
-    }
-    command, measured = (
-        np.array([factors.get((part, number), 1.0) for number in recording.actuators])
-        for part in (Part.COMMAND, Part.MEASURED)
-    )
-    return replace(
-        recording,
-        command=command[:, np.newaxis] * recording.command,
-        measured=measured[:, np.newaxis] * recording.measured,
-    )
+    return coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
 
 
 def coupled_recording_of(histories: Histories) -> CoupledRecording:

@@ -24,8 +24,11 @@ from reliab.recordings.readers.text import (
     header_of,
     is_comment,
     number_of,
+    statements_of,
 )
+from reliab.recordings.reading import stated_in
 from reliab.recordings.recognition import recognise
+from reliab.stated_value import StatedValue
 
 _LONGEST_LINE: Final = 1 << 16
 _LONGEST_PREAMBLE: Final = 10_000  # lines
@@ -39,6 +42,7 @@ class Rows:
     command: Array  # command, measured: x_c and x_m [m], shape (k,)
     measured: Array
     force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
+    skew: StatedValue | None = None  # What the header states of it [ms]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +53,7 @@ class _Layout:
     width: int
     places: Mapping[Part, int]
     channels: Mapping[Part, Channel]
+    skew: StatedValue | None
 
 
 def rows_as_written(
@@ -172,6 +177,7 @@ def _layout(
         path=Path(name),
         values={column: np.zeros(0) for column in header.names},
         units=dict(zip(header.names, header.units, strict=False)),
+        header=dict(statements_of(above)),
     )
     recognised = recognise(columns, stated, histories=False)
     if any(channel.actuator for channel in recognised):
@@ -196,6 +202,7 @@ def _layout(
         width=width,
         places={part: header.names.index(channel.column) for part, channel in wanted.items()},
         channels=wanted,
+        skew=stated_in(columns).get("skew"),
     )
 
 
@@ -226,4 +233,5 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         command=histories[Part.COMMAND],
         measured=histories[Part.MEASURED],
         force=histories.get(Part.FORCE),
+        skew=layout.skew,
     )

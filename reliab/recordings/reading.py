@@ -16,7 +16,7 @@ from reliab.recordings.clocks import at_one_clock
 from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import Recording
-from reliab.recordings.units import LENGTHS, unit_of
+from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 
@@ -29,6 +29,7 @@ _HEADER_NAMES: Final = {
     "alpha": ("alpha", "α", "experimental fraction", "experimental_fraction"),
     "mass": ("mass", "mass_kg"),
     "scale": ("scale", "sensor scale", "sensor_scale"),
+    "skew": ("skew", "skew_ms"),
 }
 _EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
@@ -214,6 +215,7 @@ def _order(channel: Channel) -> tuple[int, str]:
 
 def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
     """Complete the units; a channel beside the displacements without one is left out."""
+    channels = [_in_its_angle(columns, channel) for channel in channels]
     pairs = {(channel.part, channel.actuator): channel for channel in channels}
     completed, notes = [], []
     if not columns.named:
@@ -236,9 +238,10 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
                 )
                 continue
             if channel.part is Part.COMMAND:
+                whose = f" of actuator {channel.actuator}" if channel.actuator else ""
                 notes.append(
-                    "Neither displacement states a unit of length: they were taken to share one, and to be "
-                    "in metres."
+                    f"Neither displacement{whose} states a unit of length: they were taken to share one, and "
+                    "to be in metres."
                 )
         elif channel.part in {Part.FORCE, Part.GROUND} and not channel.unit:
             unit_name = "N" if channel.part is Part.FORCE else "m/s²"
@@ -247,6 +250,14 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
             notes.append(f"The command is stated in {channel.unit}, the measured in {beside.unit}.")
         completed.append(channel)
     return completed, notes
+
+
+def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
+    """Take a displacement that states no unit of length, but one of rotation, as a rotation [rad]."""
+    unit = unit_of(columns.units.get(channel.column, "")) or split_unit(channel.column)[1]
+    if channel.part not in DISPLACEMENTS or channel.unit or unit is None or unit.text not in ANGLES:
+        return channel
+    return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
 
 
 def _possible_forces(columns: Columns, channels: Sequence[Channel]) -> list[str]:

@@ -1,5 +1,6 @@
 """Units of channels as programs write them, with their factors to SI units."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -70,9 +71,11 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
     Quantity.STRAIN: dict.fromkeys(
         ("ue", "µe", "ustrain", "µstrain", "microstrain", "mm/mm", "in/in", "m/m"), 1.0
     ),
-    Quantity.ROTATION: dict.fromkeys(
-        ("deg", "rad", "mrad", "°", "nm", "n.m", "n-m", "knm", "kn.m", "kn-m", "n*m"), 1.0
-    ),
+    Quantity.ROTATION: {
+        **dict.fromkeys(("deg", "°"), math.pi / 180.0),
+        "mrad": 1e-3,
+        **dict.fromkeys(("rad", "nm", "n.m", "n-m", "knm", "kn.m", "kn-m", "n*m"), 1.0),
+    },
     Quantity.TEMPERATURE: dict.fromkeys(("c", "°c", "degc", "f", "°f", "degf", "k"), 1.0),
     Quantity.STATE: dict.fromkeys(("hz", "1/s", "%", "w", "kw", "j", "kj"), 1.0),
     Quantity.COUNT: dict.fromkeys(("-", "counts", "cnt", "segments", "cycles"), 1.0),
@@ -81,6 +84,9 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
 
 LENGTHS: Final = UNITS[Quantity.DISPLACEMENT]
 """Units of displacement [m]."""
+
+ANGLES: Final = ("rad", "mrad", "deg", "°")
+"""Units of rotations that an actuator of several may command."""
 
 TIMES: Final = UNITS[Quantity.TIME]
 """Units of time [s]."""

@@ -11,7 +11,9 @@ good tests called reliable by size of the true error. With `--error` the functio
 and not all of `assess`: many more tests in the same time, without what faults of a recording do to a verdict.
 With `--linear` the specimen is stated as linear; with `--calibrated` the channels were calibrated as well, by
 `calibrate_channels` on a sweep with the same faults and noise; with `--known` f is stated to 0.5 % and ξ to
-5 %, right but for that.
+5 %, with `--vibration` ξ to 0.002 as free vibrations show it, right but for that. `--rate` thins recordings
+of 1024 Hz; in the row `clock` their channels are up to a sample of the converter apart (`--clock`, by default
+as fast as the recording), and `--skew` is what is stated of it.
 
 True errors lie between 1 and 12 %, the threshold is 5 %, white noise lies 45 dB below the motion. Rows of
 `HELD_OUT` were looked at once, when everything was finished.
@@ -38,10 +40,10 @@ from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget import Equipment, corrected, ordinary_equipment  # noqa: E402
-from reliab.assessment.error_of_test import Question, error_of_test  # noqa: E402
+from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test  # noqa: E402
 from reliab.assessment.rebuilt_error import Estimate  # noqa: E402
 from reliab.assessment.turning import examine_turning  # noqa: E402
-from reliab.assessment.verdict import word_of_probability  # noqa: E402
+from reliab.assessment.verdict import Word, word_of_probability  # noqa: E402
 from reliab.criterion import published_criterion  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 from reliab.recordings import Recording, read_channels_file  # noqa: E402
@@ -52,6 +54,8 @@ from reliab.vocabulary import Metric  # noqa: E402
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
 SMALLEST, LARGEST = 0.01, 0.12
+FREE_VIBRATION = 0.002  # of a damping ratio
+CLOCK = "clock"
 IF_YIELDING = ("low_if_yielding", "high_if_yielding")
 ACTUATORS = (lab.DELAY, lab.DELAY, lab.LAG, lab.SECOND_ORDER, lab.RATE_LIMIT, lab.LEAD, lab.BACKLASH)
 
@@ -79,11 +83,22 @@ class Asked(Protocol):
     linear: bool
     calibrated: bool
     known: bool
+    vibration: bool
+    rate: float
+    clock: float | None
+    skew: str | None
 
 
 def skewed(samples: float) -> Fault:
     """Measured displacement recorded late by so many samples."""
     return lambda told, _: replace(told, measured=later(told.measured, samples * STEP))
+
+
+def on_a_clock(rate: float) -> Fault:
+    """Measured displacement off by up to a sample of a converter [Hz] either way."""
+    return lambda told, rng: replace(
+        told, measured=later(told.measured, (rng.uniform() - rng.uniform()) / rate)
+    )
 
 
 def later(values: np.ndarray, seconds: float) -> np.ndarray:
@@ -324,21 +339,27 @@ def judge(
     *,
     exact: bool,
     error_alone: bool,
+    rate: float,
     linear: bool = False,
     stated: Mapping[str, StatedValue] | None = None,
-) -> dict[str, float | str]:
-    """What the product says of a test."""
-    stated = stated or {}
-    recording = Recording(command=told.command, measured=told.measured, time_step=STEP)
+) -> dict[str, object]:
+    """What the product says of a test that was recorded at a rate [Hz]."""
+    stated, thinned = stated or {}, slice(None, None, round(lab.RATE / rate))
+    recording = Recording(
+        command=told.command[thinned], measured=told.measured[thinned], time_step=1.0 / rate
+    )
     recording = corrected(recording, stated, {})
     structure = Structure(frequency=told.f, damping_ratio=told.xi, experimental_fraction=told.alpha)
-    row: dict[str, float | str] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
+    row: dict[str, object] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
     equipment = None if exact else ordinary_equipment()
     if error_alone:
         asked = replace(question(structure, equipment), stated=stated, linear_specimen=linear)
         error = error_of_test(recording, asked)
-        answer = {"probability": error.probability, "word": str(word_of_probability(error.probability))}
-        yielding = examine_turning(error, recording, asked).error_if_yielding or (math.nan, math.nan)
+        turning, word = examine_turning(error, recording, asked), word_of_probability(error.probability)
+        if word is Word.RELIABLE and turning.smallest_ductility is not None:
+            word = Word.UNDECIDED
+        answer = {"probability": error.probability, "word": str(word), "parts": parts(error)}
+        yielding = turning.error_if_yielding or (math.nan, math.nan)
         return row | size(error.rebuilt.rms) | answer | dict(zip(IF_YIELDING, yielding, strict=True))
     try:
         found = assess(
@@ -352,7 +373,13 @@ def judge(
     except InputError as error:
         return row | {"word": "refused", "why": str(error)}
     word = str(found.verdict.word)
-    return row | size(found.error.rebuilt.rms) | {"probability": found.probability, "word": word}
+    answer = {"probability": found.probability, "word": word, "parts": parts(found.error)}
+    return row | size(found.error.rebuilt.rms) | answer
+
+
+def parts(error: ErrorOfTest) -> dict[str, float]:
+    """Standard deviation of the error that each quantity of the budget causes."""
+    return {widening.name: widening.contribution for widening in error.widenings}
 
 
 def question(structure: Structure, equipment: Equipment | None) -> Question:
@@ -378,7 +405,16 @@ def stated_values(told: Told, fault: Fault, chance: list[int], asked: Asked) -> 
     stated = dict(calibration(told, fault, np.random.default_rng(chance))) if asked.calibrated else {}
     if asked.known:
         stated |= {"f": StatedValue(told.f, 0.005 * told.f), "xi": StatedValue(told.xi, 0.05 * told.xi)}
+    if asked.vibration:
+        stated |= {"xi": StatedValue(told.xi, FREE_VIBRATION)}
+    if asked.skew is not None:
+        stated |= {"skew": StatedValue.parse(asked.skew)}
     return stated
+
+
+def from_free_vibration(told: Told, true: Told, rng: np.random.Generator) -> Told:
+    """Test whose ξ is known to 0.002."""
+    return replace(told, xi=true.xi + FREE_VIBRATION * float(np.clip(rng.normal(), -3.0, 3.0)))
 
 
 def known_better(told: Told, true: Told, rng: np.random.Generator) -> Told:
@@ -390,18 +426,22 @@ def run_seed(seed: int, records: list[Path], rows: list[str], file: Path, asked:
     """Judge one test in every row that its file does not hold yet."""
     answers = json.loads(file.read_text()) if file.is_file() else {}
     wanted = [row for row in rows if row not in answers]
-    faults = {**PLAIN, **HELD_OUT}
+    numbers = {row: place for place, row in enumerate([*PLAIN, *HELD_OUT, *SPECIMENS, CLOCK])}
+    faults = {**PLAIN, **HELD_OUT, CLOCK: on_a_clock(asked.clock or asked.rate)}
     sound = draw(seed, records) if any(row in faults for row in wanted) else None
     for row in wanted:
-        chance, fault = [seed, [*faults, *SPECIMENS].index(row)], faults.get(row, PLAIN["sound"])
+        chance, fault = [seed, numbers[row]], faults.get(row, PLAIN["sound"])
         true = draw(seed, records, SPECIMENS[row])[0] if row in SPECIMENS else sound[0]
         told = fault(true, np.random.default_rng(chance))
         if asked.known:
             told = known_better(told, true, np.random.default_rng([*chance, 1]))
+        if asked.vibration:
+            told = from_free_vibration(told, true, np.random.default_rng([*chance, 2]))
         answers[row] = judge(
             told,
             exact=asked.exact,
             error_alone=asked.error,
+            rate=asked.rate,
             linear=asked.linear,
             stated=stated_values(told, fault, chance, asked),
         )
@@ -432,8 +472,10 @@ def state(rows: pd.DataFrame) -> None:
             )
             both = float(((low <= judged["true"]) & (judged["true"] <= high)).mean())
             print(f"{name!s:26} interval together with the errors if it yielded: held {both:.0%}")
-    for name in ("sound", "ordinary"):
+    for name in ("sound", "ordinary", CLOCK):
         group = rows[rows["row"] == name]
+        if group.empty:
+            continue
         for low, high in ((0.01, 0.02), (0.02, 0.03), (0.03, 0.04), (0.04, 0.05)):
             inside = group[(group["true"] >= low) & (group["true"] < high)]
             reliable = (inside["word"] == "reliable").mean() if len(inside) else math.nan
@@ -449,8 +491,11 @@ def main() -> None:
     parser.add_argument("--rows", nargs="*", default=[*PLAIN, *SPECIMENS])
     parser.add_argument("--records", type=Path, default=ROOT.parent / "shared/motions")
     parser.add_argument("--exact", action="store_true")
-    for option in ("--error", "--linear", "--calibrated", "--known"):
+    for option in ("--error", "--linear", "--calibrated", "--known", "--vibration"):
         parser.add_argument(option, action="store_true")
+    parser.add_argument("--rate", type=float, default=lab.RATE)
+    parser.add_argument("--clock", type=float)
+    parser.add_argument("--skew")
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     records = read_records(asked.records)

@@ -2,11 +2,15 @@
 
 import h5py
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.io import netcdf_file, savemat
 
 from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.recordings import read_recording, rows_as_written
+from reliab.recordings.channels_file import StatedChannels
+from reliab.recordings.coupled_recording import read_coupled_recording
+from reliab.stated_value import StatedValue
 
 RATE = 200.0
 TIME = np.arange(2000) / RATE
@@ -248,3 +252,20 @@ def test_columns_of_a_matrix_without_names_of_their_own_are_told_by_what_they_do
     found = read_recording(tmp_path / "t.h5")
     assert any("by what they do" in note for note in found.notes)
     np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
+
+
+def test_a_header_states_the_skew_of_the_channels(tmp_path):
+    file = text(tmp_path / "t.csv", ["# skew_ms: 0.2+-0.05", "time_s,command_m,measured_m"], COLUMNS.values())
+    rows = next(rows_as_written(iter([file.read_bytes()]), name=file.name, stated={}))
+    assert read_recording(file).stated["skew"] == rows.skew == StatedValue(0.2, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("ending", "factor", "notes"), [("_mrad", 1e-3, 0), ("_deg", np.pi / 180.0, 0), ("", 1.0, 1)]
+)
+def test_a_rotation_needs_no_unit_of_length(ending, factor, notes):
+    columns = {"time_s": TIME, "command_1_mm": 1e3 * COMMAND, "measured_1_mm": 1e3 * MEASURED}
+    turned = {f"{name}_2{ending}": values for name, values in (("command", COMMAND), ("measured", MEASURED))}
+    found = read_coupled_recording(pd.DataFrame({**columns, **turned}), StatedChannels())
+    assert sum("of actuator 2 states a unit of length" in note for note in found.notes) == notes
+    np.testing.assert_allclose(found.command, [COMMAND, factor * COMMAND], atol=1e-12)

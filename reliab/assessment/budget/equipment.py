@@ -10,6 +10,7 @@ from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.vocabulary import MILLI
 
+_SLOW = 1.0 / 1000.0  # s: controllers of real-time hybrid tests mostly run at 1024 Hz and more
 _RULE = "A laboratory's sizes are a TOML file of numbers that are not negative"
 _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budget/defaults.toml"
 
@@ -23,8 +24,10 @@ class Equipment:
     f, xi, alpha, scale : float
         Of natural frequency, damping ratio, share of the stiffness in the laboratory and scale of the
         measured displacement over the command, relative [-].
-    skew_samples, skew_ms : float
-        Of the skew between the channels, as a share of a sample, and its largest value [ms].
+    skew_samples : float
+    skew_ms : float or None
+        Of the skew between the channels, as a share of a sample, and its largest value [ms]; None where
+        nobody said how fast the converters of a slow recording ran.
     filter_delay_ms, feedback_lag_ms : float
         Of the delay that filters of the channels do not have in common, and of the force's lag [ms].
     hysteresis : float
@@ -43,30 +46,26 @@ class Equipment:
     alpha: float
     scale: float
     skew_samples: float
-    skew_ms: float
     filter_delay_ms: float
     hysteresis: float
     feedback_lag_ms: float
     yielding: float
+    skew_ms: float | None = None
 
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""
-        return min(self.skew_samples * time_step, self.skew_ms / MILLI)
+        of_samples = self.skew_samples * time_step
+        return of_samples if self.skew_ms is None else min(of_samples, self.skew_ms / MILLI)
 
     def doubt_of_skew(self, time_step: float) -> str:
-        """Say that converters as slow as a recording shift its channels by more than is assumed; else empty.
-
-        A laboratory that states its own largest skew knows its converters.
-        """
-        assumed = self.skew_ms == ordinary_equipment().skew_ms
-        if not assumed or self.skew(time_step) == self.skew_samples * time_step:
+        """Say what is assumed of the skew of a recording below 1000 Hz; empty where its largest is stated."""
+        if self.skew_ms is not None or time_step <= _SLOW:
             return ""
         return (
             f"The recording has {significant(1.0 / time_step, 3)} samples a second, and the skew of its "
-            f"channels was not stated: {significant(self.skew_ms, 2)} ms is assumed, one standard deviation. "
-            "Converters that ran no faster may have shifted them by up to "
-            f"{significant(MILLI * time_step, 2)} ms: state the skew of such a rig, for the test or in the "
-            "file of its equipment."
+            f"channels was not stated: {significant(MILLI * self.skew(time_step), 2)} ms is assumed, one "
+            "standard deviation, as converters have it that run no faster. Where it was thinned from a "
+            "faster controller, state the skew of that, for the test or in the file of its equipment."
         )
 
 

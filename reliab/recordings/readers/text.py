@@ -291,7 +291,7 @@ def _table(lines: Sequence[str], begin: int, place: int, delimiter: str, path: P
             values={header.names[k]: rows[:, k].copy() for k in kept},
             units={header.names[k]: header.units[k] for k in kept if k < len(header.units)},
             scalars=dict(_rates(lines[begin:place])),
-            header=dict(_statements(lines[begin:place])),
+            header=dict(statements_of(lines[begin:place])),
             lines=numbers,
             named=header.named,
         ),
@@ -394,7 +394,7 @@ def _unwrapped(seconds: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(seconds - seconds[0] + _DAY * days)
 
 
-def _statements(lines: Sequence[str]) -> Iterator[tuple[str, str]]:
+def statements_of(lines: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Names and values that comments state above a table."""
     for line in lines:
         match = _STATEMENT.match(line) if line.strip().startswith(COMMENTS) else None

@@ -61,10 +61,11 @@ def test_a_share_below_one_is_not_known_exactly():
     assert "experimental_fraction" in sizes_of_unknown({}, half, ordinary_equipment(), 0.001)
 
 
-def test_a_slow_recording_is_thinned_from_a_faster_controller():
+@pytest.mark.parametrize("rate", [100.0, 4096.0])
+def test_a_skew_grows_with_the_sampling_period_unless_a_laboratory_knows_better(rate):
     equipment = ordinary_equipment()
-    assert equipment.skew(1.0 / 4096.0) == pytest.approx(equipment.skew_samples / 4096.0)
-    assert equipment.skew(0.01) == pytest.approx(equipment.skew_ms / 1e3)
+    assert equipment.skew(1.0 / rate) == pytest.approx(equipment.skew_samples / rate)
+    assert replace(equipment, skew_ms=0.05).skew(1.0 / rate) == pytest.approx(5e-5)
 
 
 def test_a_laboratory_overrides_what_it_knows_better(tmp_path):
@@ -118,10 +119,10 @@ def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equ
     assert size.source is Source.STATED
 
 
-def test_a_recording_that_is_slower_than_the_default_skew_stands_for_says_so():
+def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
     equipment = ordinary_equipment()
     assert equipment.doubt_of_skew(1.0 / 1000.0) == ""
     assert "512 samples a second" in equipment.doubt_of_skew(1.0 / 512.0)
     assert "256 samples a second" in equipment.doubt_of_skew(1.0 / 256.0)
-    assert "up to 3.9 ms" in equipment.doubt_of_skew(1.0 / 256.0)
+    assert "1.6 ms is assumed" in equipment.doubt_of_skew(1.0 / 256.0)
     assert replace(equipment, skew_ms=0.1).doubt_of_skew(1.0 / 256.0) == ""
