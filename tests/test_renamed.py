@@ -33,8 +33,9 @@ def test_former_arguments_of_assess_do_what_they_did(former):
         by_name = reliab.assess("sample_test", STRUCTURE, **former)
     assert warned[0].filename == __file__
     recording = read_recording(shipped("datasets", "sample_test/test.csv"))
-    usual = {"equipment": ordinary_equipment()}
-    expected = assess(recording, STRUCTURE, **usual, **former)
+    usual = {"equipment": ordinary_equipment(), "stated": recording.stated}
+    given = {**former, "stated": {**recording.stated, **former.get("stated", {})}}
+    expected = assess(recording, STRUCTURE, **{**usual, **given})
     without = assess(recording, STRUCTURE, **usual)
     assert answer(by_name) == answer(expected) != answer(without)
 
