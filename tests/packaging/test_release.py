@@ -4,10 +4,13 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+
 from reliab.version import __version__
 
 ROOT = Path(__file__).parents[2]
 RELEASE = ROOT / ".ci/release"
+RECIPE = RELEASE / "conda/recipe.yaml"
 ON_CONDA = {"seaborn": "seaborn-base", "matplotlib": "matplotlib-base", "typst": "typst-py"}
 
 
@@ -15,15 +18,23 @@ def test_the_recipe_requires_what_the_project_requires():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     pairs = (re.match(r"([\w-]+)>=([\d.]+)", item).groups() for item in project["dependencies"])
     expected = {f"{ON_CONDA.get(name, name)} >={least}" for name, least in pairs}
-    recipe = (RELEASE / "conda/meta.yaml").read_text(encoding="utf-8")
-    required = re.search(r"  run:\n((?:    - .*\n)+)", recipe)[1]
+    required = re.search(r"  run:\n((?:    - .*\n)+)", RECIPE.read_text(encoding="utf-8"))[1]
     stated = {line.removeprefix("    - ") for line in required.splitlines()}
     assert stated == expected | {f"python {project['requires-python']}"}
 
 
 def test_the_recipe_has_this_version():
-    recipe = (RELEASE / "conda/meta.yaml").read_text(encoding="utf-8")
-    assert f'"RELIAB_VERSION", "{__version__}"' in recipe
+    stated = f'env.get("RELIAB_VERSION", default="{__version__}")'
+    assert stated in RECIPE.read_text(encoding="utf-8")
+
+
+def test_the_recipe_is_one_of_a_package_for_every_platform():
+    rattler_build = pytest.importorskip("rattler_build", reason="py-rattler-build, which renders recipes")
+    recipe = rattler_build.Stage0Recipe.from_yaml(RECIPE.read_text(encoding="utf-8"))
+    (rendered,) = recipe.render(rattler_build.VariantConfig(), rattler_build.RenderConfig())
+    built = rendered.recipe
+    assert (built.package.name, str(built.package.version)) == ("reliab", __version__)
+    assert built.build.noarch == "python"
 
 
 def test_the_image_installs_the_wheel_and_runs_as_no_administrator():
