@@ -57,26 +57,20 @@ class Case:
         """Whether anything is known of the earthquake."""
         return (self.duration, self.motion, self.suite) != (None, None, None)
 
-    def population(
-        self,
-        ellipses: xr.Dataset,
-        source: EllipseSource,
-        f: Numbers | None,
-        xi: Numbers | None,
-        curve: str,
-        show: Show,
+    def stating(
+        self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str, confidence: float
     ) -> xr.Dataset:
-        """Carry the ellipses of a population to the case, or protect all its lengths; weigh its motions.
+        """Protect all lengths of a population as a share needs it, and weigh its motions.
 
-        `curve`: the ellipses on which the criterion will rest.
+        `carried`: the population `ellipses` carried to the case; `curve`: the ellipses on which the criterion
+        will rest.
         """
         weights = None if self.weights is None else Weights.from_table(ellipses, self.weights)
-        chosen = self._carried(ellipses, source, f, xi, show)
         if weights is None or "length" not in weights.quantities:
-            chosen = protect_over_lengths(chosen, metric=source.metric, curve=curve)
-        return chosen if weights is None else weights.drawn(chosen)
+            carried = protect_over_lengths(carried, metric=metric, curve=curve, confidence=confidence)
+        return carried if weights is None else weights.drawn(carried)
 
-    def _carried(
+    def carried(
         self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
     ) -> xr.Dataset:
         """Carry the ellipses of a population to the case; as they are where nothing is known of it."""

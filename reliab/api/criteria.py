@@ -1,7 +1,7 @@
 """`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -31,10 +31,11 @@ from reliab.criterion import (
     Criterion,
     Derivation,
     compare_shares,
+    protects,
     published_criterion,
 )
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-from reliab.criterion.methods import RECOMMENDED, method_of
+from reliab.criterion.methods import RECOMMENDED, Method, method_of
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
@@ -285,20 +286,21 @@ class _Question:
                 value=f"`chains` with {method.name}",
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
-        source = self.source()
-        population = with_room(source.dataset(self.show))
-        dataset = self.case.population(population, source, *self.structures, method.curve, self.show)
-        if self.law == "table":
-            dataset = at_structures(dataset, *self.structures)
+        confidences = self.confidences or [_NINETY_FIVE]
+        populations = self._populations(method, confidences)
+        dataset = populations[confidences[0]]
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
-        promises = list(itertools.product(errors, self.confidences or [_NINETY_FIVE]))
+        promises = list(itertools.product(errors, confidences))
         self._require_one_share(shares)
         self._require_one_criterion(len(shares) * len(promises))
-        learned: dict[tuple[float, float], Derivation] = {}
-        for share, error in itertools.product(shares, dict.fromkeys(errors)):
+        learned: dict[tuple[float, float, str], Derivation] = {}
+        for share, error, confidence in itertools.product(shares, errors, confidences):
+            key = share, error, _carried_to(populations[confidence])
+            if key in learned:
+                continue
             with self.show(f"Learning at {error:g}") as progress:
-                learned[share, error] = Derivation.from_ellipses(
-                    at_share(dataset, share),
+                learned[key] = Derivation.from_ellipses(
+                    at_share(populations[confidence], share),
                     method=method,
                     law=law,
                     threshold=error,
@@ -307,11 +309,34 @@ class _Question:
                     progress=progress,
                 )
         criteria = (
-            learned[share, error].criterion(confidence, joint=self.joint)
+            learned[share, error, _carried_to(populations[confidence])].criterion(
+                confidence, joint=self.joint
+            )
             for share in shares
             for error, confidence in promises
         )
         return tuple(criteria), dataset, tuple(learned.values())
+
+    def _populations(self, method: Method, confidences: Sequence[float]) -> dict[float, xr.Dataset]:
+        """Ellipses behind the criterion of each confidence; one dataset where lengths count alike."""
+        source = self.source()
+        population = with_room(source.dataset(self.show))
+        carried = self.case.carried(population, source, *self.structures, self.show)
+        found: dict[bool, xr.Dataset] = {}
+        for confidence in confidences:
+            if protects(confidence) not in found:
+                stated = self.case.stating(carried, population, self.metric, method.curve, confidence)
+                if self.law == "table":
+                    stated = at_structures(stated, *self.structures)
+                found[protects(confidence)] = stated
+        if self.chains is not None and len({_carried_to(dataset) for dataset in found.values()}) > 1:
+            raise InputError(
+                "Chains are of ellipses that protect every length, as for shares from 0.9 on, or of all "
+                "lengths together, as below",
+                value=", ".join(f"{confidence:g}" for confidence in confidences),
+                remedy="Ask for shares on one side of 0.9",
+            )
+        return {confidence: found[protects(confidence)] for confidence in confidences}
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -388,6 +413,11 @@ class _Question:
                 tried = errors_of_rig(frame, suite, window=window, progress=progress)
             found["rig"] = summary_of_rig(tried, self.metric, threshold)
         return found
+
+
+def _carried_to(ellipses: xr.Dataset) -> str:
+    """Say what ellipses were carried to; empty where they are as they were recorded."""
+    return str(ellipses.attrs.get("carried_to", ""))
 
 
 def _default_errors(dataset: xr.Dataset) -> list[float]:

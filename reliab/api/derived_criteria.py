@@ -11,7 +11,9 @@ import xarray as xr
 from reliab.criterion import (
     Criterion,
     Derivation,
+    EllipseTable,
     describe_sample,
+    population_of,
     printed_share,
     summarise,
 )
@@ -19,10 +21,7 @@ from reliab.errors import IncompleteError
 from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.shipped import shipped
 from reliab.significant import percent
-from reliab.sweep import (
-    at_share,
-    open_ellipses,
-)
+from reliab.sweep import open_ellipses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,8 +52,25 @@ class Criteria:
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
         """Limits of each criterion at each structure, with the motions behind them."""
-        sample = self.ellipses if self.derivations else None
-        return [_row(criterion, sample, f, xi) for f, xi in self.structures for criterion in self.criteria]
+        return [
+            _row(criterion, self._learned_from(criterion), f, xi)
+            for f, xi in self.structures
+            for criterion in self.criteria
+        ]
+
+    def _learned_from(self, criterion: Criterion) -> EllipseTable | None:
+        """Ellipses from which a criterion was learned; None for a printed law."""
+        provenance = criterion.provenance
+        for derivation in self.derivations:
+            ellipses = derivation.ellipses
+            of_error = derivation.lag.grid.threshold == criterion.threshold
+            if (
+                of_error
+                and ellipses.share == provenance.experimental_fraction
+                and population_of(ellipses) == provenance.population
+            ):
+                return ellipses
+        return None
 
     @property
     def posteriors(self) -> list[Mapping[str, Any]]:
@@ -95,14 +111,13 @@ class Criteria:
             raise IncompleteError(message)
 
 
-def _row(criterion: Criterion, sample: xr.Dataset | None, f: float, xi: float) -> dict[str, Any]:
+def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float) -> dict[str, Any]:
     """Summarise a criterion at one structure, with its motions where the sample has it."""
     summary = summarise(criterion, f, xi)
     if criterion.population is None:
         summary.update(_kept_by(criterion, summary))
-    elif sample is not None and f in sample["f"] and xi in sample["xi"]:
-        of_share = at_share(sample, criterion.provenance.experimental_fraction)
-        summary.update(describe_sample(of_share, criterion, f, xi))
+    elif sample is not None and f in sample.at["f"] and xi in sample.at["xi"]:
+        summary.update(describe_sample(sample, criterion, f, xi))
     return summary
 
 

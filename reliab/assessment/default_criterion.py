@@ -83,7 +83,7 @@ def _derived(
     window = window_for(duration, shipped_windows())
     if metric not in _shipped_ellipses().at["metric"]:
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
-    population = _population(window, without, metric)
+    population = _population(window, without, metric, confidence)
     near = population.take(
         f=_neighbours(population.at["f"], frequency),
         xi=_neighbours(population.at["xi"], damping_ratio),
@@ -98,8 +98,8 @@ def _derived(
         confidence=confidence,
         source=SOURCE,
     )
-    durations = _of_nearest(frequency, damping_ratio).effective_duration
-    scope = {**criterion.provenance.scope, "effective_duration": range_of(durations)}
+    of_responses = _of_nearest(frequency, damping_ratio).compared
+    scope = criterion.provenance.scope | {name: range_of(values) for name, values in of_responses.items()}
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
 
 
@@ -127,15 +127,7 @@ def criterion_of_response(
         return None
     learned = ~np.isin(ellipses.events, without)
     of_rms = ellipses.take(motion=learned, metric=ellipses.at["metric"] == str(Metric.RMS))
-    of_test = ResponseMeasures(
-        a_first=np.full((1, 1, 1), response.amplitude),
-        b_first=np.full((1, 1, 1), response.delay),
-        effective_duration=np.full((1, 1, 1), response.effective_duration),
-        motions=np.array(["this test"]),
-        duration=np.array([response.duration]),
-        frequencies=np.array([f]),
-        damping_ratios=np.array([xi]),
-    )
+    of_test = ResponseMeasures.of_one(response, structure, "this test")
     of_threshold = _at_threshold(of_rms, threshold)
     carried = carry_to_response(of_threshold, measures, of_test)
     criterion = derive_criterion(
@@ -206,14 +198,14 @@ def _shipped_ellipses(window: str = RECORD) -> EllipseTable:
 
 
 @lru_cache(maxsize=8)
-def _population(window: CriterionWindow, without: str | None, metric: str) -> EllipseTable:
-    """Ellipses of a window, without an earthquake; of whole records those that protect every length."""
+def _population(window: CriterionWindow, without: str | None, metric: str, confidence: float) -> EllipseTable:
+    """Ellipses of a window, without an earthquake; of whole records as shares of this size are stated."""
     ellipses = _shipped_ellipses(window.below)
     if window.weight > 0.0:
         ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
     if without is not None:
         ellipses = ellipses.take(motion=ellipses.events != without)
-    return protect_over_lengths(ellipses.stating(window=window.label), metric=metric)
+    return protect_over_lengths(ellipses.stating(window=window.label), metric=metric, confidence=confidence)
 
 
 def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:

@@ -10,7 +10,7 @@ from reliab.assessment.error_of_test import Question
 from reliab.assessment.placement import Placement, place
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.boundary import ellipse_of_response
-from reliab.criterion import Criterion, Position, compare_with_scope
+from reliab.criterion import Criterion, Position, ResponseMeasures, compare_with_scope
 from reliab.recordings import Recording
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
@@ -22,7 +22,8 @@ class ScopeOfTest:
 
     position: Position | None  # Least favourable of all quantities; None where the motions are not stated
     sentences: tuple[str, ...]  # One for each quantity that is not inside
-    # `length` [s] and `cycles` of the test, and `effective_duration` [s] of its response
+    # `length` [s] and `cycles` of the test; of its response `effective_duration` [s], `frequency_ratio` [-]
+    # and `sensitivity` [-]
     test: Mapping[str, float]
     # Least value, 5 % and 95 % quantile and greatest value of these over the motions
     population: Mapping[str, Sequence[float]]
@@ -47,12 +48,13 @@ def scope_of_test(
 ) -> ScopeOfTest:
     """Compare a test with the motions behind a criterion.
 
-    `reference`: exact response of the structure (n,), whose effective duration is compared too.
+    `reference`: exact response of the structure (n,), which is compared too.
     """
     test = {"length": recording.duration, "cycles": recording.duration * structure.frequency}
     if reference is not None:
         shown = ellipse_of_response(reference, recording.time_step, structure)
-        test["effective_duration"] = shown.effective_duration
+        of_test = ResponseMeasures.of_one(shown, structure, "this test").compared
+        test |= {name: float(value.item()) for name, value in of_test.items()}
     return compared(criterion, test)
 
 

@@ -27,7 +27,12 @@ from .goodness_of_fit import (
 from .meaning import MOST_AT_REST as MOST_AT_REST, require_meaning as require_meaning
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
-from .protection import protect_over_lengths as protect_over_lengths
+from .protection import (
+    PROTECTED_FROM as PROTECTED_FROM,
+    lengths_together as lengths_together,
+    protect_over_lengths as protect_over_lengths,
+    protects as protects,
+)
 from .provenance import (
     Provenance as Provenance,
     installed_versions as installed_versions,
@@ -42,6 +47,7 @@ from .scope import (
     compare_with_scope as compare_with_scope,
     magnitudes_of as magnitudes_of,
     population_of as population_of,
+    populations_in_words as populations_in_words,
     range_of as range_of,
     regions_of as regions_of,
     scope_of as scope_of,

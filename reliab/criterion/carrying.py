@@ -118,14 +118,19 @@ def carry_to_response(
         factor = np.exp(fit.carried(residuals, target, growth=np.minimum(size, _STEEPEST) ** 2))
         return own_a * factor, own_b * factor
 
-    near = known.at(*known.nearest(own.frequencies, own.damping_ratios)).effective_duration
-    case = {
-        "length": duration,
-        "effective_duration": float(np.exp(np.nanmean(np.log(own.effective_duration[0])))),
+    near = known.at(*known.nearest(own.frequencies, own.damping_ratios)).compared
+    case = {"length": duration} | {
+        name: _farthest(values[0], near[name]) for name, values in own.compared.items()
     }
     words = f"for a structure that responds as under {own.motions[0]}"
     assembled = _assembled(table, own.frequencies, own.damping_ratios, carried)
     return _as_given(ellipses, _stating(assembled, words, scope_of(table, near), case))
+
+
+def _farthest(values: Array, population: Array) -> float:
+    """Value (f, ξ) that lies farthest from the median of a population (motions, f, ξ) by its ratio."""
+    distance = np.abs(np.log(values / np.nanmedian(population, axis=0)))
+    return float(values.ravel()[np.nanargmax(distance)])
 
 
 def _measured(measures: "xr.Dataset | ResponseMeasures") -> ResponseMeasures:

@@ -56,7 +56,8 @@ def derive_criterion(
     contained as by the limits themselves.
 
     Where at least thirty motions of ten earthquakes show how limits depend on the length of a record, the
-    criterion protects every length of this population; see :func:`protect_over_lengths`.
+    criterion protects every length of this population from a share of 90 % on; see
+    :func:`protect_over_lengths`.
 
     Parameters
     ----------
@@ -123,7 +124,10 @@ def derive_criterion(
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
         protect_over_lengths(
-            _read(ellipses, f, xi, threshold, str(metric)), metric=str(metric), curve=known_method.curve
+            _read(ellipses, f, xi, threshold, str(metric)),
+            metric=str(metric),
+            curve=known_method.curve,
+            confidence=confidence,
         ),
         method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,

@@ -1,8 +1,10 @@
 """A criterion that protects tests of every length of its population, where no length is stated.
 
 A criterion of motions as they were recorded holds on average over their lengths: it promises too much for
-short records and too little for long ones. Here every third of the lengths is protected. The population is
-carried to the middle of each third, and at each structure the least favourable of the three counts.
+short records and too little for long ones. From a share of 90 % on every third of the lengths is protected:
+the population is carried to the middle of each third, and at each structure the least favourable of the three
+counts. Smaller shares cannot be kept at every length by one pair of limits, since lengths then move them by
+more than what is left to protect: they are those of all lengths together.
 """
 
 from dataclasses import replace
@@ -18,17 +20,25 @@ from reliab.vocabulary import CurveName, Metric
 if TYPE_CHECKING:
     import xarray as xr
 
+PROTECTED_FROM: Final = 0.9
+"""Share of the ground motions [-] from which on every length is protected."""
+
 _LEAST_MOTIONS: Final = 30  # of a population, below which the dependence on their length is not learned
 _LEAST_EARTHQUAKES: Final = 10
 _MIDDLES_OF_THIRDS: Final = (1.0 / 6.0, 1.0 / 2.0, 5.0 / 6.0)
 _UNFAVOURABLE: Final = 0.05  # quantile of a and b by which lengths are compared
 _PROTECTED: Final = "each structure at the least favourable of"
+_TOGETHER: Final = "all lengths together: short ones have less than the stated share, long ones more"
 _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 _SAME: Final = 1.01  # ratio of lengths between which nothing is learned
 
 
 def protect_over_lengths(
-    ellipses: _Given, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
+    ellipses: _Given,
+    *,
+    metric: str = Metric.RMS,
+    curve: str = CurveName.INSCRIBED,
+    confidence: float = PROTECTED_FROM,
 ) -> _Given:
     """Carry the ellipses of a population to the least favourable of its lengths.
 
@@ -41,14 +51,18 @@ def protect_over_lengths(
     curve : str, optional
         Ellipses on which the criterion will rest. Those that are fitted to boundaries are the paper's, whose
         criterion is one of motions as they were recorded.
+    confidence : float, optional
+        Share of the population's ground motions that the criterion will state [-]. Below 0.9 it is one of all
+        lengths together.
 
     Returns
     -------
     xarray.Dataset or EllipseTable
         For each structure the inscribed ellipses of RMS^R at one of three lengths, the middles of the thirds
-        of all; those of other errors and curves stay beside them. The ellipses as they are where nothing can
-        be learned of lengths: for a criterion of an error other than RMS^R, windows, a partly numerical
-        structure, or fewer than thirty motions of ten earthquakes.
+        of all; those of other errors and curves stay beside them. For shares below 0.9 the ellipses as they
+        are, with a note that lengths stand together. The ellipses as they are where nothing can be learned of
+        lengths: for a criterion of an error other than RMS^R, windows, a partly numerical structure, or fewer
+        than thirty motions of ten earthquakes.
 
     Examples
     --------
@@ -59,6 +73,8 @@ def protect_over_lengths(
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses
+    if not protects(confidence):
+        return _noted(ellipses, carried_to=_TOGETHER)
     protected = _protected(tabled(ellipses), metric, curve)
     if isinstance(ellipses, EllipseTable):
         return protected  # type: ignore[return-value]  # of the type that was given
@@ -71,9 +87,25 @@ def protect_over_lengths(
     return ellipses.assign(filled).assign_attrs(protected.attrs)
 
 
-def is_protected(ellipses: Ellipses) -> bool:
-    """Whether ellipses are those that :func:`protect_over_lengths` carried."""
-    return str(ellipses.attrs.get("carried_to", "")).startswith(_PROTECTED)
+def protects(confidence: float) -> bool:
+    """Whether a criterion that states this share [-] protects every length.
+
+    >>> protects(0.8), protects(0.95)
+    (False, True)
+    """
+    return confidence >= PROTECTED_FROM
+
+
+def lengths_together(ellipses: Ellipses) -> bool:
+    """Whether lengths tell something of the limits, and stand together all the same."""
+    return str(ellipses.attrs.get("carried_to", "")).startswith(_TOGETHER)
+
+
+def _noted(ellipses: _Given, **attrs: object) -> _Given:
+    """Note attributes beside those that are there."""
+    if isinstance(ellipses, EllipseTable):
+        return ellipses.stating(**attrs)
+    return ellipses.assign_attrs(attrs)
 
 
 def _protected(table: EllipseTable, metric: str, curve: str) -> EllipseTable:

@@ -58,7 +58,8 @@ class Provenance:
         The ground motions for which the criterion speaks, as the end of a sentence.
     scope : dict
         Least value, 5 % and 95 % quantile and greatest value over these motions of what is known of them:
-        `magnitude`, `length` [s], `effective_duration` [s], `cycles`.
+        `magnitude`, `length` [s], `cycles`, and of responses `effective_duration` [s], `frequency_ratio` and
+        `sensitivity` [-].
     position : str
         Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside".
     """

@@ -9,9 +9,13 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.boundary import DIRECTIONS, ratio_of_delays
 from reliab.criterion.scaling import scales
+from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from reliab.boundary import FirstOrderEllipse
+    from reliab.structures import Structure
 
 Places = NDArray[np.int64]
 
@@ -81,6 +85,34 @@ class ResponseMeasures:
             damping_ratios=measures["xi"].values.astype(np.float64),
             scales=scales_of,
         )
+
+    @classmethod
+    def of_one(cls, response: "FirstOrderEllipse", structure: "Structure", name: str) -> Self:
+        """Measures of the response of one structure, shape (1, 1, 1)."""
+        return cls(
+            a_first=np.full((1, 1, 1), response.amplitude),
+            b_first=np.full((1, 1, 1), response.delay),
+            effective_duration=np.full((1, 1, 1), response.effective_duration),
+            motions=np.array([name]),
+            duration=np.array([response.duration]),
+            frequencies=np.array([structure.frequency]),
+            damping_ratios=np.array([structure.damping_ratio]),
+        )
+
+    @property
+    def compared(self) -> dict[str, Array]:
+        """Quantities by which a response is compared with others, shape (motions, f, ξ) each.
+
+        `effective_duration` [s]; `frequency_ratio`, the frequency of the error over that of the structure
+        [-], which is 1 at resonance; `sensitivity`, the RMS^R for an amplitude error as large as the damping
+        ratio, in the limit of small errors [-].
+        """
+        f, xi = self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1)
+        return {
+            "effective_duration": self.effective_duration,
+            "frequency_ratio": MILLI * np.sqrt(self.a_first / self.b_first) / (2.0 * np.pi * f),
+            "sensitivity": xi / np.sqrt(self.a_first),
+        }
 
     def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
         """Take some of the motions."""

@@ -1,7 +1,7 @@
 """For which tests a criterion speaks: ranges of what its motions are, and a test compared with them."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
@@ -11,7 +11,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.shipped import shipped
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 _TABLE = "real_suite/earthquakes.csv"
 _NAMES = {
@@ -19,6 +19,8 @@ _NAMES = {
     "length": ("length of the record", " s"),
     "effective_duration": ("effective duration of the response", " s"),
     "cycles": ("number of cycles", ""),
+    "frequency_ratio": ("frequency of the error over that of the structure", ""),
+    "sensitivity": ("error for an amplitude error as large as the damping ratio", ""),
 }
 
 
@@ -45,7 +47,8 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
     ----------
     scope : mapping of str to sequence of float
         Least value, 5 % and 95 % quantile and greatest value over the motions of each quantity, as a
-        criterion's provenance holds them: `magnitude`, `length` [s], `effective_duration` [s], `cycles`.
+        criterion's provenance holds them: `magnitude`, `length` [s], `cycles`, and those of
+        responses: `effective_duration` [s], `frequency_ratio` [-], `sensitivity` [-].
     test : mapping of str to float
         The same quantities of the test, those that are known.
 
@@ -79,8 +82,11 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
     return ScopeComparison(position=worst, sentences=tuple(sentences))
 
 
-def scope_of(ellipses: Ellipses, effective_durations: Array | None = None) -> dict[str, list[float]]:
-    """Least value, 5 % and 95 % quantile and greatest value of what is known of a population's motions."""
+def scope_of(ellipses: Ellipses, of_responses: Mapping[str, Array] | None = None) -> dict[str, list[float]]:
+    """Least value, 5 % and 95 % quantile and greatest value of what is known of a population's motions.
+
+    `of_responses`: what is known of the responses to them, by its name.
+    """
     table = tabled(ellipses)
     ranges: dict[str, list[float]] = {}
     magnitudes = magnitudes_of(table.events.tolist())
@@ -90,9 +96,7 @@ def scope_of(ellipses: Ellipses, effective_durations: Array | None = None) -> di
         lengths = table.of_motions["duration"].astype(np.float64)
         ranges["length"] = range_of(lengths)
         ranges["cycles"] = range_of(np.outer(lengths, table.at["f"]))
-    if effective_durations is not None:
-        ranges["effective_duration"] = range_of(effective_durations)
-    return ranges
+    return {**ranges, **{name: range_of(values) for name, values in (of_responses or {}).items()}}
 
 
 def population_of(ellipses: Ellipses) -> str:
@@ -107,6 +111,25 @@ def population_of(ellipses: Ellipses) -> str:
         sentence += f", records of {scope['length'][0]:.0f} to {scope['length'][3]:.0f} s"
     carried = table.attrs.get("carried_to")
     return f"{sentence}, {carried}" if carried else sentence
+
+
+def populations_in_words(stated: Iterable[tuple[float, str]]) -> list[str]:
+    r"""Say for which ground motions criteria speak, given by the share of each [-] and its population.
+
+    >>> print(*populations_in_words([(0.5, "all lengths"), (0.95, "every length")]), sep="\n")
+    At 50 %, for ground motions like these: all lengths.
+    At 95 %, for ground motions like these: every length.
+    """
+    shares: dict[str, list[str]] = {}
+    for share, population in stated:
+        if population:
+            shares.setdefault(population, []).append(percent(share))
+    if len(shares) == 1:
+        return [f"For ground motions like these: {population}." for population in shares]
+    return [
+        f"At {' and '.join(dict.fromkeys(at))}, for ground motions like these: {population}."
+        for population, at in shares.items()
+    ]
 
 
 def magnitudes_of(events: Sequence[str]) -> list[float] | None:

@@ -141,3 +141,22 @@ def test_another_error_than_rms_is_refused():
 def test_a_length_must_be_positive(duration):
     with pytest.raises(InputError, match="must be positive"):
         carry_to_length(population(np.random.default_rng(9), events=2)[0], duration)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"a_first": 0.1, "b_first": 0.1}, "error for an amplitude error"),
+        ({"a_first": 4.0}, "frequency of the error"),
+    ],
+)
+def test_a_response_unlike_those_of_the_population_is_outside(change, named):
+    """Off resonance, and far more demanding than any motion of the population."""
+    ellipses, known = population(np.random.default_rng(21))
+    typical = known.isel(motion=[int(known["a_first"][:, 1, 0].argsort()[60])]).sel(f=[1.0], xi=[0.02])
+    assert carry_to_response(ellipses, known, typical).attrs["position"] != "outside"
+    changed = typical.assign({name: typical[name] * factor for name, factor in change.items()})
+    carried = carry_to_response(ellipses, known, changed)
+    assert carried.attrs["position"] == "outside"
+    assert named in carried.attrs["caution"]
+    assert "No share" in carried.attrs["caution"]

@@ -74,8 +74,20 @@ def test_a_criterion_says_that_lengths_are_protected(population):
     assert "least" not in derive_criterion(population, method="quantile").provenance.population
 
 
-@pytest.mark.parametrize(("confidence", "said"), [(0.5, True), (0.95, False)])
-def test_small_shares_are_said_to_depend_on_the_length(confidence, said):
-    ellipses = read_ellipses("real_suite").sel(f=[1.0], xi=[0.05], threshold=[0.05], side=["lag"])
-    warnings = derive_criterion(ellipses, confidence=confidence).provenance.warnings
-    assert any("depend on the length" in sentence for sentence in warnings) is said
+def test_small_shares_are_of_all_lengths_together_as_recorded(population):
+    together = protect_over_lengths(population, confidence=0.8)
+    for name in ("a", "b"):
+        np.testing.assert_array_equal(together[name], population[name])
+    criterion = derive_criterion(population, confidence=0.8)
+    assert "all lengths together" in criterion.provenance.population
+    assert any("short records have less" in sentence for sentence in criterion.provenance.warnings)
+    assert not any(
+        "short records" in sentence for sentence in derive_criterion(population).provenance.warnings
+    )
+
+
+def test_limits_do_not_grow_with_the_share_where_protection_begins(population):
+    places = np.meshgrid(SELECTED["f"], SELECTED["xi"], indexing="ij")
+    below, from_there_on = (derive_criterion(population, confidence=share) for share in (0.899, 0.9))
+    for smaller, larger in zip(from_there_on.limits(*places), below.limits(*places), strict=True):
+        assert (smaller <= larger * 1.01).all()

@@ -53,7 +53,9 @@ def test_codes_hold_the_shipped_ellipses(small):
     packed = pack(small)
     planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["codes"])), np.uint8).reshape(2, -1)
     codes = planes[0].astype(np.uint32) + 256 * planes[1].astype(np.uint32)
-    for half, offset, name in zip(codes.reshape(2, -1), packed["offsets"], ("a", "b"), strict=True):
+    protected, differences = codes.reshape(2, -1)
+    together = (protected + differences) % 2**16
+    for half, offset, name in zip(protected.reshape(2, -1), packed["offsets"], ("a", "b"), strict=True):
         decoded = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
         table = small["record"].sel(curve="inscribed")[name]
         order = ("threshold", "metric", "side", "f", "xi", "motion")
@@ -65,6 +67,9 @@ def test_codes_hold_the_shipped_ellipses(small):
         own = protect_over_lengths(small["record"].sel(metric=["rms"], curve=["inscribed"]))[name]
         protecting = own.squeeze("curve").transpose(*order).squeeze("metric").values
         np.testing.assert_allclose(found["rms"], protecting, rtol=2.5e-4)
+        whole = together.reshape(2, -1)[("a", "b").index(name)]
+        recorded = ((whole + np.uint32(offset)) << np.uint32(12)).view(np.float32)
+        np.testing.assert_array_equal(recorded.reshape(table.shape), table.values)
 
 
 def test_names_in_the_data_cannot_end_the_script(small):

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
+from reliab.criterion import populations_in_words
 from reliab.significant import percent
 from reliab.vocabulary import MILLI
 
@@ -38,8 +39,8 @@ def show_design(design: "Design") -> None:
             f"{MILLI * delay:.3f}",
         )
     terminal = console()
-    if first.population:
-        terminal.print(f"For ground motions like these: {first.population}.", markup=False, highlight=False)
+    for sentence in populations_in_words((row.confidence, row.population) for row in rows):
+        terminal.print(sentence, markup=False, highlight=False)
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(

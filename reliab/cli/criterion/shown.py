@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import Any, Final
 
 from reliab.cli.output import console, table
+from reliab.criterion import populations_in_words
 from reliab.significant import percent, significant
 
 _HEADINGS = (
@@ -56,12 +57,10 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
     terminal = console()
-    if first["population"]:
-        terminal.print(
-            f"For ground motions like these: {first['population']}.", markup=False, highlight=False
-        )
-        if first["position"] != "inside":
-            terminal.print(f"What it is asked for lies {first['position']} of them.", style="yellow")
+    for sentence in populations_in_words((row["confidence"], row["population"]) for row in rows):
+        terminal.print(sentence, markup=False, highlight=False)
+    if first["population"] and first["position"] != "inside":
+        terminal.print(f"What it is asked for lies {first['position']} of them.", style="yellow")
     for posterior in posteriors:
         _show_posterior(posterior)
     terminal.print(shown)

@@ -4,7 +4,7 @@
 // share of motions of further earthquakes (method "dirichlet", reliab/criterion/methods/joint.py). Between the
 // structures that were simulated, a/xi^2 and b w0^2/xi^2 are interpolated in ln f and ln xi.
 
-import { isMeaningless, motionsAt, neighbours } from "./ellipses.js";
+import { isMeaningless, lengthsTogether, motionsAt, neighbours } from "./ellipses.js";
 import { learn, quantile } from "./further_motion.js";
 
 // Limits for a = 1, b = 1 in dimensionless form: xi^2 [-] and (xi/w0)^2 [ms^2].
@@ -62,9 +62,10 @@ function once(key, compute) {
   return kept.get(key);
 }
 
-function nodeMotions(ellipses, { metric, side, threshold, duration }, row, column) {
-  const key = [ellipses.name, metric, side, threshold, duration, row, column].join();
-  return once(key, () => motionsAt(ellipses, { metric, side, threshold, duration }, row, column));
+function nodeMotions(ellipses, question, row, column) {
+  const { metric, side, threshold, duration } = question;
+  const key = [ellipses.name, metric, side, threshold, duration, lengthsTogether(ellipses, question), row, column].join();
+  return once(key, () => motionsAt(ellipses, question, row, column));
 }
 
 function limitsAtNode(ellipses, question, row, column, without) {

@@ -8,7 +8,7 @@ export async function unpack(packed) {
   const planes = new Uint8Array(await new Response(stream).arrayBuffer());
   const half = planes.length / 2, codes = new Uint16Array(half);
   for (let i = 0; i < half; i += 1) codes[i] = planes[i] | (planes[half + i] << 8);
-  const size = half / packed.windows.length;
+  const size = half / packed.tables;
   for (let i = size; i < half; i += 1) codes[i] = (codes[i] + codes[i % size]) & 0xffff;
   return { ...packed, codes, size };
 }
@@ -22,11 +22,11 @@ function logarithmAt({ codes, offsets, size }, window, place) {
   return code === 0 ? NaN : Math.log(WORD.getFloat32(0));
 }
 
-// Logarithms of a and of b of all motions at a node of the grid, at any threshold and length of test.
-export function motionsAt(ellipses, { metric, side, threshold, duration }, row, column) {
+// Logarithms of a and of b of all motions at a node of the grid, at any threshold, share and length of test.
+export function motionsAt(ellipses, { metric, side, threshold, duration, confidence }, row, column) {
   const { thresholds, frequencies, dampingRatios, motions } = ellipses;
   const [below, above, weight] = neighbours(thresholds, threshold);
-  const windows = windowsFor(ellipses.windows, duration);
+  const windows = windowsFor(ellipses, duration, confidence);
   const metricPlace = ellipses.metrics.indexOf(metric), sidePlace = ellipses.sides.indexOf(side);
   const cells = frequencies.length * dampingRatios.length, half = ellipses.size / 2;
   const start = (t) => (((t * ellipses.metrics.length + metricPlace) * ellipses.sides.length + sidePlace) * cells +
@@ -42,7 +42,7 @@ export function motionsAt(ellipses, { metric, side, threshold, duration }, row, 
 // Whether an actuator at rest keeps the threshold at a node under more than one motion in twenty, so that A and d
 // say nothing of a test's error.
 export function isMeaningless(ellipses, { metric, threshold, duration }, row, column) {
-  const table = ellipses.meaningless[windowsFor(ellipses.windows, duration).above];
+  const table = ellipses.meaningless[windowsFor(ellipses, duration).above];
   return table !== null && threshold >= table[ellipses.metrics.indexOf(metric)][row][column];
 }
 
@@ -63,8 +63,15 @@ export function neighbours(values, wanted) {
   return [above - 1, above, weight];
 }
 
+// Whether the criterion of whole records is one of all lengths together; larger shares protect every length.
+export function lengthsTogether({ windows, tables, protectedFrom }, { duration, confidence }) {
+  return duration === null && tables > windows.length && confidence < protectedFrom;
+}
+
 // Windows between which ellipses are interpolated for tests of a length [s]; null stands for whole records.
-function windowsFor(windows, duration) {
+function windowsFor(ellipses, duration, confidence = 1) {
+  const { windows } = ellipses;
+  if (lengthsTogether(ellipses, { duration, confidence })) return { below: windows.length, above: windows.length, weight: 0 };
   const lengths = windows.map(Number).filter((length) => length > 0).sort((p, q) => p - q);
   const place = (length) => windows.indexOf(String(length));
   if (duration === null || lengths.length === 0) return { below: 0, above: 0, weight: 0 };

@@ -2,7 +2,7 @@
 
 import { inWords, prepareControls, question } from "./controls.js";
 import { band, carriedConfidence, limits, motionLimits, printedLimits, thresholdIsMeaningless } from "./criterion.js";
-import { unpack } from "./ellipses.js";
+import { lengthsTogether, unpack } from "./ellipses.js";
 import { drawOverFrequency } from "./over_frequency.js";
 import { describePlace, drawPlane, drawProbe } from "./plane.js";
 import { quantileOf } from "./fourier.js";
@@ -89,8 +89,16 @@ function explain() {
       ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
       : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
   field("meaning").textContent = `A test inside the region has an error below ${inWords(now).split(" for ")[0]} with a ` +
-    `predictive probability of ${Number((100 * now.confidence).toFixed(1))} % for a motion of a further earthquake, learned from ` +
-    `${ellipses.motions.length} motions of ${new Set(ellipses.events).size} earthquakes.`;
+    `predictive probability of ${Number((100 * now.confidence).toFixed(1))} % for a motion of a further earthquake like ` +
+    `these: ${ellipses.population}${lengthsInWords(now)}.`;
+}
+
+// What the criterion promises of lengths, as the end of a sentence.
+function lengthsInWords(now) {
+  if (now.duration !== null || ellipses.tables === ellipses.windows.length) return "";
+  return lengthsTogether(ellipses, now)
+    ? ", all lengths together: short ones have less than the stated share, long ones more"
+    : ", every length protected";
 }
 
 // Band and charts over frequency, in slices between which the controls answer; given up when they change.
