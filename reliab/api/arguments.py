@@ -46,8 +46,14 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
 
 
 def require_positive(stated: Mapping[str, StatedValue]) -> None:
-    """Refuse scales, a mass and properties of channels that are not positive."""
+    """Refuse scales, a mass and properties of channels that are not positive.
+
+    A hysteresis may be zero with a standard deviation, as a calibration finds it.
+    """
     for name, remedy in _POSITIVE.items():
+        none_found = name == "hysteresis" and name in stated and stated[name].value == 0.0
+        if none_found and stated[name].deviation > 0.0:
+            continue
         if name in stated and not stated[name].value > 0.0:
             raise InputError(
                 f"The value of `{name}` must be positive", value=str(stated[name]), remedy=remedy

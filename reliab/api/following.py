@@ -362,7 +362,7 @@ class _Watch:
         if self.frame is not None:
             self.sizes.update(sizes_of_structure(self.frame))
         tolerances = tolerances_of(self.sizes)
-        if "hysteresis" in self.stated:  # which is not taken off here
+        if self._value("hysteresis"):  # which is not taken off here
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
         followed = structure if self.frame is None else self.frame.partition
         lag *= _MILLISECONDS

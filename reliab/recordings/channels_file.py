@@ -96,7 +96,8 @@ class CalibrationTable(_Table):
         values = {
             "skew": (self.skew_ms, self.skew_sd_ms),
             "scale": (self.scale, self.scale_sd),
-            "hysteresis": (self.hysteresis or None, self.hysteresis_sd),
+            # none found is a finding, with its deviation
+            "hysteresis": (self.hysteresis or (0.0 if self.hysteresis_sd else None), self.hysteresis_sd),
             "resolution": (MILLI * self.resolution_m if self.resolution_m else None, 0.0),
         }
         return {

@@ -41,6 +41,7 @@ _ABSOLUTE = {  # stated in milliseconds
     "feedback_lag": "feedback_lag",
     "filter_delay": "filter_delay",
 }
+_LAGGING = "lagging_hysteresis"  # where none was found: no reading leads
 _OF_HYSTERESIS = 0.2  # of a hysteresis that is stated without its deviation, as a calibration gives it
 _LARGEST_ASSUMED = 0.99
 _OF_PARTS = {  # what is not assumed of the whole where parts of the structure are stated
@@ -69,13 +70,15 @@ def sizes_of_unknown(
     calibrated model is known as well as the model says.
     """
     sizes = {} if equipment is None else _assumed(structure, equipment, time_step)
+    of_sensor = stated.get("hysteresis", StatedValue(0.0))
     if "hysteresis" in stated:
-        sizes.pop("lagging_hysteresis", None)
-        assumed = Size(deviation=_OF_HYSTERESIS * stated["hysteresis"].value, source=Source.DEFAULT)
-        sizes |= {} if equipment is None else {"hysteresis": assumed}
+        sizes.pop(_LAGGING, None)
+    if of_sensor.value and equipment is not None:
+        sizes["hysteresis"] = Size(deviation=_OF_HYSTERESIS * of_sensor.value, source=Source.DEFAULT)
     if calibrated:
         sizes = {name: size for name, size in sizes.items() if name not in _OF_STRUCTURE}
-    for name, key in {**_RELATIVE, **_ABSOLUTE, "hysteresis": "hysteresis"}.items():
+    open_hysteresis = "hysteresis" if of_sensor.value else _LAGGING
+    for name, key in {**_RELATIVE, **_ABSOLUTE, open_hysteresis: "hysteresis"}.items():
         if key in stated and stated[key].deviation:
             relative = abs(stated[key].value) if name in _RELATIVE else 1.0
             unit = MILLI if name in _ABSOLUTE else 1.0
@@ -138,7 +141,7 @@ def _assumed(structure: Structure, equipment: Equipment, time_step: float) -> di
         "time_shift": equipment.skew(time_step),
         "feedback_lag": equipment.feedback_lag_ms / MILLI,
         "filter_delay": equipment.filter_delay_ms / MILLI,
-        "lagging_hysteresis": equipment.hysteresis,
+        _LAGGING: equipment.hysteresis,
     }
     return {
         name: Size(deviation=deviation, source=Source.DEFAULT)

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reliab.api.arguments import require_positive
 from reliab.assessment import assess
 from reliab.assessment.budget import (
+    Size,
     Source,
     ordinary_equipment,
     read_equipment,
@@ -14,7 +16,7 @@ from reliab.assessment.budget import (
     tolerances_of,
 )
 from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.recordings import Recording, read_channels_file
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 
@@ -117,6 +119,16 @@ def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equ
     size = sizes_of_unknown(stated, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
     assert size.deviation == pytest.approx(expected)
     assert size.source is Source.STATED
+
+
+def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
+    file = tmp_path / "channels.toml"
+    file.write_text("[calibration]\nhysteresis = 0\nhysteresis_sd = 1e-4\n", encoding="utf-8")
+    stated = read_channels_file(file).of_tests
+    require_positive(stated)
+    sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
+    assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=Source.STATED)
+    assert "hysteresis" not in sizes
 
 
 def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
