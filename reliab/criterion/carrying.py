@@ -44,6 +44,7 @@ _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
+_BETWEEN_POPULATIONS: Final = 0.5  # variance of means of populations over that of motions, at least
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
 
@@ -201,8 +202,9 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
     """Carry the ellipses of a population towards those of a suite of a few motions.
 
     The suite's mean is pooled with the population's in proportion to what either is worth: the means of
-    populations are expected to differ as those of earthquakes do. So is its scatter, that of the population
-    counting as ten motions.
+    populations are expected to differ as those of earthquakes do, and by half the variance of motions at
+    least, since a suite is given where other ground motions are expected. So is its scatter, that of the
+    population counting as ten motions.
 
     Parameters
     ----------
@@ -258,7 +260,7 @@ def _pooled(population: Array, events: NDArray[np.str_], own: Array, own_events:
         values, suite = population[known, row, column], own[measured, row, column]
         parts = event_components(values, events[known])
         spread = float(parts.between + parts.within)
-        between = max(float(parts.between), spread / max(np.unique(events).size, 2))
+        between = max(float(parts.between), _BETWEEN_POPULATIONS * spread)
         worth = float(event_components(suite, own_events[measured]).effective_number)
         share = worth * between / (worth * between + spread)
         degrees = suite.size - 1.0

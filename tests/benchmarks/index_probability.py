@@ -1,21 +1,25 @@
 """Reliability diagram of the probability by the index, under earthquakes that were left out.
 
-    python tests/benchmarks/index_probability.py RECORDS [SECONDS...]
+    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population]
 
 Rigs with a gain and a delay are drawn around the boundaries of each of the 100 records, whole or cut to
 SECONDS. Their probability is stated as `reliab assess` does, by the motions of other earthquakes: as a
 criterion for tests of that length (`population`), and carried to the test's own exact response (`response`).
 Whether a rig is good is computed by the loop. Printed are, for each band of stated probability, the mean of
-what is stated and the share of good tests; and the shares kept along the edge of the 95 % limits.
+what is stated and the share of good tests; and the shares kept along the edge of the 95 % limits. By the
+population no probability is stated where the response lies outside of its scope; what would have been stated
+there stands in rows of its own (`unstated`). With `--population` the response's own, which takes most of the
+time, is left out.
 """
 
-import sys
+import argparse
 
 import numpy as np
 
 from reliab.assessment import default_criterion
 from reliab.assessment.default_criterion import criterion_of_response
 from reliab.boundary import first_order_ellipse
+from reliab.criterion import Position, ResponseMeasures, compare_with_scope
 from reliab.indices import Window, relative_error
 from reliab.motions import load_motions
 from reliab.simulation import Loop
@@ -29,8 +33,8 @@ STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)
 BANDS = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
 
 
-def judged(motion, seconds, f, xi, rng):
-    """Probabilities (2, rigs), whether good (rigs,), edges kept (2,) and areas (2,) under one record."""
+def judged(motion, seconds, f, xi, rng, *, population):
+    """Probabilities (3, rigs), whether good (rigs,), edges kept (2,) and areas (2,) under one record."""
     structure = Structure(frequency=f, damping_ratio=xi)
     excitation = excitation_of(motion, Window.parse("record" if seconds is None else f"{seconds:g}"))
     response = first_order_ellipse(excitation, structure)
@@ -47,15 +51,19 @@ def judged(motion, seconds, f, xi, rng):
     def errors(gain, delay):
         return relative_error(loop.deviation(loop.cells(gain=gain, delay=delay)), Metric.RMS)
 
-    stated = [
-        of_length.probability(gain, delay, f, xi),
-        [
+    by_population = of_length.probability(gain, delay, f, xi)
+    known = ResponseMeasures.of_one(response, structure, "this test").compared
+    test = {"length": length, "cycles": length * f} | {name: value.item() for name, value in known.items()}
+    outside = compare_with_scope(of_length.provenance.scope, test).position is Position.OUTSIDE
+    unknown = np.full(RIGS, np.nan)
+    stated = [unknown if outside else by_population, unknown, by_population if outside else unknown]
+    if not population:
+        stated[1] = [
             float(
-                criterion_of_response(response, structure, tracking=test, **without).probability(*test, f, xi)
+                criterion_of_response(response, structure, tracking=rig, **without).probability(*rig, f, xi)
             )
-            for test in zip(gain.tolist(), delay.tolist(), strict=True)
-        ],
-    ]
+            for rig in zip(gain.tolist(), delay.tolist(), strict=True)
+        ]
     kept, areas = [], []
     for criterion in (of_length, of_response):
         limits = [float(limit) for limit in criterion.limits(f, xi)]
@@ -65,25 +73,42 @@ def judged(motion, seconds, f, xi, rng):
     return np.array(stated), errors(gain, delay) <= THRESHOLD, kept, areas
 
 
+def show_bands(name, probability, good):
+    """Print what is stated and what is good, for each band of what is stated."""
+    known = np.isfinite(probability)
+    probability, good = probability[known], good[known]
+    band = np.clip(np.digitize(probability, BANDS) - 1, 0, len(BANDS) - 2)
+    for place in range(len(BANDS) - 1):
+        if (chosen := band == place).any():
+            print(
+                f"  {name:10s} {BANDS[place]:.2f} to {BANDS[place + 1]:.2f}: stated "
+                f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} of {chosen.sum()}"
+            )
+    if known.any():
+        print(f"  {name:10s} Brier score {np.mean((probability - good) ** 2):.3f}", flush=True)
+
+
 def main():
     """Print one table for each length."""
-    suite = load_motions(sys.argv[1], sets=["far_field", "near_field"])
-    for seconds in [None, *map(float, sys.argv[2:])] if len(sys.argv) > 2 else [None]:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("records")
+    parser.add_argument("seconds", type=float, nargs="*")
+    parser.add_argument("--population", action="store_true")
+    options = parser.parse_args()
+    suite = load_motions(options.records, sets=["far_field", "near_field"])
+    for seconds in [None, *options.seconds]:
         rng = np.random.default_rng(34)
-        results = [judged(motion, seconds, f, xi, rng) for motion in suite for f, xi in STRUCTURES]
+        results = [
+            judged(motion, seconds, f, xi, rng, population=options.population)
+            for motion in suite
+            for f, xi in STRUCTURES
+        ]
         stated = np.concatenate([part[0] for part in results], axis=1)
         good = np.concatenate([part[1] for part in results])
         kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
         print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
-        for name, probability in zip(("population", "response"), stated, strict=True):
-            band = np.clip(np.digitize(probability, BANDS) - 1, 0, len(BANDS) - 2)
-            for place in range(len(BANDS) - 1):
-                if (chosen := band == place).any():
-                    print(
-                        f"  {name:10s} {BANDS[place]:.2f} to {BANDS[place + 1]:.2f}: stated "
-                        f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} of {chosen.sum()}"
-                    )
-            print(f"  {name:10s} Brier score {np.mean((probability - good) ** 2):.3f}")
+        for name, probability in zip(("population", "response", "unstated"), stated, strict=True):
+            show_bands(name, probability, good)
         print(
             f"  95 % kept by {', '.join(f'{share:.1%}' for share in kept.mean(axis=0))}; "
             f"area of the second over the first {np.median(areas[:, 1] / areas[:, 0]):.2f}",

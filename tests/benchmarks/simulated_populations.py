@@ -1,6 +1,6 @@
 """Criteria of real motions judged on simulated earthquakes and the reverse; and of ten own records.
 
-    python tests/benchmarks/simulated_populations.py FOLDER [--motions 100] [--sets 200]
+    python tests/benchmarks/simulated_populations.py FOLDER [--motions 100] [--sets 200] [--seed 3435]
 
 Populations are simulated by Dabaghi and Der Kiureghian (2018), within the range of the model: like the real
 suite, small earthquakes, large ones far away, pulses, soft soil. Subduction earthquakes lie outside of it. A
@@ -56,12 +56,12 @@ CUT = 3.0  # standard deviations of the model's errors
 XI, F = (0.02, 0.05), (1.0,)
 
 
-def simulated(name, number):
+def simulated(name, number, seed=SEED):
     """Two components of an earthquake of a population."""
     ranges = dict(POPULATIONS[name])
     place = list(POPULATIONS).index(name)
-    random = np.random.default_rng([SEED, place, number])
-    streams = partial(RandomStream, SEED + place, number)
+    random = np.random.default_rng([seed, place, number])
+    streams = partial(RandomStream, seed + place, number)
     pulse_like = ranges.pop("pulse_like", False)
     for attempt in count():
         scenario = draw_scenario(draw_earthquake(streams(attempt, 1)), streams(attempt, 2))
@@ -88,11 +88,12 @@ def simulated(name, number):
     ]
 
 
-def population(name, motions, folder):
+def population(name, motions, folder, seed):
     """Ellipses of a simulated population, in the limit of small errors."""
-    path = folder / f"{name.replace(' ', '_')}_{motions}.nc"
+    path = folder / f"{name.replace(' ', '_')}_{motions}_{seed}.nc"
     if not path.is_file():
-        suite = [motion for number in range(1, motions // 2 + 1) for motion in simulated(name, number)]
+        numbers = range(1, motions // 2 + 1)
+        suite = [motion for number in numbers for motion in simulated(name, number, seed)]
         measure_responses(MotionSuite.from_motions(suite), F, XI).to_netcdf(path, engine="h5netcdf")
     measures = xr.load_dataset(path, engine="h5netcdf")
     lengths, responses = (
@@ -161,11 +162,14 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--motions", type=int, default=100)
     parser.add_argument("--sets", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=SEED)
     options = parser.parse_args()
     options.folder.mkdir(exist_ok=True)
     measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
     real = of_small_errors(measures.sel(f=list(F), xi=list(XI)))
-    targets = {name: (population(name, options.motions, options.folder), real) for name in POPULATIONS}
+    targets = {
+        name: (population(name, options.motions, options.folder, options.seed), real) for name in POPULATIONS
+    }
     print("learned from / judged on                     as recorded, protected over lengths, by length")
     for name, (judged, _) in targets.items():
         line(f"real / {name}", by_three(real, judged))
@@ -177,7 +181,7 @@ def main():
         if np.unique(group["event"].values).size >= TEN // 2 and group.sizes["motion"] >= 3 * TEN:
             targets[f"real, {name}"] = group, rest.isel(motion=apart)
     print("ten own records pooled with the real population, judged on other earthquakes of their kind")
-    random, every = np.random.default_rng(SEED), []
+    random, every = np.random.default_rng(options.seed), []
     for place, (name, (target, learned)) in enumerate(targets.items()):
         sets = range(options.sets // len(targets) + (place < options.sets % len(targets)))
         shares = [of_ten(learned, target, random) for _ in sets]

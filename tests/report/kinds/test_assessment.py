@@ -57,5 +57,6 @@ def test_a_test_is_reported_on_two_pages(
     read = text_of(document)
     assert f"The test is {word}" in read
     assert "over the test's own 40 s" in read
+    assert f"with the test {found.scope.position} of them" in read
     assert f"{100.0 * found.error.rebuilt.rms.value:.2f}" in read
     assert ("What would decide" in read) is (word == "undecided")

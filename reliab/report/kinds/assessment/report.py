@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from reliab.assessment import LEVEL, Assessment, Word
+from reliab.criterion import Position
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
@@ -64,7 +65,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     basis = (
         f"the boundary of its own ground motion, {assessment.placement.motion}"
         if assessment.placement
-        else f"{percent(assessment.criterion.confidence)} of the ground motions behind the criterion"
+        else _of_ground_motions(assessment)
     )
     window = (
         assessment.criterion.provenance.window
@@ -86,6 +87,16 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
             f"{basis}: {spelled_out(assessment.verdict_by_index.word)}; window of its errors: {window}"
         ),
     }
+
+
+def _of_ground_motions(assessment: Assessment) -> str:
+    """Say for which ground motions the criterion speaks, and where the test lies among them."""
+    population, position = assessment.criterion.provenance.population, assessment.scope.position
+    share = percent(assessment.criterion.confidence)
+    if not population or position is None:
+        return f"{share} of the ground motions behind the criterion"
+    promise = "no share" if position is Position.OUTSIDE else share
+    return f"{promise} of {population}, with the test {position} of them"
 
 
 def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
