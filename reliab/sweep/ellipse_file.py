@@ -44,9 +44,9 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
 
 
 def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
-    """Keep what resembles each other in one chunk: the windows, structures and errors of two motions."""
+    """Keep what resembles each other in one chunk: the windows, structures and errors of ten motions."""
     most: dict[Hashable, int] = {
-        Dimension.MOTION: 2,
+        Dimension.MOTION: 10,
         Dimension.METRIC: 1,
         Dimension.CURVE: 1,
         Dimension.SIDE: 1,
