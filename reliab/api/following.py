@@ -32,7 +32,6 @@ from reliab.assessment.rebuilt_error import (
     Monitor,
     RebuiltError,
 )
-from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
@@ -49,7 +48,7 @@ from reliab.significant import percent, significant
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.structures import CoupledPartition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
@@ -368,9 +367,11 @@ class _Watch:
         lag *= _MILLISECONDS
         if self.of_force is None:
             return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
-        mass, whole = self.stated.get("mass"), whole_structure(followed)
+        mass = self.stated.get("mass")
         return MeasuredMonitor(
-            whole if mass is None else whole.in_kilograms(mass.value),
+            whole_structure(followed)
+            if mass is None
+            else CoupledPartition.of_structure(structure, mass.value),
             step,
             StatedForce(
                 mass_deviation=0.0 if mass is None else mass.deviation / mass.value,

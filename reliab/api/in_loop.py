@@ -7,7 +7,6 @@ from typing import Any
 from reliab.api.arguments import Quantity, require_positive, stated_values
 from reliab.api.following import model_of, refuse_beside
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import WholeStructure
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
@@ -163,7 +162,7 @@ class _Structure:
     frame: str | Path | None
     model: str | Path | UpdatedModel | None
 
-    def read(self) -> tuple[WholeStructure | CoupledPartition | HybridTest, Array | None]:
+    def read(self) -> tuple[CoupledPartition | HybridTest, Array | None]:
         """Return the structure, and interface displacements per unit of each channel of several."""
         if self.frame is not None and self.model is not None:
             raise InputError("A monitor in a loop is of a `structure` or a `model`", remedy="Leave one out")
@@ -177,7 +176,7 @@ class _Structure:
             return updated.test, None
         return self._of_values(), None
 
-    def _of_values(self) -> WholeStructure:
+    def _of_values(self) -> CoupledPartition:
         """Return the structure of one degree of freedom."""
         for name in ("f", "xi"):
             if getattr(self, name) is None:
@@ -187,7 +186,7 @@ class _Structure:
                 )
         stated = stated_values(f=self.f, xi=self.xi, alpha=self.alpha)
         require_positive(stated)
-        return WholeStructure.of_structure(
+        return CoupledPartition.of_structure(
             Structure(
                 frequency=stated["f"].value,
                 damping_ratio=stated["xi"].value,
@@ -196,9 +195,7 @@ class _Structure:
         )
 
 
-def _of_frame(
-    frame: FrameUnderTest | CoupledFrame, where: str
-) -> tuple[WholeStructure | CoupledPartition, Array | None]:
+def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[CoupledPartition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
     if isinstance(frame, CoupledFrame):
         return frame.partition, frame.to_interface
@@ -216,7 +213,7 @@ def _of_frame(
             remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
             where=where,
         )
-    return WholeStructure.of_partition(frame.partition), None
+    return CoupledPartition.of_partition(frame.partition), None
 
 
 def _write(content: dict[Path, bytes]) -> None:

@@ -41,7 +41,6 @@ from .moving_windows import Windows as Windows
 from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plausibility import require_plausible as require_plausible
-from .rebuilt_error.whole_structure import whole_structure as whole_structure
 from .recorded_force import (
     require_restoring_force as require_restoring_force,
     unit_like as unit_like,

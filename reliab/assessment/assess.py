@@ -29,7 +29,6 @@ from reliab.assessment.own_equation import OwnEquation, examine_equation
 from reliab.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.assessment.tracking_measures import measure_tracking
@@ -40,7 +39,7 @@ from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.structures import Structure, whole_structure
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2

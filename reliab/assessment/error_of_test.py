@@ -31,7 +31,6 @@ from reliab.assessment.rebuilt_error import (
 from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.errors import InputError
@@ -39,7 +38,7 @@ from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.structures import CoupledPartition, Structure, whole_structure
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 """Largest probability where sizes of what is unknown are assumed."""
@@ -268,7 +267,7 @@ def error_of_test(
             recording.command,
             measured,
             recording.time_step,
-            replace(whole, specimen_damping=specimen_damping * whole.specimen_stiffness),
+            whole.changed(specimen_damping=specimen_damping * whole.specimen_stiffness),
             feedback_lag=question.feedback_lag,
             resolution=question.resolution,
             **rest,
@@ -337,7 +336,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
             where=recording.name,
         )
     mass = question.stated["mass"]
-    whole = whole_structure(question.structure).in_kilograms(mass.value)
+    whole = CoupledPartition.of_structure(question.structure, mass.value)
     deviation = mass.deviation / mass.value
     return specimen_from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
 
@@ -346,7 +345,7 @@ def specimen_from_force(
     recording: Recording,
     measured: Array,
     question: Question,
-    whole: WholeStructure,
+    whole: CoupledPartition,
     *,
     sensor_offset: float | None,
     tolerances: Tolerances,

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from reliab.assessment.budget import (
     Equipment,
     Size,
@@ -29,7 +31,6 @@ from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error import Part, rebuild
-from reliab.assessment.rebuilt_error.whole_structure import whole_structure
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
 from reliab.criterion import Criterion
@@ -40,13 +41,12 @@ from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.structures import Structure, whole_structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
-_LEAST_SHARE = 1e-6
 
 
 def assess_frame(
@@ -145,7 +145,7 @@ def _examined(
         recording,
         track(bridged, draws=_FEW_DRAWS),
         threshold=question.threshold,
-        experimental_fraction=max(whole_structure(frame.partition).share_at_rest, _LEAST_SHARE),
+        experimental_fraction=float(whole_structure(frame.partition).shares_at_sensors(np.eye(1))[0]),
     )
     rebuilt = _rebuilding(frame, question)
     error, effects = error_with_faults(recording, faults, rebuilt)

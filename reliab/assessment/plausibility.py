@@ -5,12 +5,12 @@ from numpy.typing import NDArray
 
 from reliab.assessment.band import noise_floor
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
 from reliab.signals import correlated
 from reliab.significant import percent, significant
+from reliab.structures import CoupledPartition
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
@@ -68,7 +68,7 @@ def require_length(recording: Recording, frequency: float) -> None:
         )
 
 
-def require_drawable(recording: Recording, structure: WholeStructure) -> None:
+def require_drawable(recording: Recording, structure: CoupledPartition) -> None:
     """Refuse a test that is too long for the intervals of its error, before anything is computed from it."""
     step = recording.time_step
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)

@@ -37,7 +37,6 @@ from reliab.assessment.rebuilt_error import (
     TURNS,
     UNSURE,
     WatchedMode,
-    WholeStructure,
     delayed,
     tangent_structure,
 )
@@ -87,7 +86,7 @@ class LoopMonitor:
     """
 
     # The whole structure, specimen included, or a model of it whose specimen is nonlinear
-    structure: WholeStructure | CoupledPartition | HybridTest
+    structure: CoupledPartition | HybridTest
     time_step: float  # Step of the loop [s]
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
     sensor_scale: float = 1.0  # Scale of the displacement sensor [-]
@@ -111,7 +110,7 @@ class LoopMonitor:
             )
 
     @cached_property
-    def linear(self) -> WholeStructure | CoupledPartition:
+    def linear(self) -> CoupledPartition:
         """The structure with the linear specimen."""
         return tangent_structure(self.structure) if isinstance(self.structure, HybridTest) else self.structure
 
@@ -128,10 +127,8 @@ class LoopMonitor:
     @cached_property
     def coefficients(self) -> LoopCoefficients:
         """Numbers of the recursion."""
-        if isinstance(self.linear, WholeStructure):
-            return LoopCoefficients.of_one_actuator(self.linear, self.time_step)
         carry = np.eye(self.linear.degrees) if self.to_interface is None else self.to_interface
-        return LoopCoefficients.of_several(self.linear, carry, self.time_step)
+        return LoopCoefficients.of_structure(self.linear, carry, self.time_step)
 
 
 def monitor_sources(monitor: LoopMonitor) -> dict[str, str]:
@@ -279,7 +276,10 @@ def _specimen(monitor: LoopMonitor) -> list[str]:
         f"    total += {name}(motion, time, RELIAB_STEP, {name.upper()}, states[{place}]);"
         for place, name in enumerate(names)
     ]
+    early, late = monitor.coefficients.pushed
     return [
+        _vector("PUSHED_EARLY", early[:, 0]),
+        _vector("PUSHED_LATE", late[:, 0]),
         *(
             _vector(name.upper(), effect.coefficients(setting))
             for name, effect in zip(names, monitor.effects, strict=True)

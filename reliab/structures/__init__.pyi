@@ -1,4 +1,8 @@
-from .coupled_partition import CoupledPartition as CoupledPartition, condensed as condensed
+from .coupled_partition import (
+    CoupledPartition as CoupledPartition,
+    condensed as condensed,
+    whole_structure as whole_structure,
+)
 from .coupled_stability import (
     CoupledLimit as CoupledLimit,
     coupled_limit as coupled_limit,

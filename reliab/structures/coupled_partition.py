@@ -1,4 +1,4 @@
-"""A structure whose specimen is driven at several degrees of freedom at once.
+"""A structure whose specimen is driven at one degree of freedom, or at several at once.
 
 The actuators impose the interface displacements y = Γᵀx, and the specimen answers with the forces
 K_e y + C_e y' + M_e y''. They belong to the structure's matrices, so that the computer keeps M − ΓM_eΓᵀ and
@@ -11,9 +11,10 @@ out (Guyan 1965, AIAA Journal 3, 380), else it takes a mass that moves by itself
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -29,6 +30,7 @@ from reliab.structures.frames.frame import (
 )
 from reliab.structures.partition import Partition
 from reliab.structures.parts_of_structure import with_parts
+from reliab.structures.structure import Structure
 
 _NO_MASS = 1e-12  # of the largest mass
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
@@ -36,13 +38,15 @@ _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
 _FEW = 6  # degrees of freedom that are too few to be reduced
 _LEAST_SHARE = 1e-6
+_MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CoupledPartition:
-    """A frame of which a specimen of several degrees of freedom stands in the laboratory.
+    """A structure of which a specimen of one degree of freedom or several stands in the laboratory.
 
-    Two floors of a shear frame, both driven, whose lower storey is the specimen:
+    Of one, Γ may be a vector and the specimen's matrices numbers. Two floors of a shear frame, both driven,
+    whose lower storey is the specimen:
 
     >>> stiffness = np.array([[3e6, -1e6], [-1e6, 1e6]])
     >>> partition = CoupledPartition(
@@ -68,6 +72,7 @@ class CoupledPartition:
         for field in ("mass", "damping", "stiffness"):
             object.__setattr__(self, field, square_matrix(getattr(self, field), f"{field} matrix"))
         interface = np.array(self.interface, dtype=np.float64)
+        interface = interface[:, np.newaxis] if interface.ndim == 1 else interface
         size = self.mass.shape[0]
         if self.damping.shape != (size, size) or self.stiffness.shape != (size, size):
             raise InputError(
@@ -104,7 +109,7 @@ class CoupledPartition:
         degrees = self.interface.shape[1]
         for field in ("specimen_stiffness", "specimen_damping", "specimen_mass"):
             values = getattr(self, field)
-            values = np.zeros((degrees, degrees)) if values is None else values
+            values = np.zeros((degrees, degrees)) if values is None else np.atleast_2d(values)
             matrix = square_matrix(values, f"{field.replace('_', ' ')} matrix")
             if matrix.shape != (degrees, degrees):
                 raise InputError(
@@ -146,9 +151,9 @@ class CoupledPartition:
 
     @classmethod
     def of_partition(cls, partition: Partition) -> "CoupledPartition":
-        """Take a frame with one actuator as the case of one interface displacement."""
+        """Take a frame with one actuator, whose specimen may be nonlinear alone."""
         frame, specimen = partition.frame, partition.specimen
-        return cls(
+        return cls._unchecked(
             mass=frame.mass,
             damping=frame.damping,
             stiffness=frame.stiffness,
@@ -157,12 +162,42 @@ class CoupledPartition:
             specimen_damping=np.array([[specimen.damping]]),
             specimen_mass=np.array([[specimen.mass]]),
             influence=frame.influence,
+            names=("1",),
         )
+
+    @classmethod
+    def of_structure(cls, structure: Structure, mass: float = 1.0) -> "CoupledPartition":
+        """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
+        if not (math.isfinite(mass) and mass > 0.0):
+            raise InputError("The mass of the structure must be positive", value=f"{mass} kg")
+        w0 = structure.circular_frequency
+        return cls._unchecked(
+            mass=np.array([[mass]]),
+            damping=np.array([[2.0 * structure.damping_ratio * w0 * mass]]),
+            stiffness=np.array([[w0**2 * mass]]),
+            interface=np.ones((1, 1)),
+            specimen_stiffness=np.array([[structure.experimental_fraction * w0**2 * mass]]),
+            specimen_damping=np.zeros((1, 1)),
+            specimen_mass=np.zeros((1, 1)),
+            influence=np.ones(1),
+            names=("1",),
+        )
+
+    @classmethod
+    def _unchecked(cls, **values: Any) -> "CoupledPartition":  # noqa: ANN401 - arrays and names
+        """Make one of values that somebody else has checked."""
+        partition = object.__new__(cls)
+        partition.__dict__.update(values)
+        return partition
+
+    def changed(self, **values: Array) -> "CoupledPartition":
+        """Return the structure with other matrices, which are not checked: a draw may be what no frame is."""
+        return self._unchecked(**{field.name: getattr(self, field.name) for field in fields(self)} | values)
 
     @property
     def size(self) -> int:
         """Number n of degrees of freedom of the structure."""
-        return int(self.mass.shape[0])
+        return int(self.mass.shape[-1])
 
     @property
     def degrees(self) -> int:
@@ -193,12 +228,11 @@ class CoupledPartition:
         reduced = self.projected(_static_shapes(self.stiffness, followed)) if followed.any() else self
         light = (bare & driven)[~followed]
         added = np.where(light, np.diag(reduced.stiffness) / _QUASI_STATIC**2, 0.0)
-        return replace(reduced, mass=reduced.mass + np.diag(added))
+        return reduced.changed(mass=reduced.mass + np.diag(added))
 
     def projected(self, shapes: Array) -> "CoupledPartition":
         """Confine the structure to shapes of motion, in columns, shape (n, shapes)."""
-        return replace(
-            self,
+        return self.changed(
             mass=shapes.T @ self.mass @ shapes,
             damping=shapes.T @ self.damping @ shapes,
             stiffness=shapes.T @ self.stiffness @ shapes,
@@ -271,37 +305,79 @@ class CoupledPartition:
         """Structure whose floors, storeys, modes or specimen are off by relative changes."""
         of_modes = any(name.startswith("mode") for name in changes)
         whole, more = self.with_masses if of_modes else self, changes.get("specimen_stiffness", 0.0)
-        matrices = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
-        specimen = whole.specimen_mass, whole.specimen_damping, whole.specimen_stiffness
-        mass, damping, stiffness = (
-            matrix + more * whole.interface @ part @ whole.interface.T
-            for matrix, part in zip(matrices, specimen, strict=True)
-        )
-        return replace(
-            whole,
-            mass=mass,
-            damping=damping,
-            stiffness=stiffness,
-            specimen_stiffness=whole.specimen_stiffness * (1.0 + more),
-            specimen_damping=whole.specimen_damping * (1.0 + more),
-            specimen_mass=whole.specimen_mass * (1.0 + more),
+        changed = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
+        return whole.changed(**_matrices(changed, whole._specimen))._with_specimen(1.0 + more)  # noqa: SLF001
+
+    @property
+    def without_specimen(self) -> "CoupledPartition":
+        """Numerical substructure: what the computer simulates of the structure."""
+        return self._with_specimen(0.0)
+
+    def _with_specimen(self, factor: float) -> "CoupledPartition":
+        """Structure with the specimen multiplied by a factor."""
+        whole = zip((self.mass, self.damping, self.stiffness), reversed(self._specimen), strict=True)
+        return self.changed(
+            **_matrices(
+                [self.numerical(matrix, (1.0 - factor) * part) for matrix, part in whole],
+                [factor * part for part in self._specimen],
+            )
         )
 
-    def scaled(self, *, frequency: float, damping_ratio: float, share: float) -> "CoupledPartition":
-        """Structure with all frequencies, damping ratios and the specimen multiplied by factors."""
-        unchecked = object.__new__(CoupledPartition)
-        changed = {
-            **self.__dict__,
-            "damping": self.damping * (frequency * damping_ratio),
-            "stiffness": self.stiffness * frequency**2,
-            "specimen_stiffness": self.specimen_stiffness * (frequency**2 * share),
-            "specimen_damping": self.specimen_damping * (frequency * share),
-            "specimen_mass": self.specimen_mass * share,
-        }
-        for name in ("natural_frequencies", "modes", "with_masses"):
-            changed.pop(name, None)
-        unchecked.__dict__.update(changed)
-        return unchecked
+    def scaled(
+        self,
+        *,
+        frequency: float | Array = 1.0,
+        damping_ratio: float | Array = 1.0,
+        share: float | Array = 1.0,
+    ) -> "CoupledPartition":
+        """Structure with all frequencies, damping ratios and the specimen multiplied by factors.
+
+        Factors of many draws, shape (draws,), give its matrices a first axis of draws.
+        """
+        f, ratio, part = (
+            np.asarray(one)[..., np.newaxis, np.newaxis] for one in (frequency, damping_ratio, share)
+        )
+        return self.changed(
+            damping=self.damping * (f * ratio),
+            stiffness=self.stiffness * f**2,
+            specimen_stiffness=self.specimen_stiffness * (f**2 * part),
+            specimen_damping=self.specimen_damping * (f * part),
+            specimen_mass=self.specimen_mass * part,
+        )
+
+    @property
+    def first_mode(self) -> Array:
+        """Shape of the lowest undamped mode that moves the interface, at most by one, shape (n,)."""
+        for shape in scipy.linalg.eigh(self.stiffness, self.mass)[1].T:
+            moved = max(self.interface.T @ shape, key=abs)
+            if abs(moved) > _MOVES * np.abs(shape).max():
+                return np.asarray(shape / moved)
+        interface = self.interface[:, 0]
+        return np.asarray(interface / float(interface @ interface))
+
+    @property
+    def shapes_of_interface(self) -> Array:
+        """Shapes in which interface displacements are one, shape (n, p): of one alone, the lowest mode."""
+        if self.degrees == 1:
+            return self.first_mode[:, np.newaxis]
+        moved = np.linalg.solve(self.stiffness, self.interface)
+        return np.asarray(np.linalg.solve((self.interface.T @ moved).T, moved.T).T)
+
+    def error_transfer(self, s: Spectrum) -> Spectrum:
+        """Transfer function from x_c − x_m to the interface's error, Γᵀ(M s² + C s + K)⁻¹Γ Z(s).
+
+        `s` [rad/s]; returns [-], shape (…, p, p).
+        """
+        at = np.asarray(s)[..., np.newaxis, np.newaxis]
+        dynamic = at**2 * self.mass + at * self.damping + self.stiffness
+        return np.asarray(self.interface.T @ np.linalg.solve(dynamic, self.interface @ self.impedance(s)))
+
+
+def _matrices(whole: Iterable[Array], specimen: Iterable[Array]) -> dict[str, Array]:
+    """Name M, C and K of a structure, and K_e, C_e and M_e of its specimen."""
+    of_specimen = ("specimen_stiffness", "specimen_damping", "specimen_mass")
+    names = ("mass", "damping", "stiffness", *of_specimen)
+    return dict(zip(names, (*whole, *specimen), strict=True))
 
 
 def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> tuple[Array, ...]:
@@ -328,3 +404,12 @@ def _mass_orthonormal(shapes: Array, mass: Array) -> Array:
     values, vectors = np.linalg.eigh(scaled.T @ mass @ scaled)
     independent = values > _SINGULAR * values.max()
     return np.asarray(scaled @ vectors[:, independent] / np.sqrt(values[independent]))
+
+
+def whole_structure(structure: Structure | Partition | CoupledPartition) -> CoupledPartition:
+    """Convert any description of a structure with a specimen to its matrices."""
+    if isinstance(structure, CoupledPartition):
+        return structure
+    if isinstance(structure, Partition):
+        return CoupledPartition.of_partition(structure)
+    return CoupledPartition.of_structure(structure)

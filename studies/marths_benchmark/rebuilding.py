@@ -16,7 +16,8 @@ from itertools import pairwise
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error import CoupledError, CoupledRecursion, rebuild_coupled
+from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
+from reliab.assessment.rebuilt_error import Recursion
 
 from .loop import newmark
 from .structure import NEIGHBOUR, RATE, THETA, X, benchmark_partition, substructures, to_node
@@ -37,7 +38,7 @@ def rebuilt_error(target: Array, measured: Array, draws: int) -> CoupledError:
 
 
 @cache
-def own_recursion() -> CoupledRecursion:
+def own_recursion() -> Recursion:
     """Recursion of x and θ at 1024 Hz, for a test from rest."""
     later, now, before, _ = newmark()
     size = len(later)
@@ -59,15 +60,13 @@ def own_recursion() -> CoupledRecursion:
     transition[u], late[u] = of_state, of_difference
     transition[f], late[f] = felt + at_once @ of_state, at_once @ of_difference
     transition[e], late[e] = free + pushes @ at_once @ of_state, pushes @ at_once @ of_difference
-    return CoupledRecursion(
+    return Recursion(
         transition=transition,
         early=np.zeros_like(late),
         late=late,
         output=node @ rows[e],
         feed_through=np.zeros((2, 2)),
         static=np.asarray(np.linalg.solve(np.eye(len(rows)) - transition, late), dtype=np.float64),
-        free=np.zeros((2, len(rows), 2)),
-        smooth=False,
     )
 
 

@@ -6,7 +6,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment import whole_structure
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.criterion import growth
 from reliab.criterion.laws import Dimensionless, Equation18
@@ -18,7 +17,7 @@ from reliab.simulation import Excitation
 from reliab.simulation.frames import FrameLoop
 from reliab.simulation.laboratory import Run
 from reliab.simulation.linear_loop import respond
-from reliab.structures import Partition, Structure
+from reliab.structures import Partition, Structure, whole_structure
 from reliab.sweep import open_ellipses
 
 from .drawing import RATE

@@ -10,14 +10,14 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from reliab.assessment import whole_structure, word_of_probability
+from reliab.assessment import word_of_probability
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation.laboratory import Run, run_laboratory
-from reliab.structures import Partition
+from reliab.structures import Partition, whole_structure
 
 from .benchmark import (
     CASES,

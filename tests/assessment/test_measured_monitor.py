@@ -12,17 +12,17 @@ import pytest
 
 from reliab import assess, follow_test
 from reliab.assessment.measured_specimen import MeasuredMonitor, StatedForce, monitor as following
-from reliab.assessment.rebuilt_error import CALM, WholeStructure
+from reliab.assessment.rebuilt_error import CALM
 from reliab.cli import run
 from reliab.errors import InputError
-from reliab.structures import Structure
+from reliab.structures import CoupledPartition, Structure
 from reliab.vocabulary import Metric
 
 simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 
 _STEP = 1.0 / 256.0
 _TIMES = np.arange(0.0, 16.0, _STEP)
-_STRUCTURE = WholeStructure.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
+_STRUCTURE = CoupledPartition.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ import scipy.linalg
 from monitor import DIVERGING, LARGE, RATE, STABLE, STOPPED, THRESHOLD, cases as cases_of_one_degree, effect
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import Monitor, WholeStructure
+from reliab.assessment.rebuilt_error import Monitor
 from reliab.compiled import compiled
 from reliab.effects import Effect, Role, library
 from reliab.in_loop import LoopMonitor, monitor_sources
@@ -96,9 +96,9 @@ def alarms_of(case: LoopCase, compiler: str) -> list[float | None]:
     return [(int(word) - 1) * step if int(word) else None for word in said.split()]
 
 
-def as_one_actuator_drives(partition: CoupledPartition) -> WholeStructure:
+def as_one_actuator_drives(partition: CoupledPartition) -> CoupledPartition:
     """Frame with one actuator, at the first interface displacement of a partition."""
-    return WholeStructure(
+    return CoupledPartition(
         mass=partition.mass,
         damping=partition.damping,
         stiffness=partition.stiffness,
@@ -325,7 +325,7 @@ def cases(count: int, seed: int, kinds: Sequence[str]) -> Iterator[LoopCase]:
     ):
         if case.kind not in kinds:
             continue
-        monitor = LoopMonitor(structure=WholeStructure.of_structure(case.structure), time_step=1.0 / RATE)
+        monitor = LoopMonitor(structure=CoupledPartition.of_structure(case.structure), time_step=1.0 / RATE)
         offset = float(np.mean(case.measured[:20] - case.command[:20])) if case.facts["offset"] else 0.0
         rows = (np.atleast_2d(values) for values in (case.command, case.measured, case.ideal))
         command, measured, ideal = rows

@@ -1,11 +1,11 @@
 """Drawn tests of every kind that a monitor in a loop is made for, with the errors that Python computes."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.assessment.coupled_error import CoupledRecursion
-from reliab.assessment.rebuilt_error import Monitor, WholeStructure, delayed
+from reliab.assessment.rebuilt_error import Monitor, Recursion, delayed
+from reliab.assessment.rebuilt_error.recursion import respond
 from reliab.effects import Role, find_effect, library
 from reliab.in_loop import LoopMonitor
 from reliab.simulation.actuator import Actuator
@@ -71,7 +71,7 @@ def of_one_degree(seed, rate):
     """A linear structure of one degree of freedom, with a delay up to thrice the critical one."""
     structure, command, measured = random_test(seed, rate)
     monitor = LoopMonitor(
-        structure=WholeStructure.of_structure(structure),
+        structure=CoupledPartition.of_structure(structure),
         time_step=1.0 / rate,
         feedback_lag=(0.0, 0.37, 2.6)[seed % 3] / rate,
     )
@@ -132,20 +132,6 @@ def delayed_loop(partition, delay, rate, ground):
     return tuple(np.ascontiguousarray(channel.T) for channel in channels)
 
 
-def whole_of(partition):
-    """A frame with one interface displacement, as one actuator drives it."""
-    with_mass = partition.with_masses
-    return WholeStructure(
-        mass=with_mass.mass,
-        damping=with_mass.damping,
-        stiffness=with_mass.stiffness,
-        interface=with_mass.interface[:, 0],
-        specimen_stiffness=float(with_mass.specimen_stiffness[0, 0]),
-        specimen_damping=float(with_mass.specimen_damping[0, 0]),
-        specimen_mass=float(with_mass.specimen_mass[0, 0]),
-    )
-
-
 def of_frame(seed, rate):
     """A frame of three to five storeys with one actuator, late by up to 1.5 times the critical delay."""
     rng = np.random.default_rng((seed, 9))
@@ -154,7 +140,7 @@ def of_frame(seed, rate):
     (command,), (measured,) = delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
     read = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
     monitor = LoopMonitor(
-        structure=whole_of(partition),
+        structure=partition.with_masses,
         time_step=1.0 / rate,
         feedback_lag=float(rng.choice([0.0, 0.4, 2.7])) / rate,
     )
@@ -166,10 +152,10 @@ def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None)
 
     In a loop the next sample is not known, and readings are joined by straight lines.
     """
-    recursion = replace(CoupledRecursion.of_partition(partition.with_masses, 1.0 / rate), smooth=False)
+    recursion = Recursion.of_displacement(partition.with_masses, 1.0 / rate)
     felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
     state = None if standing is None else recursion.static @ carry @ standing
-    return recursion.respond(carry @ (command - felt), state) - carry @ (command - measured)
+    return respond(recursion, carry @ (command - felt), state) - carry @ (command - measured)
 
 
 def of_several_actuators(seed, rate):

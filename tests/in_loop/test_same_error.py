@@ -6,12 +6,12 @@ from compiled_monitor import FAULT, STRICT, UNSTABLE, built, compare, followed, 
 from drawn_tests import of_one_degree, random_test
 
 from reliab.api import export_monitor
-from reliab.assessment.rebuilt_error import Monitor, WholeStructure
+from reliab.assessment.rebuilt_error import Monitor
 from reliab.errors import InputError
 from reliab.shipped import shipped
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.structures import Structure
+from reliab.structures import CoupledPartition, Structure
 
 pytestmark = needs_compiler
 
@@ -63,7 +63,7 @@ def test_a_frame_is_followed_as_python_does(tmp_path):
     from reliab.simulation.frames import read_frame
 
     path = shipped("datasets", "frames/benchmark_case_1.toml")
-    structure = WholeStructure.of_partition(read_frame(path).partition)
+    structure = CoupledPartition.of_partition(read_frame(path).partition)
     rng = np.random.default_rng(5)
     command = np.cumsum(rng.normal(size=6000)) * 1e-4
     measured = 0.98 * command + 1e-4 * rng.normal(size=command.size)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.structures import CoupledPartition, is_part, part_and_number, with_parts
 from reliab.structures.frames import modal_damping, shear_frame
 
@@ -69,7 +68,7 @@ def test_what_is_not_named_stays():
 
 def test_a_stronger_specimen_leaves_what_the_computer_has():
     interface = np.array([-1.0, 1.0, 0.0])
-    whole = WholeStructure(
+    whole = CoupledPartition(
         mass=MASS,
         damping=DAMPING,
         stiffness=STIFFNESS,
@@ -83,33 +82,9 @@ def test_a_stronger_specimen_leaves_what_the_computer_has():
     assert changed.specimen_stiffness == pytest.approx(3.6e5)
     for name in ("mass", "damping", "stiffness"):
         of_computer = [
-            getattr(one, name) - getattr(one, f"specimen_{name}") * grid for one in (whole, changed)
+            getattr(one, name) - getattr(one, f"specimen_{name}")[0, 0] * grid for one in (whole, changed)
         ]
         np.testing.assert_allclose(*of_computer, rtol=1e-12)
-
-
-def test_one_actuator_and_several_have_the_same_parts():
-    interface = np.array([1.0, 0.0, 0.0])
-    one = WholeStructure(
-        mass=MASS, damping=DAMPING, stiffness=STIFFNESS, interface=interface, specimen_stiffness=3e5
-    )
-    several = CoupledPartition(
-        mass=MASS,
-        damping=DAMPING,
-        stiffness=STIFFNESS,
-        interface=interface[:, np.newaxis],
-        specimen_stiffness=np.array([[3e5]]),
-    )
-    changes = {
-        "storey_stiffness_1": 0.1,
-        "mode_frequency_2": -0.03,
-        "specimen_stiffness": 0.05,
-        "damping": 0.2,
-    }
-    for name in ("mass", "damping", "stiffness"):
-        np.testing.assert_allclose(
-            getattr(one.with_parts(changes), name), getattr(several.with_parts(changes), name), rtol=1e-12
-        )
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,5 @@ from .coupled_error import (
     DegreeError as DegreeError,
 )
 from .coupled_parts import CoupledParts as CoupledParts
-from .coupled_recursion import CoupledRecursion as CoupledRecursion
 from .ground_motion import ShownByGround as ShownByGround, compare_with_ground as compare_with_ground
 from .rebuild import rebuild_coupled as rebuild_coupled

@@ -1,6 +1,5 @@
 """The rebuilt error of a test with several actuators: by interface displacement, with what widens it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,15 +8,13 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
-from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
-from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import normal_points, relative_ratios
+from reliab.assessment.rebuilt_error.interval import drawn_at, normal_points
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import CoupledPartition, is_part
+from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
@@ -56,46 +53,11 @@ class Unknowns:
         drawn = {name: value for name, value in deviations.items() if value > 0.0}
         return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())), own_frequency=own_frequency)
 
-    def draw(self, draws: int, seed: int) -> Array:
-        """Draw all of them, shape (unknowns, draws)."""
-        points = normal_points(len(self.names), draws, seed)
-        drawn = points * self.deviations[:, np.newaxis]
-        if self.own_frequency is not None:
-            place = self.names.index("frequency")
-            drawn[place] = self.own_frequency.drawn(points[place])
-        for place, name in enumerate(self.names):
-            if is_part(name) and "damping" in name:
-                drawn[place] = relative_ratios(drawn[place], float(self.deviations[place]))
-        return drawn
-
-    def lags(self, command: Array) -> Array:
-        """Distances [m] by which readings lag by their hysteresis, over that, shape (p, n)."""
-        sizes = dict(zip(self.names, self.deviations.tolist(), strict=True))
-        widths = [sizes.get(f"lagging_hysteresis_{place + 1}", 0.0) for place in range(command.shape[0])]
-        return np.stack([lag_of_reading(row, width) for row, width in zip(command, widths, strict=True)])
-
-    def at_sensors(
-        self, drawn: Mapping[str, float], measured: Array, rate: Array, lags: Array
-    ) -> Array | float:
-        """Return what sensors add to x_c − x_m [m], shape (p, n): by scale, shift in time, offset and lag."""
-        if not any(name.startswith(_AT_SENSORS) for name in self.names):
-            return 0.0
-        numbers = range(1, measured.shape[0] + 1)
-        scale, shift, offset, hysteresis = (
-            np.array([[drawn.get(f"{name}_{number}", 0.0)] for number in numbers]) for name in _AT_SENSORS
-        )
-        return np.asarray(scale * measured + shift * rate + offset - np.maximum(hysteresis, 0.0) * lags)
-
-    def at_first_sample(self, drawn: Mapping[str, float], recursion: CoupledRecursion) -> Array | float:
-        """State of the structure's error at the first sample where the test begins in motion."""
-        if not any(name.startswith("initial") for name in self.names):
-            return 0.0
-        numbers = range(1, recursion.output.shape[0] + 1)
-        moved, moving = (
-            np.array([drawn.get(f"initial_{name}_{number}", 0.0) for number in numbers])
-            for name in ("displacement", "velocity")
-        )
-        return np.asarray(recursion.free[0] @ moved + recursion.free[1] @ moving)
+    def draw(self, draws: int, seed: int) -> dict[str, Array]:
+        """Draw all of them, each shape (draws,), and the lag of the fed-back force even where it is known."""
+        deviations = dict(zip(self.names, self.deviations.tolist(), strict=True))
+        points = normal_points(len(deviations), draws, seed)
+        return {"feedback_lag": np.zeros(draws), **drawn_at(points, deviations, self.own_frequency)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

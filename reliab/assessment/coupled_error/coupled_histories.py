@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.rebuilt_error.feedback import delayed
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -19,7 +19,7 @@ class CoupledHistories:
     feedback_lag: float  # s
     time_step: float  # s
     standing: Array  # At the interface [m], shape (p,)
-    recursion: CoupledRecursion  # Of the ideal test from sample to sample
+    recursion: Recursion  # Of the ideal test from sample to sample
 
     @property
     def difference(self) -> Array:
@@ -32,6 +32,6 @@ class CoupledHistories:
         felt = np.stack([delayed(row, self.feedback_lag, self.time_step) for row in self.measured])
         return np.asarray(self.carry @ (self.command - felt))
 
-    def respond(self, recursion: CoupledRecursion, differences: Array) -> Array:
+    def respond(self, recursion: Recursion, differences: Array) -> Array:
         """Answer e of the interface to τ, which begins where the structure stood [m]."""
-        return recursion.respond(differences, recursion.static @ self.standing)
+        return respond(recursion, differences, recursion.static @ self.standing)

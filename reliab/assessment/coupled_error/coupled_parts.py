@@ -15,6 +15,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.rebuilt_error.parts import Part, part_of
+from reliab.assessment.rebuilt_error.recursion import respond
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 
@@ -52,14 +53,14 @@ def divide(histories: CoupledHistories) -> CoupledParts:
     gain, delay = _followed(command, velocity, measured)
     recursion = histories.recursion
     parts = {
-        name: recursion.respond(difference) - difference
+        name: respond(recursion, difference) - difference
         for name, difference in _differences(histories, velocity, gain, delay)
     }
     still = np.zeros_like(command)
-    parts["actuator_1_rest"] += recursion.respond(still, recursion.static @ histories.standing)
+    parts["actuator_1_rest"] += respond(recursion, still, recursion.static @ histories.standing)
     late = histories.fed_back - histories.difference
     if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
-        parts[FED_BACK_FORCE] = recursion.respond(late)
+        parts[FED_BACK_FORCE] = respond(recursion, late)
     response = histories.respond(recursion, histories.fed_back)
     return CoupledParts(
         gain=gain, delay=delay, histories=parts, reference=histories.carry @ command - response

@@ -16,7 +16,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
-from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.simulation.frames import ideal_response
 from reliab.structures import CoupledPartition
 
@@ -102,10 +102,11 @@ class _Fit:
         rebuilt = self._command - self.histories.respond(recursion, self.histories.fed_back)
         return np.asarray((rebuilt - direct) / self._sizes)
 
-    def _structure(self, factor: float, ratio: float) -> tuple[CoupledRecursion, Array]:
-        scaled = self.structure.scaled(frequency=factor, damping_ratio=ratio, share=1.0)
+    def _structure(self, factor: float, ratio: float) -> tuple[Recursion, Array]:
+        scaled = self.structure.scaled(frequency=factor, damping_ratio=ratio)
         step = self.histories.time_step
-        return CoupledRecursion.of_partition(scaled, step), ideal_response(scaled, self.ground, step)
+        recursion = Recursion.of_displacement(scaled, step, smooth=True)
+        return recursion, ideal_response(scaled, self.ground, step)
 
     def _columns(self, factor: float, ratio: float, rest: Array) -> Iterator[Array]:
         """By how much less both responses differ, per unit of each unknown."""
@@ -117,7 +118,7 @@ class _Fit:
             yield history / self._sizes
         for history in (measured, np.gradient(measured, step, axis=1)):
             for place, row in enumerate(history):
-                yield -recursion.respond(np.outer(self.histories.carry[:, place], row)) / self._sizes
+                yield -respond(recursion, np.outer(self.histories.carry[:, place], row)) / self._sizes
 
     def _solved(self, columns: Array, rest: Array) -> tuple[Array, float]:
         """Return changes by penalised least squares, and the standard deviation of the first.

@@ -5,7 +5,7 @@ needs neither the ground motion nor a reference. Sensors stand at the actuators:
 drawn there, and a matrix carries them to the interface.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,13 +15,20 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
-from reliab.assessment.coupled_error.coupled_recursion import CoupledRecursion
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
-from reliab.assessment.coupled_error.own_frequency import learn_frequency
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
-from reliab.assessment.rebuilt_error.interval import ACCURACY, FEWEST_SWEPT
+from reliab.assessment.rebuilt_error.interval import (
+    ACCURACY,
+    FEWEST_SWEPT,
+    columns_of_sensor,
+    factors_of_draws,
+    states_at_first_sample,
+    structures_of_draws,
+)
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency, learn_frequency
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond, stacked
 from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
@@ -40,7 +47,6 @@ _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _PAST_MODE = 1.05  # times its frequency, that the band holds of a mode that may ring
 _HIGHEST = 0.2  # of the rate: above, noise is read, and a mode is seen only where it rises above it
-_LEAST = 0.05
 _STILL = 1e-12
 _NO_NOISE = 1e-9  # of the span of a channel
 
@@ -66,7 +72,7 @@ class Channels:
         return np.array([-start.standing for start in self.starts])
 
     def histories(
-        self, carry: Array, feedback_lag: float, time_step: float, recursion: CoupledRecursion
+        self, carry: Array, feedback_lag: float, time_step: float, recursion: Recursion
     ) -> CoupledHistories:
         """Histories from which the error is rebuilt; `feedback_lag`, `time_step` [s]."""
         return CoupledHistories(
@@ -89,7 +95,7 @@ def rebuild_coupled(
     to_interface: Array | None = None,
     feedback_lag: float = 0.0,
     tolerances: Tolerances | None = None,
-    recursion: CoupledRecursion | None = None,
+    recursion: Recursion | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> CoupledError:
@@ -118,14 +124,14 @@ def rebuild_coupled(
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     _require_fitting(command, every)
     differences = _draw(channels, structure, every, draws, seed)
-    recursion = recursion or CoupledRecursion.of_partition(structure, time_step)
+    recursion = recursion or Recursion.of_displacement(structure, time_step, smooth=True)
     histories = channels.histories(carry, feedback_lag, time_step, recursion)
     tolerances = tolerances or Tolerances()
     unknown = Unknowns.of_test(
         tolerances,
         _of_starts(channels, structure, carry),
         partition.degrees,
-        learn_frequency(histories, structure, tolerances.frequency),
+        _learned(histories, structure, tolerances.frequency),
     )
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
@@ -142,6 +148,22 @@ def rebuild_coupled(
         swept=sweep.errors(unknown, differences, accuracy=ACCURACY),
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
+    )
+
+
+def _learned(
+    histories: CoupledHistories, structure: CoupledPartition, deviation: float
+) -> OwnFrequency | None:
+    """Learn the natural frequency beside a stated one of a relative deviation."""
+    return learn_frequency(
+        histories.carry @ histories.command,
+        histories.fed_back,
+        histories.difference,
+        histories.time_step,
+        structure,
+        deviation,
+        standing=histories.standing,
+        smooth=True,
     )
 
 
@@ -163,49 +185,78 @@ class _Sweep:
 
         Returns shapes (draws, 3, p) and twice (p, n); and what was drawn, shape (unknowns, draws).
         """
-        histories, every = self.histories, self.every
-        step, draws = every * histories.time_step, differences.shape[0]
+        draws = differences.shape[0]
         drawn = unknown.draw(draws, self.seed)
-        command = histories.carry @ histories.command[:, ::every]
-        measured = histories.measured[:, ::every]
-        late = (histories.fed_back - histories.difference)[:, ::every]
-        rate = np.gradient(measured, step, axis=1)
-        lags = unknown.lags(histories.command[:, ::every])
-        stated = CoupledRecursion.of_partition(self.structure, step)
-        statistics = np.empty((draws, 3, command.shape[0]))
-        sums = np.zeros((2, *command.shape))
-        for draw in range(draws):
-            of_draw = dict(zip(unknown.names, drawn[:, draw], strict=True))
-            recursion = self._recursion(of_draw, stated, step)
-            difference = histories.carry @ (
-                differences[draw] + unknown.at_sensors(of_draw, measured, rate, lags)
-            )
-            fed_back = difference + late + of_draw.get("feedback_lag", 0.0) * (histories.carry @ rate)
-            state = recursion.static @ histories.standing + unknown.at_first_sample(of_draw, recursion)
-            response = recursion.respond(fed_back, state)
-            strayed = response - difference
-            statistics[draw] = _statistics(strayed, command - response)
-            sums[0] += strayed
-            sums[1] += strayed**2
+        carried = self.histories.carry @ differences
+        statistics, band = np.empty((draws, 3, carried.shape[1])), np.zeros((2, *carried.shape[1:]))
+        for places, structure in self._structures(drawn, draws):
+            chosen = {name: values[places] for name, values in drawn.items()}
+            statistics[places], sums = self._swept(structure, chosen, carried[places])
+            band += sums
         statistics *= self._between_samples
         computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
         statistics[:, 0] *= computed**2
         statistics[:, 1] *= computed
-        mean = sums[0] / draws
-        deviation = np.sqrt(np.maximum(sums[1] / draws - mean**2, 0.0))
-        return statistics, np.stack([mean, deviation]), drawn
+        mean = band[0] / draws
+        deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
+        rows = np.array([drawn[name] for name in unknown.names]).reshape(-1, draws)
+        return statistics, np.stack([mean, deviation]), rows
 
-    def _recursion(self, drawn: dict[str, float], stated: CoupledRecursion, step: float) -> CoupledRecursion:
-        names = ("frequency", "damping_ratio", "experimental_fraction")
-        f, ratio, share = (max(1.0 + drawn.get(name, 0.0), _LEAST) for name in names)
-        parts = {name: change for name, change in drawn.items() if is_part(name)}
-        if f == ratio == share == 1.0 and not parts:
-            return stated
-        if "damping" in parts:  # a damping matrix that is stated does not change with the frequency
-            ratio /= f
-        structure = self.partition.with_parts(parts).below(self.highest) if parts else self.structure
-        changed = structure.scaled(frequency=f, damping_ratio=ratio, share=share)
-        return CoupledRecursion.of_partition(changed, step)
+    def _structures(
+        self, drawn: dict[str, Array], draws: int
+    ) -> Iterator[tuple[NDArray[np.int64], CoupledPartition]]:
+        """Structures of draws, with the places of these draws: together what is left of as many modes."""
+        parts = {name: values for name, values in drawn.items() if is_part(name)}
+        if not parts:
+            yield np.arange(draws), structures_of_draws(self.structure, drawn)
+            return
+        changed = [
+            self.partition.with_parts({name: float(values[draw]) for name, values in parts.items()}).below(
+                self.highest
+            )
+            for draw in range(draws)
+        ]
+        sizes = np.array([structure.size for structure in changed])
+        for size in np.unique(sizes):
+            places = np.flatnonzero(sizes == size)
+            f, ratio, share = (factor[places] for factor in factors_of_draws(drawn))
+            together = stacked([changed[place] for place in places])
+            yield places, together.scaled(frequency=f, damping_ratio=ratio, share=share)
+
+    def _swept(
+        self, structure: CoupledPartition, drawn: dict[str, Array], differences: Array
+    ) -> tuple[Array, Array]:
+        """Statistics and sums over draws of structures of one size."""
+        histories, every = self.histories, self.every
+        step, draws = every * histories.time_step, differences.shape[0]
+        recursion = Recursion.of_displacement(structure, step, smooth=True).of_draws(draws)
+        command, measured = histories.command[:, ::every], histories.measured[:, ::every]
+        inputs, shifts = self._at_sensors(command, measured, drawn)
+        displaced, moving = (
+            np.array([drawn.get(f"initial_{name}_{place + 1}", none) for place in range(len(command))]).T
+            for name, none in (("displacement", np.zeros(draws)), ("velocity", np.zeros(draws)))
+        )
+        return sweep_draws(
+            recursion,
+            states_at_first_sample(structure, recursion, displaced, moving, histories.standing),
+            histories.carry @ command,
+            differences,
+            inputs,
+            shifts,
+            (histories.fed_back - histories.difference)[:, ::every],
+            histories.carry @ np.gradient(measured, step, axis=1),
+            drawn["feedback_lag"],
+        )
+
+    def _at_sensors(self, command: Array, measured: Array, drawn: dict[str, Array]) -> tuple[Array, Array]:
+        """Columns of what is drawn of sensors at the interface, and how much each draw has of them."""
+        step = self.every * self.histories.time_step
+        inputs, shifts = [], []
+        for place, (told, read) in enumerate(zip(command, measured, strict=True)):
+            columns, sizes = columns_of_sensor(told, read, step, drawn, f"_{place + 1}")
+            inputs.append(self.histories.carry[:, place, np.newaxis] * columns[:, np.newaxis])
+            shifts.append(sizes)
+        return np.concatenate(inputs), np.concatenate(shifts, axis=1)
 
     @cached_property
     def _between_samples(self) -> Array:
@@ -213,7 +264,8 @@ class _Sweep:
         histories = self.histories
         difference, command = histories.difference, histories.carry @ histories.command[:, :: self.every]
         late = (histories.fed_back - difference)[:, :: self.every]
-        coarse = CoupledRecursion.of_partition(self.structure, self.every * histories.time_step)
+        step = self.every * histories.time_step
+        coarse = Recursion.of_displacement(self.structure, step, smooth=True)
         response = histories.respond(coarse, difference[:, :: self.every] + late)
         few = _statistics(response - difference[:, :: self.every], command - response)
         response = histories.respond(histories.recursion, histories.fed_back)
@@ -324,8 +376,8 @@ def _of_starts(channels: Channels, structure: CoupledPartition, carry: Array) ->
     offsets = np.array([start.offset_deviation for start in channels.starts])
     if all(start.at_rest for start in channels.starts):
         return np.stack([offsets, np.zeros_like(offsets)])
-    recursion = CoupledRecursion.of_partition(structure, channels.noises[0].time_step)
-    response = recursion.respond(carry @ (channels.command - channels.measured))
+    recursion = Recursion.of_displacement(structure, channels.noises[0].time_step, smooth=True)
+    response = respond(recursion, carry @ (channels.command - channels.measured))
     command = carry @ channels.command
     moved = carry @ np.array([start.amplitude for start in channels.starts])
     spread = np.sqrt(np.mean(response**2, axis=1) / np.maximum(np.mean(command**2, axis=1), 1e-300))

@@ -230,7 +230,7 @@ def _respond(
     felt: Array,
     step: float,
     used: Array,
-    decay: Array,
+    transition: Array,
     early: Array,
     late: Array,
     output: Array,
@@ -238,12 +238,14 @@ def _respond(
     """Exact response [m]; see `Elements.respond`."""
     states = np.zeros((kinds.size, _STATES))
     answer = np.empty(command.size)
-    held, scratch = np.zeros(early.size), np.zeros(early.size)
+    held, scratch = np.zeros(early.shape[0]), np.zeros(early.shape[0])
+    forces = np.zeros((1, 2))
     wrong, wrong_before, before, earlier = 0.0, 0.0, 0.0, 0.0
     for i in range(command.size):
         foreseen = 2.0 * wrong - wrong_before if i > 1 else wrong
         if i > 0:
-            advance(decay, early, late, wrong, foreseen, held, scratch)
+            forces[0, 0], forces[0, 1] = wrong, foreseen
+            advance((0,), transition, early, late, forces, 1, held, scratch)
         now = command[i]
         for row in range(held.size):
             now -= output[row] * held[row]
@@ -314,7 +316,7 @@ class Elements:
                 felt,
                 step,
                 used,
-                numerical.decay,
+                numerical.transition,
                 numerical.early,
                 numerical.late,
                 numerical.output[0],

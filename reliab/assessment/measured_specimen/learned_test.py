@@ -18,11 +18,11 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, columns_of_reading, draw_unknown
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, inputs_of_reading
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
+from reliab.structures import CoupledPartition
 
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
@@ -40,7 +40,7 @@ class LearnedTest:
 
     thin: Histories
     path: MeasuredPath
-    whole: WholeStructure  # The structure with its specimen as stated [kg, N·s/m, N/m]
+    whole: CoupledPartition  # The structure with its specimen as stated [kg, N·s/m, N/m]
     mass_deviation: float  # Of the mass, over the mass [-]
     feedback_lag: float  # Time by which the force was fed back late [s]
     channel: ForceChannel
@@ -65,11 +65,8 @@ class LearnedTest:
     def _recursion(self, relative: list[float]) -> Recursion:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
         frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
-        scaled = self.whole.scaled(
-            frequency=frequency,
-            damping_ratio=damping_ratio,
-            share=min(share, 1.0 / self.whole.share_at_rest),  # of a stiffness, none is negative
-        )
+        most = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
+        scaled = self.whole.scaled(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
         return Recursion.of_force(scaled.without_specimen, self.thin.time_step)
 
     def response(self, specimen: LearnedSpecimen, moved: Array, *, late: bool = True) -> Array:
@@ -159,8 +156,7 @@ class LearnedTest:
         generator = np.random.default_rng(seed)
         thin, step, used, draws = self.thin, self.thin.time_step, self.path.used, len(differences)
         drawn, _ = draw_unknown(unknown, draws, seed)
-        columns = columns_of_reading(thin, drawn)
-        added = [drawn[name][:, np.newaxis] * column for name, column in columns.items() if name in drawn]
+        inputs, shifts = inputs_of_reading(thin, drawn)
         of_force = {name: row * (name in carried) for name, row in self.drawn_of_force(draws, seed).items()}
         families = generator.choice(len(self.learned), size=draws, p=self.weights) * varied
         of_command = {
@@ -170,7 +166,7 @@ class LearnedTest:
         seen = {family: self.path.responses(self.learned[family].elements) for family in of_command}
         added_seen, blocks = self.path.thinned(self.added), self.path.blocks
         for row, difference in enumerate(differences):
-            measured = thin.command - difference - sum((share[row] for share in added), np.zeros(()))
+            measured = thin.command - difference - shifts[row] @ inputs
             family = int(families[row])
             specimen = self.learned[family]
             strayed = np.array([of_force[name][row] for name in _OF_CHANNEL])

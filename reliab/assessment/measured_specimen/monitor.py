@@ -18,10 +18,10 @@ from reliab.assessment.rebuilt_error import (
     RebuiltError,
     RunningTest,
     Tolerances,
-    WholeStructure,
     require_readings,
 )
 from reliab.errors import InputError
+from reliab.structures import CoupledPartition
 
 _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has not shown enough
 
@@ -45,7 +45,7 @@ class MeasuredMonitor(RunningTest):
 
     growth: ClassVar[float] = 0.25
 
-    def __init__(self, structure: WholeStructure, time_step: float, stated: StatedForce) -> None:
+    def __init__(self, structure: CoupledPartition, time_step: float, stated: StatedForce) -> None:
         super().__init__(structure, time_step)
         self._stated = stated
         self._parts: list[Array] = []

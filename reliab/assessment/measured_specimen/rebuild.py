@@ -42,9 +42,9 @@ from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.errors import InputError
+from reliab.structures import CoupledPartition
 from reliab.threads import one_thread
 from reliab.vocabulary import Metric
 
@@ -159,7 +159,7 @@ def rebuild_with_force(
     measured: Array,
     force: Array,
     time_step: float,
-    whole: WholeStructure,
+    whole: CoupledPartition,
     *,
     mass_deviation: float = 0.0,
     feedback_lag: float = 0.0,
@@ -206,13 +206,14 @@ def rebuild_with_force(
         return _concluded(test, histories, read, every, noise, start, tolerances or Tolerances(), seed)
 
 
-def _samples_in_step(whole: WholeStructure, time_step: float) -> int:
+def _samples_in_step(whole: CoupledPartition, time_step: float) -> int:
     """Give the number of samples of which one is simulated: the specimen's force is foreseen for a step."""
     lowest = float(whole.natural_frequencies[0])
     every = samples_in_step_of_simulation(lowest, time_step, least_rate=_LEAST_RATE, per_period=_PER_PERIOD)
     while every > 1:
         recursion = Recursion.of_force(whole.without_specimen, every * time_step)
-        if whole.specimen_stiffness * float(recursion.output[0] @ recursion.late) <= _FORESEEN:
+        moved = recursion.output @ recursion.late  # by a unit force at the end of the step
+        if float((whole.specimen_stiffness @ moved)[0, 0]) <= _FORESEEN:
             break
         every -= 1
     return every
@@ -224,7 +225,7 @@ def _path(
     of_specimen: Array,
     every: int,
     noise: SensorNoise,
-    whole: WholeStructure,
+    whole: CoupledPartition,
 ) -> MeasuredPath:
     """Put together what the test shows of the specimen; `force` as recorded, `of_specimen` thinned [N]."""
     thin = histories.thinned(every)

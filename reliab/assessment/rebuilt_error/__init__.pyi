@@ -10,7 +10,7 @@ from .nonlinear_reference import (
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild
 from .rebuilt import RebuiltError as RebuiltError
-from .recursion import Recursion as Recursion, equilibrium as equilibrium
+from .recursion import Recursion as Recursion
 from .running_specimen import (
     CLOSE as CLOSE,
     FLATTEST as FLATTEST,
@@ -49,7 +49,6 @@ from .tolerances import Tolerances as Tolerances
 from .watched_modes import (
     MEMORY as MEMORY,
     WatchedMode as WatchedMode,
-    modes_of_structure as modes_of_structure,
     watched_modes as watched_modes,
 )
 from .whole_structure import WholeStructure as WholeStructure

@@ -7,9 +7,9 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
+from reliab.structures import CoupledPartition
 
 FEWEST_SAMPLES = 64
 """Smallest number of samples from which an error is rebuilt."""
@@ -18,7 +18,7 @@ _FEWEST_PER_PERIOD = 10.0
 
 
 def checked_histories(
-    command: Array, measured: Array, step: float, structure: WholeStructure
+    command: Array, measured: Array, step: float, structure: CoupledPartition
 ) -> tuple[Array, Array]:
     """Check command and measured displacement.
 
@@ -52,7 +52,7 @@ def stated_start(
     command: Array,
     measured: Array,
     time_step: float,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     noise: SensorNoise,
     sensor_offset: float | None,
 ) -> Start:
@@ -61,6 +61,6 @@ def stated_start(
     `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
     """
     lowest = float(structure.natural_frequencies[0]) or 1.0
-    share = float(structure.error_transfer(np.zeros(1, dtype=np.complex128))[0].real)
+    share = float(structure.static_transfer[0, 0])
     start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow, share)
     return start if sensor_offset is None else replace(start, offset=sensor_offset, offset_deviation=0.0)

@@ -8,7 +8,7 @@ Both are normalised by the peak of the exact response, as in `reliab.indices.res
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.recursion import advance
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance, joined
 from reliab.compiled import compiled
 
 
@@ -34,14 +34,57 @@ def tally(
     return sums[0] + weight * strayed * strayed, max(sums[1], abs(strayed)), max(sums[2], abs(exact))
 
 
-@compiled
 def sweep_draws(
-    decay: Array,
+    recursion: Recursion,
+    states: Array,
+    command: Array,
+    differences: Array,
+    inputs: Array,
+    shifts: Array,
+    fed_back_late: Array,
+    velocity: Array,
+    feedback_lag: Array,
+) -> tuple[Array, Array]:
+    """Errors of many draws, each with its recursion and its state at the first sample.
+
+    At the interface: `command`, `fed_back_late` [m] and `velocity` [m/s], shape (p, n), x_c − x_m in
+    `differences` [m], shape (rows, p, n), to which each draw adds `shifts`, shape (draws, columns), of
+    `inputs`, shape (columns, p, n); `feedback_lag` [s], shape (draws,). States move to the last sample.
+    Returns mean square of x_m − x_I [m²], its peak and the peak of x_I [m], shape (draws, 3, p); and the sums
+    of x_m − x_I over the draws and of its squares, shape (2, p, n).
+    """
+    band = np.zeros((2, *command.shape))
+    answer = _sweep(
+        recursion.transition,
+        recursion.early,
+        recursion.late,
+        recursion.output,
+        recursion.feed_through,
+        recursion.smooth,
+        (0,) * len(command),
+        states,
+        np.ascontiguousarray(command),
+        np.ascontiguousarray(differences),
+        np.ascontiguousarray(inputs),
+        np.ascontiguousarray(shifts),
+        np.ascontiguousarray(fed_back_late),
+        np.ascontiguousarray(velocity),
+        np.ascontiguousarray(feedback_lag),
+        band,
+    )
+    return answer, band
+
+
+@compiled
+def _sweep(
+    transition: Array,
     early: Array,
-    late: Array,
+    late_of: Array,
     output: Array,
     feed_through: Array,
-    state: Array,
+    smooth: bool,  # noqa: FBT001 - a compiled kernel
+    actuators: tuple[int, ...],
+    states: Array,
     command: Array,
     differences: Array,
     inputs: Array,
@@ -51,31 +94,56 @@ def sweep_draws(
     feedback_lag: Array,
     band: Array,
 ) -> Array:
-    """Statistics of the error for many sets of parameters.
-
-    `command`, `differences`, `fed_back_late` [m]; `velocity` [m/s]; `feedback_lag` [s].
-    Returns mean square of x_m − x_I [m²], its peak [m], and the peak of x_I [m], shape (draws, 3).
-    """
-    draws, size = state.shape[0], command.size
-    answer = np.empty((draws, 3))
-    scratch = np.empty(state.shape[1])
+    draws, channels, size = states.shape[0], len(actuators), command.shape[1]
+    answer = np.empty((draws, 3, channels))
+    scratch = np.empty(states.shape[1])
+    strayed, fed_back = np.empty((channels, size)), np.empty((channels, size))
+    errors = np.empty((channels, size))
     for draw in range(draws):
-        row = draw % differences.shape[0]
-        sums = (0.0, 0.0, 0.0)
-        before = 0.0
-        held = state[draw]
+        _read(differences[draw % differences.shape[0]], inputs, shifts[draw], strayed)
+        for j in range(channels):
+            for i in range(size):
+                late = fed_back_late[j, i] + feedback_lag[draw] * velocity[j, i]
+                fed_back[j, i] = strayed[j, i] + late
+        driving = joined(fed_back) if smooth else fed_back
+        held = states[draw]
         for i in range(size):
-            difference = differences[row, i]
-            for k in range(inputs.shape[0]):
-                difference += shifts[draw, k] * inputs[k, i]
-            now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
             if i > 0:
-                advance(decay[draw], early[draw], late[draw], before, now, held, scratch)
-            before = now
-            error = feed_through[draw] * now
-            for column in range(held.size):
-                error += output[draw, column] * held[column]
-            weight = 0.5 if i in (0, size - 1) else 1.0
-            sums = tally(sums, error - difference, command[i] - error, weight, band, i)
-        answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
+                advance(actuators, transition[draw], early[draw], late_of[draw], driving, i, held, scratch)
+            for j in range(channels):
+                error = 0.0
+                for k in range(channels):
+                    error += feed_through[draw, j, k] * fed_back[k, i]
+                for column in range(held.size):
+                    error += output[draw, j, column] * held[column]
+                errors[j, i] = error
+        for j in range(channels):
+            _count(errors[j], strayed[j], command[j], answer[draw, :, j], band[:, j])
     return answer
+
+
+@compiled
+def _count(error: Array, difference: Array, command: Array, answer: Array, band: Array) -> None:
+    """Mean square of x_m − x_I, its peak and that of x_I, and x_m − x_I and its square at each sample."""
+    square, peak, ideal = 0.0, 0.0, 0.0
+    last = error.size - 1
+    for i in range(error.size):
+        strayed = error[i] - difference[i]
+        square += strayed * strayed
+        peak = max(peak, abs(strayed))
+        ideal = max(ideal, abs(command[i] - error[i]))
+        band[0, i] += strayed
+        band[1, i] += strayed * strayed
+    ends = (error[0] - difference[0]) ** 2 + (error[last] - difference[last]) ** 2
+    answer[0], answer[1], answer[2] = (square - 0.5 * ends) / last, peak, ideal
+
+
+@compiled
+def _read(difference: Array, inputs: Array, shifts: Array, answer: Array) -> None:
+    """Add shares of columns to x_c − x_m."""
+    for j in range(difference.shape[0]):
+        for i in range(difference.shape[1]):
+            total = difference[j, i]
+            for k in range(inputs.shape[0]):
+                total += shifts[k] * inputs[k, j, i]
+            answer[j, i] = total

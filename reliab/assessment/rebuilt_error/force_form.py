@@ -16,9 +16,9 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.spectral import filtered
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
+from reliab.structures import CoupledPartition
 
 _TINY = 1e-12
 
@@ -31,25 +31,27 @@ class Form(StrEnum):
     COMBINED = "combined"
 
 
-def felt_displacement(force: Array, structure: WholeStructure, time_step: float) -> Array:
+def felt_displacement(force: Array, structure: CoupledPartition, time_step: float) -> Array:
     """Displacement under which the linear specimen gives a force, f/Z.
 
     `time_step` [s]; returns [m].
 
     >>> from reliab.structures.structure import Structure
-    >>> whole = WholeStructure.of_structure(Structure(frequency=1.0, damping_ratio=0.02))
+    >>> whole = CoupledPartition.of_structure(Structure(frequency=1.0, damping_ratio=0.02))
     >>> force = 39.4784176 * np.sin(np.arange(0.0, 3.0, 0.01))
     >>> round(float(felt_displacement(force, whole, 0.01)[100]), 6) == round(float(np.sin(1.0)), 6)
     True
     """
-    stiffness = structure.specimen_stiffness
+    stiffness = float(structure.specimen_stiffness[0, 0])
     if not stiffness > 0.0:
         raise InputError(
             "The displacement follows from the force only if the specimen has stiffness",
             value=f"k_e = {stiffness}",
             remedy="Use the displacement form",
         )
-    damping, mass = structure.specimen_damping / stiffness, structure.specimen_mass / stiffness
+    damping, mass = (
+        float(part[0, 0]) / stiffness for part in (structure.specimen_damping, structure.specimen_mass)
+    )
     if damping == 0.0 and mass == 0.0:
         return force / stiffness
     return filtered(lambda s: 1.0 / (1.0 + damping * s + mass * s**2), force / stiffness, time_step)

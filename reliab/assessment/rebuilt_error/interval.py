@@ -5,23 +5,23 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
+from reliab.assessment.rebuilt_error.error_statistics import sweep_draws
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, stacked, states_in_motion
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import sobol_points
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
-from reliab.structures import is_part
+from reliab.structures import CoupledPartition, is_part
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
@@ -87,7 +87,7 @@ class Histories:
 
 def sweep(
     histories: Histories,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     unknown: Unknown,
     differences: Array,
     every: int,
@@ -102,18 +102,21 @@ def sweep(
     """
     thin = histories.thinned(every)
     drawn, phase = draw_unknown(unknown, draws, seed)
-    band = np.zeros((2, thin.command.size))
+    changed = structures_of_draws(structure, drawn)
+    recursion = Recursion.of_displacement(changed, thin.time_step).of_draws(draws)
+    at_rest = Recursion.of_displacement(structure, thin.time_step)
     if before is None:
-        states = states_at_first_sample(structure, drawn, phase * unknown.error_at_start, thin.standing)
+        moving = phase * unknown.error_at_start
+        states = states_at_first_sample(structure, recursion, drawn["initial_state"], moving, thin.standing)
+        states = np.concatenate([states, [at_rest.static[:, 0] * thin.standing] * 2])
     else:
         states = before.first(draws).states
-    swept = _swept(thin, structure, drawn, states[:-2], differences, band)
+    swept, band = _swept(thin, recursion, drawn, states[:-2], differences)
     mean = band[0] / draws
     deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
     exact = {name: np.zeros(1) for name in drawn}
-    stated = thin.difference[np.newaxis]
-    coarse = _swept(thin, structure, exact, states[-2:-1], stated, np.zeros_like(band))[0]
-    fine = _fine_statistics(histories, structure, states[-1])
+    (coarse,), _ = _swept(thin, at_rest.of_draws(1), exact, states[-2:-1], thin.difference[np.newaxis])
+    fine = _fine_statistics(histories, structure, states[-1:])
     # what lies between the swept samples
     scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
     square, peak, ideal = (swept * scale).T
@@ -133,7 +136,7 @@ def sweep(
     return stretch if before is None else before.first(draws).joined(stretch)
 
 
-def samples_in_step(structure: WholeStructure, noise: SensorNoise, samples: int) -> int:
+def samples_in_step(structure: CoupledPartition, noise: SensorNoise, samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept."""
     of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
@@ -144,18 +147,24 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
     deviations = unknown.deviations()
     points = normal_points(len(deviations) + 1, draws, seed)
-    drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=False)}
-    if unknown.own_frequency is not None:
-        drawn["frequency"] = unknown.own_frequency.drawn(points[list(deviations).index("frequency")])
-    of_damping = {name for name in drawn if is_part(name) and "damping" in name}
-    for name in {"damping_ratio", *of_damping}:
-        drawn[name] = relative_ratios(drawn[name], deviations[name])
-    if "lagging_hysteresis" in drawn:
-        drawn["lagging_hysteresis"] = np.maximum(drawn["lagging_hysteresis"], 0.0)
-    for name in _OPEN:
-        if name in drawn:
-            drawn[name] = np.where(drawn[name] > 0.0, deviations[name], 0.0)
-    return drawn, points[-1]
+    return drawn_at(points[:-1], deviations, unknown.own_frequency), points[-1]
+
+
+def drawn_at(
+    points: Array, deviations: Mapping[str, float], own_frequency: OwnFrequency | None
+) -> dict[str, Array]:
+    """Quantities by name at standard normal points, shape (quantities, draws)."""
+    drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=True)}
+    if own_frequency is not None:
+        drawn["frequency"] = own_frequency.drawn(points[list(deviations).index("frequency")])
+    for name, values in drawn.items():
+        if name == "damping_ratio" or (is_part(name) and "damping" in name):
+            drawn[name] = relative_ratios(values, deviations[name])
+        elif name.startswith("lagging_hysteresis"):
+            drawn[name] = np.maximum(values, 0.0)
+        elif name in _OPEN:
+            drawn[name] = np.where(values > 0.0, deviations[name], 0.0)
+    return drawn
 
 
 def relative_ratios(drawn: Array, deviation: float) -> Array:
@@ -177,39 +186,52 @@ def normal_points(dimensions: int, draws: int, seed: int) -> Array:
     return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
-def _fine_statistics(histories: Histories, structure: WholeStructure, state: Array) -> Array:
-    recursion = Recursion.of_displacement(structure, histories.time_step)
-    response = respond(recursion, histories.fed_back, state)[0]
-    error = response - histories.difference
-    return np.array([mean_square(error), np.abs(error).max(), np.abs(histories.command - response).max()])
+def _fine_statistics(histories: Histories, structure: CoupledPartition, state: Array) -> Array:
+    """Statistics of all samples; the state moves to the last one, in place."""
+    recursion = Recursion.of_displacement(structure, histories.time_step).of_draws(1)
+    exact = {"feedback_lag": np.zeros(1)}
+    return np.asarray(_swept(histories, recursion, exact, state, histories.difference[np.newaxis])[0][0])
 
 
 def states_at_first_sample(
-    structure: WholeStructure, drawn: dict[str, Array], velocity: Array, standing: float
+    structure: CoupledPartition,
+    recursion: Recursion,
+    displaced: Array,
+    moving: Array,
+    standing: Array | float,
 ) -> Array:
-    """States of the draws, and twice the one as stated."""
-    shape = first_mode(structure) / structure.specimen_stiffness
+    """States of the draws, shape (draws, 2n), where an interface was displaced and in motion.
+
+    `displaced` [m] and `moving`, its velocity over the lowest natural frequency in rad/s [m], shape (draws,)
+    or (draws, p); `standing` x_c − x_m under which the structure stood still before [m].
+    """
+    still = recursion.static @ np.atleast_1d(standing)
+    draws = len(displaced)
+    if not (displaced.any() or moving.any()):
+        return np.array(np.broadcast_to(still, (draws, recursion.order)))
     w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
-    still = equilibrium(structure, standing)
-    states = np.zeros((velocity.size + 2, still.size))
-    states[:-2, : shape.size] = drawn["initial_state"][:, np.newaxis] * shape
-    states[:-2, shape.size :] = w0 * velocity[:, np.newaxis] * shape
-    if standing and any(is_part(name) for name in drawn):
-        structures = structures_of_draws(structure, drawn)
-        states[:-2] += [equilibrium(changed, standing) for changed in structures]
-    else:
-        softer = np.maximum(1.0 + drawn["frequency"], _LEAST) ** -2
-        states[:-2] += softer[:, np.newaxis] * still
-    states[-2:] = still
-    return states
+    by_displacement, by_velocity = states_in_motion(structure, structure.shapes_of_interface)
+    along = displaced.reshape(draws, -1) @ by_displacement.T
+    return np.asarray(still + along + w0 * moving.reshape(draws, -1) @ by_velocity.T)
 
 
-def columns_of_reading(thin: Histories, drawn: dict[str, Array]) -> dict[str, Array]:
-    """Give what one unit of each unknown of the sensor adds to x_c − x_m, each shape (n,)."""
-    rate = np.gradient(thin.measured, thin.time_step)
+def inputs_of_reading(thin: Histories, drawn: dict[str, Array]) -> tuple[Array, Array]:
+    """Columns of what is drawn of the sensor, shape (columns, n), and how much each draw has of them."""
+    return columns_of_sensor(thin.command, thin.measured, thin.time_step, drawn)
+
+
+def columns_of_sensor(
+    command: Array, measured: Array, step: float, drawn: Mapping[str, Array], number: str = ""
+) -> tuple[Array, Array]:
+    """Columns that a unit of what is drawn of a sensor adds to x_c − x_m, and how much each draw has of them.
+
+    `command`, `measured` [m], shape (n,); `step` [s]; `number` ends the names of one of several sensors.
+    Returns shapes (columns, n) and (draws, columns).
+    """
+    rate = np.gradient(measured, step)
     place = np.linspace(-0.5, 0.5, rate.size)
-    columns = {
-        "sensor_scale": thin.measured,
+    every = {
+        "sensor_scale": measured,
         "time_shift": rate,
         "sensor_offset": np.ones(rate.size),
         "filter_delay": rate,
@@ -218,81 +240,53 @@ def columns_of_reading(thin: Histories, drawn: dict[str, Array]) -> dict[str, Ar
         "open_drift": place,
         "open_filter": -rate,
     }
-    for name in {"hysteresis", "lagging_hysteresis"} & drawn.keys():
-        columns[name] = -lag_of_reading(thin.command, float(np.std(drawn[name])))
-    return columns
-
-
-def inputs_of_reading(thin: Histories, drawn: dict[str, Array]) -> tuple[Array, Array]:
-    """Columns of what is drawn of the sensor, shape (columns, n), and how much each draw has of them."""
-    columns = columns_of_reading(thin, drawn)
+    columns = {f"{name}{number}": column for name, column in every.items()}
+    for name in {f"hysteresis{number}", f"lagging_hysteresis{number}"} & drawn.keys():
+        columns[name] = -lag_of_reading(command, float(np.std(drawn[name])))
     names = [name for name in columns if name in drawn and drawn[name].any()]
-    inputs = np.array([columns[name] for name in names]).reshape(-1, thin.command.size)
-    return inputs, np.array([drawn[name] for name in names]).reshape(-1, drawn["frequency"].size).T.copy()
+    draws = next(iter(drawn.values())).size
+    inputs = np.array([columns[name] for name in names]).reshape(-1, rate.size)
+    return inputs, np.array([drawn[name] for name in names]).reshape(-1, draws).T.copy()
 
 
 def _swept(
-    thin: Histories,
-    structure: WholeStructure,
-    drawn: dict[str, Array],
-    state: Array,
-    differences: Array,
-    band: Array,
-) -> Array:
-    recursion = recursion_of_draws(structure, drawn, thin.time_step)
+    thin: Histories, recursion: Recursion, drawn: dict[str, Array], states: Array, differences: Array
+) -> tuple[Array, Array]:
+    """Statistics, shape (draws, 3), and the band, shape (2, n)."""
     inputs, shifts = inputs_of_reading(thin, drawn)
-    return np.asarray(
-        sweep_draws(
-            recursion.decay,
-            recursion.early,
-            recursion.late,
-            recursion.output,
-            recursion.feed_through,
-            state,
-            thin.command,
-            np.ascontiguousarray(differences),
-            inputs,
-            shifts,
-            thin.fed_back - thin.difference,
-            np.gradient(thin.measured, thin.time_step),
-            np.ascontiguousarray(drawn["feedback_lag"]),
-            band,
-        )
+    statistics, band = sweep_draws(
+        recursion,
+        states,
+        thin.command[np.newaxis],
+        differences[:, np.newaxis],
+        inputs[:, np.newaxis],
+        shifts,
+        (thin.fed_back - thin.difference)[np.newaxis],
+        np.gradient(thin.measured, thin.time_step)[np.newaxis],
+        drawn["feedback_lag"],
     )
+    return statistics[..., 0], band[:, 0]
 
 
-def recursion_of_draws(structure: WholeStructure, drawn: dict[str, Array], step: float) -> Recursion:
-    """Recursions of the draws; where none of the structure's parameters is drawn all are the same."""
-    factors = factors_of_draws(drawn)
-    if any(is_part(name) for name in drawn):
-        return Recursion.of_structures(structures_of_draws(structure, drawn), step)
-    if any((factor != 1.0).any() for factor in factors):
-        f, xi, share = factors
-        return Recursion.of_scaled(structure, step, frequency=f, damping_ratio=xi, share=share)
-    same, draws = Recursion.of_displacement(structure, step), factors[0].size
-    return Recursion(
-        decay=np.stack([same.decay] * draws),
-        early=np.stack([same.early] * draws),
-        late=np.stack([same.late] * draws),
-        output=np.stack([same.output[0]] * draws),
-        feed_through=np.full(draws, same.feed_through[0]),
-    )
-
-
-def factors_of_draws(drawn: dict[str, Array]) -> list[Array]:
+def factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
     """Factors of frequencies, damping ratios and the specimen's share, each shape (draws,)."""
+    draws = next(iter(drawn.values())).size
     names = ("frequency", "damping_ratio", "experimental_fraction")
-    f, ratio, share = (np.maximum(1.0 + drawn[name], _LEAST) for name in names)
+    f, ratio, share = (np.maximum(1.0 + drawn.get(name, np.zeros(draws)), _LEAST) for name in names)
     # a damping matrix that is stated does not change with the frequency
     return [f, ratio / f if "damping" in drawn else ratio, share]
 
 
-def structures_of_draws(structure: WholeStructure, drawn: dict[str, Array]) -> list[WholeStructure]:
-    """Structure of each draw."""
+def structures_of_draws(structure: CoupledPartition, drawn: Mapping[str, Array]) -> CoupledPartition:
+    """Structures of the draws, as one whose matrices have a first axis of draws where they differ."""
+    f, ratio, share = factors_of_draws(drawn)
     parts = {name: values for name, values in drawn.items() if is_part(name)}
-    return [
-        structure.with_parts({name: float(values[draw]) for name, values in parts.items()}).scaled(
-            frequency=float(f), damping_ratio=float(ratio), share=float(share)
-        )
-        for draw, (f, ratio, share) in enumerate(zip(*factors_of_draws(drawn), strict=True))
-    ]
+    if parts:
+        changed = [
+            structure.with_parts({name: float(values[draw]) for name, values in parts.items()})
+            for draw in range(f.size)
+        ]
+        structure = stacked(changed)
+    if not (np.concatenate([f, ratio, share]) != 1.0).any():
+        return structure
+    return structure.scaled(frequency=f, damping_ratio=ratio, share=share)

@@ -28,10 +28,9 @@ from reliab.assessment.rebuilt_error.stretches import (
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import UpdatedModel
-from reliab.structures import Partition, Structure
+from reliab.structures import CoupledPartition, Partition, Structure, whole_structure
 
 DRAWS = 64
 """Draws behind the intervals of a running test."""
@@ -55,7 +54,7 @@ class Monitor(RunningTest):
 
     def __init__(
         self,
-        structure: Structure | Partition | WholeStructure | UpdatedModel,
+        structure: Structure | Partition | CoupledPartition | UpdatedModel,
         time_step: float,
         *,
         feedback_lag: float = 0.0,

@@ -35,10 +35,10 @@ from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
+from reliab.structures import CoupledPartition
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
@@ -116,7 +116,7 @@ def rebuild_with_specimen(
     )
 
 
-def tangent_structure(test: HybridTest) -> WholeStructure:
+def tangent_structure(test: HybridTest) -> CoupledPartition:
     """Whole structure per unit mass with the linear specimen of a model."""
     specimen = test.specimen
     if test.structure is None or specimen is None:
@@ -126,14 +126,13 @@ def tangent_structure(test: HybridTest) -> WholeStructure:
         )
     numerical = test.substructure
     k, c, m = (value / test.mass for value in (specimen.stiffness, specimen.damping, specimen.mass))
-    return WholeStructure(
+    return CoupledPartition.of_structure(test.structure).changed(
         mass=np.array([[1.0 + m]]),
         damping=np.array([[numerical.damping + c]]),
         stiffness=np.array([[numerical.stiffness + k]]),
-        interface=np.ones(1),
-        specimen_stiffness=k,
-        specimen_damping=c,
-        specimen_mass=m,
+        specimen_stiffness=np.array([[k]]),
+        specimen_damping=np.array([[c]]),
+        specimen_mass=np.array([[m]]),
     )
 
 

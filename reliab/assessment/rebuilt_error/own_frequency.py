@@ -28,9 +28,9 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, first_mode
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.signals import CubicPath
+from reliab.structures import CoupledPartition
 
 _PER_PERIOD = 48.0  # samples in a period
 _PERIODS_OF_HOP = 4.0
@@ -119,34 +119,42 @@ class OwnFrequency:
 def learn_frequency(
     command: Array,
     fed_back: Array,
+    difference: Array,
     time_step: float,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     deviation: float,
     *,
-    standing: float = 0.0,
+    standing: Array,
+    smooth: bool = False,
 ) -> OwnFrequency | None:
-    """Learn the natural frequency from command and x_c − x_m [m]; None where exact or the test is short.
+    """Learn the natural frequency from a test; None where it is exact or the test is short.
 
-    `time_step` [s]; `deviation` of the stated frequency, relative; `standing` x_c − x_m before the test [m].
+    `command`, `fed_back` and x_c − x_m, the `difference`, at the interface [m], shape (p, n); `time_step`
+    [s]; `deviation` of the stated frequency, relative; `standing` x_c − x_m before the test [m], shape (p,);
+    `smooth`: whether histories are smooth between samples. Of several displacements the one shows it whose
+    motion in the lowest mode strains the specimen most.
     """
-    lowest = float(structure.natural_frequencies[0])
-    every = samples_to_learn(command.size, time_step, lowest)
-    if not deviation or every is None:
+    if not deviation:
         return None
-    short, drive = (np.ascontiguousarray(history[::every]) for history in (command, fed_back))
+    frequencies, _, moved = structure.modes
+    place = int(np.argmax(np.diag(structure.specimen_stiffness) * moved[:, 0] ** 2))
+    every = samples_to_learn(command.shape[1], time_step, float(frequencies[0]))
+    if every is None:
+        return None
     step = every * time_step
+    short, drive, strayed = (
+        np.ascontiguousarray(history[:, ::every]) for history in (command, fed_back, difference)
+    )
 
     def responses(factors: Array) -> Iterator[tuple[Array, Array]]:
-        for factor, recursion in zip(factors, _recursions(structure, step, factors), strict=True):
-            moved = respond(recursion, drive, equilibrium(structure, standing) / factor**2)[0]
-            yield short - moved, moved - drive
+        scaled = structure.scaled(frequency=factors)
+        recursions = Recursion.of_displacement(scaled, step, smooth=smooth)
+        for draw in range(factors.size):
+            recursion = recursions.of_draw(draw)
+            moving = respond(recursion, drive, recursion.static @ standing)[place]
+            yield short[place] - moving, moving - strayed[place]
 
-    felt = Felt(
-        time_step=step,
-        frequencies=structure.natural_frequencies,
-        first_mode=_first_mode(structure),
-        responses=responses,
-    )
+    felt = Felt(time_step=step, frequencies=frequencies, first_mode=_lowest(structure), responses=responses)
     return felt.learn(deviation)
 
 
@@ -155,20 +163,6 @@ def samples_to_learn(samples: int, time_step: float, lowest: float) -> int | Non
     if not samples * time_step * lowest > _FEWEST_PERIODS:
         return None
     return max(int(1.0 / (_PER_PERIOD * lowest * time_step)), 1)
-
-
-def _recursions(structure: WholeStructure, step: float, factors: Array) -> Iterator[Recursion]:
-    """Recursions of the structure with each factor of its frequencies."""
-    same = np.ones(factors.size)
-    every = Recursion.of_scaled(structure, step, frequency=factors, damping_ratio=same, share=same)
-    for place in range(factors.size):
-        yield Recursion(
-            decay=every.decay[place],
-            early=np.ascontiguousarray(every.early[place]),
-            late=every.late[place],
-            output=every.output[place][np.newaxis],
-            feed_through=every.feed_through[place : place + 1],
-        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -219,9 +213,9 @@ def _resonance(w0: float, twice: float, frequency: Array) -> float:
     return float(np.log((w0**2 - turned**2) ** 2 + (twice * turned) ** 2).mean(axis=1).sum())
 
 
-def _first_mode(structure: WholeStructure) -> tuple[float, float]:
+def _lowest(structure: CoupledPartition) -> tuple[float, float]:
     """ω₀ [rad/s] and 2ξω₀ [1/s] of the lowest mode."""
-    shape = first_mode(structure)
+    shape = structure.first_mode
     mass, damping, stiffness = (
         float(shape @ matrix @ shape) for matrix in (structure.mass, structure.damping, structure.stiffness)
     )

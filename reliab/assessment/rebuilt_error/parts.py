@@ -17,8 +17,8 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Histories
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.structures import CoupledPartition
 
 AMPLITUDE = "amplitude"
 DELAY = "delay"
@@ -70,7 +70,7 @@ class Parts:
         return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
 
 
-def divide(histories: Histories, structure: WholeStructure) -> Parts:
+def divide(histories: Histories, structure: CoupledPartition) -> Parts:
     """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
     recursion = Recursion.of_displacement(structure, step)
@@ -79,7 +79,7 @@ def divide(histories: Histories, structure: WholeStructure) -> Parts:
         name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
     }
     still = np.zeros(command.size)
-    pieces[NEITHER] += respond(recursion, still, equilibrium(structure, histories.standing))[0]
+    pieces[NEITHER] += respond(recursion, still, recursion.static[:, 0] * histories.standing)[0]
     late = histories.fed_back - histories.difference
     if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
         pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
@@ -112,14 +112,14 @@ def parts_of(gain: float, delay: float, pieces: dict[str, Array], ideal_peak: fl
     )
 
 
-def part_of_tracking(histories: Histories, structure: WholeStructure, followed: Array) -> Part:
+def part_of_tracking(histories: Histories, structure: CoupledPartition, followed: Array) -> Part:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
     `followed` [m].
     Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
     recursion = Recursion.of_displacement(structure, histories.time_step)
-    start = equilibrium(structure, histories.standing)
+    start = recursion.static[:, 0] * histories.standing
     whole = respond(recursion, histories.fed_back, start)[0] - histories.difference
     strayed = histories.command - followed
     piece = respond(recursion, strayed)[0] - strayed

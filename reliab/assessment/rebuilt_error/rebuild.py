@@ -22,13 +22,12 @@ from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure, whole_structure
 from reliab.errors import InputError
-from reliab.structures import Partition, Structure
+from reliab.structures import CoupledPartition, Partition, Structure, whole_structure
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -38,7 +37,7 @@ def rebuild(
     command: Array,
     measured: Array,
     time_step: float,
-    structure: Structure | Partition | WholeStructure,
+    structure: Structure | Partition | CoupledPartition,
     *,
     force: Array | None = None,
     form: Form = Form.DISPLACEMENT,
@@ -80,7 +79,7 @@ def rebuild(
         read, noise = felt, estimate_noise(command, felt, time_step)
     fed_back = command - delayed(felt, feedback_lag, time_step)
     recursion = Recursion.of_displacement(whole, time_step)
-    response = respond(recursion, fed_back, equilibrium(whole, -start.standing))[0]
+    response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
     unknown = what_is_unknown(test, start, response, command, fed_back)
     error, drawn = draw_error(
         command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
@@ -102,7 +101,12 @@ def rebuild(
 
 
 def _felt(
-    command: Array, read: Array, force: Array | None, form: Form, structure: WholeStructure, time_step: float
+    command: Array,
+    read: Array,
+    force: Array | None,
+    form: Form,
+    structure: CoupledPartition,
+    time_step: float,
 ) -> Array:
     """Displacement of the specimen by the chosen form."""
     if form is Form.DISPLACEMENT:

@@ -10,8 +10,8 @@ from reliab.assessment.rebuilt_error.interval import Histories, Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
+from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 _WIDENING_DRAWS = 128
@@ -22,7 +22,7 @@ class RebuiltError:
     """The error of a test with its uncertainty."""
 
     time_step: float  # Step between samples [s]
-    structure: WholeStructure  # The structure with which it was rebuilt
+    structure: CoupledPartition  # The structure with which it was rebuilt
     error: Array  # x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,)
     smooth_error: Array  # The same without the sensor's noise above the band of the motion [m], shape (n,)
     reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
@@ -79,7 +79,7 @@ def conclude(
     read: Array,
     reference: Array,
     *,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     noise: SensorNoise,
     as_stated: Spread,
     spread: Spread,

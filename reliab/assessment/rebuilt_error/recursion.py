@@ -1,16 +1,21 @@
-"""The causal recursion of the error: exact for an input that is a straight line between samples.
+"""The causal recursion of the error: exact for inputs that are straight lines between samples.
 
-With z the structure's displacements under γu, the state (z, z') obeys ::
+With τ = x_c − x_m, one number or one for each interface displacement, e = x_c − x_I obeys ::
 
-    z' = z',   M z'' + C z' + K z = γ u(t)
+    M e'' + C e' + K e = Γ(K_e τ + C_e τ' + M_e τ''),   the error is Γᵀe − τ
 
-and for u linear between samples the state at the next sample is exactly (first-order hold; Franklin, Powell
-and Workman, *Digital Control of Dynamic Systems*, 3rd ed., section 6.3.2) ::
+Nothing is differentiated: with D = M⁻¹ΓM_e, w = e − Dτ and r the sum of what stands under no derivative ::
 
-    w₊ = E w + F₀u + F₁u₊,      e^[[A, b, 0], [0, 0, 1], [0, 0, 0]]h = [[E, F₀ + F₁, F₁], …]
+    w' = r − M⁻¹C w + M⁻¹(ΓC_e − C D)τ,   r' = −M⁻¹K w + M⁻¹(ΓK_e − K D)τ
 
-The error of the displacement form is e = k_e z + c_e z' + m_e z'', that of the force form z itself. Nothing
-is differentiated: z'' follows from the equation of motion.
+A force at the interface, a specimen's slip or a ground acceleration only have other loads. For inputs u
+linear between samples the state at the next sample is exactly (first-order hold; Franklin, Powell and
+Workman, *Digital Control of Dynamic Systems*, 3rd ed., section 6.3.2) ::
+
+    w₊ = E w + F₀u + F₁u₊,      e^[[A, B, 0], [0, 0, 1], [0, 0, 0]]h = [[E, F₀ + F₁, F₁], …]
+
+Straight lines between the samples of a smooth τ lack (ωh)²/12 of it, 0.6 % where a period has 24 samples. Of
+a recursion for smooth inputs that much of their bend, (τ₊ − 2τ + τ₋)/12, is added to the samples they join.
 """
 
 from collections.abc import Sequence
@@ -20,184 +25,241 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
+from reliab.structures import CoupledPartition
 from reliab.threads import one_thread
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recursion:
-    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + q u."""
+    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + Q u, for p inputs.
 
-    decay: Array  # E, shape (2n, 2n)
-    early: Array  # early, late: F₀ and F₁, shape (2n,)
+    Those of many draws have a first axis of draws.
+    """
+
+    transition: Array  # E, shape (2n, 2n)
+    early: Array  # early, late: F₀ and F₁, shape (2n, p)
     late: Array
     output: Array  # P, shape (outputs, 2n)
-    feed_through: Array  # q, shape (outputs,)
+    feed_through: Array  # Q, shape (outputs, p)
+    # State per constant input under which the structure stands still, shape (2n, p); NaN where no stiffness
+    # holds it
+    static: Array
+    smooth: bool = False  # Whether inputs are smooth between samples; else they are straight lines
 
     @classmethod
     def of_displacement(
-        cls, structure: WholeStructure, time_step: float, *, floors: bool = False
+        cls,
+        structure: CoupledPartition,
+        time_step: float,
+        *,
+        floors: bool = False,
+        slips: bool = False,
+        smooth: bool = False,
     ) -> "Recursion":
-        """Recursion from x_c − x_m to the error, M e'' + C e' + K e = γ Z (x_c − x_m).
+        """Recursion from x_c − x_m to the error of the interface, or of all `floors`.
 
-        `time_step` [s].
+        `time_step` [s]; matrices may have a first axis of draws. `slips`: whether displacements that the
+        specimen's stiffness has lost are further inputs, as many.
         """
-        chosen = np.eye(structure.interface.size) if floors else structure.interface[np.newaxis]
-        size = structure.interface.size
-        a, b = _state_space(structure)
-        rows = structure.specimen_stiffness * np.eye(size, 2 * size)
-        rows += structure.specimen_damping * np.eye(size, 2 * size, size)
-        rows += structure.specimen_mass * a[size:]
-        return cls._held(a, b, time_step, chosen @ rows, structure.specimen_mass * (chosen @ b[size:]))
+        gamma, size = structure.interface, structure.size
+        at_once = np.linalg.solve(structure.mass, gamma @ structure.specimen_mass)
+        by_rate = gamma @ structure.specimen_damping - structure.damping @ at_once
+        by_size = gamma @ structure.specimen_stiffness - structure.stiffness @ at_once
+        rows = np.eye(size) if floors else gamma.T
+        feed_through = rows @ at_once
+        if slips:
+            slipped = gamma @ structure.specimen_stiffness
+            by_rate = np.concatenate([by_rate, np.zeros_like(slipped)], axis=-1)
+            by_size = np.concatenate([by_size, slipped], axis=-1)
+            feed_through = np.concatenate([feed_through, np.zeros_like(feed_through)], axis=-1)
+        return cls._held(structure, by_rate, by_size, time_step, rows, feed_through, smooth=smooth)
 
     @classmethod
-    def of_force(cls, structure: WholeStructure, time_step: float, *, floors: bool = False) -> "Recursion":
-        """Recursion from a wrong force at the interface to the error, M e'' + C e' + K e = γ u.
+    def of_force(cls, structure: CoupledPartition, time_step: float, *, floors: bool = False) -> "Recursion":
+        """Recursion from a wrong force at the interface to the error, M e'' + C e' + K e = Γ u.
 
         Parameters and result as for `of_displacement`.
         """
-        size = structure.interface.size
-        chosen = np.eye(size) if floors else structure.interface[np.newaxis]
-        a, b = _state_space(structure)
-        return cls._held(a, b, time_step, chosen @ np.eye(size, 2 * size), np.zeros(chosen.shape[0]))
+        gamma = structure.interface
+        rows = np.eye(structure.size) if floors else gamma.T
+        return cls._of_load(structure, gamma, time_step, rows)
 
     @classmethod
-    def of_ground(cls, structure: WholeStructure, influence: Array, time_step: float) -> "Recursion":
+    def of_ground(cls, structure: CoupledPartition, influence: Array, time_step: float) -> "Recursion":
         """Recursion from a ground acceleration to all displacements of the undisturbed structure.
 
         M x'' + C x' + K x = −M ι a_g; `influence`: ι [-], shape (n,); `time_step` [s].
         """
-        a, _ = _state_space(structure)
-        size = structure.interface.size
-        b = np.concatenate([np.zeros(size), -influence])
-        return cls._held(a, b, time_step, np.eye(size, 2 * size), np.zeros(size))
+        load = -structure.mass @ influence
+        return cls._of_load(structure, load[..., np.newaxis], time_step, np.eye(structure.size))
 
     @classmethod
-    def _held(cls, a: Array, b: Array, step: float, output: Array, feed_through: Array) -> "Recursion":
-        order = b.size
-        joint = np.zeros((*a.shape[:-2], order + 2, order + 2))
-        joint[..., :order, :order], joint[..., :order, order] = a * step, b * step
-        joint[..., order, order + 1] = 1.0
+    def _of_load(cls, structure: CoupledPartition, load: Array, step: float, rows: Array) -> "Recursion":
+        none = np.zeros((len(rows), load.shape[-1]))
+        return cls._held(structure, np.zeros_like(load), load, step, rows, none)
+
+    @classmethod
+    def _held(
+        cls,
+        structure: CoupledPartition,
+        by_rate: Array,
+        by_size: Array,
+        step: float,
+        rows: Array,
+        feed_through: Array,
+        *,
+        smooth: bool = False,
+    ) -> "Recursion":
+        size, inputs = by_size.shape[-2:]
+        joint_rows = _beside(structure.damping, structure.stiffness, by_rate, by_size)
+        solved: Array = np.asarray(np.linalg.solve(structure.mass, joint_rows), dtype=np.float64)
+        viscous, elastic = solved[..., :size], solved[..., size : 2 * size]
+        on_rate, on_size = solved[..., 2 * size : -inputs], solved[..., -inputs:]
+        order = 2 * size
+        joint = np.zeros((*solved.shape[:-2], order + 2 * inputs, order + 2 * inputs))
+        joint[..., :size, :size], joint[..., size:order, :size] = -step * viscous, -step * elastic
+        joint[..., :size, size:order] = step * np.eye(size)
+        joint[..., :size, order : order + inputs] = step * on_rate
+        joint[..., size:order, order : order + inputs] = step * on_size
+        joint[..., order : order + inputs, order + inputs :] = np.eye(inputs)
         with one_thread():
             exponential = scipy.linalg.expm(joint)
-        late = exponential[..., :order, order + 1]
+        late = exponential[..., :order, order + inputs :]
+        still = _still(elastic, on_size)
+        draws = solved.shape[:-2]
+        output = np.concatenate([rows, np.zeros_like(rows)], axis=-1)
         return cls(
-            decay=np.ascontiguousarray(exponential[..., :order, :order]),
-            early=exponential[..., :order, order] - late,
+            transition=np.ascontiguousarray(exponential[..., :order, :order]),
+            early=np.ascontiguousarray(exponential[..., :order, order : order + inputs] - late),
             late=np.ascontiguousarray(late),
-            output=np.ascontiguousarray(output),
-            feed_through=feed_through,
+            output=np.ascontiguousarray(np.broadcast_to(output, (*draws, *output.shape))),
+            feed_through=np.ascontiguousarray(
+                np.broadcast_to(feed_through, (*draws, *feed_through.shape[-2:]))
+            ),
+            static=np.concatenate([still, viscous @ still - on_rate], axis=-2),
+            smooth=smooth,
         )
 
-    @classmethod
-    def of_scaled(
-        cls,
-        structure: WholeStructure,
-        time_step: float,
-        *,
-        frequency: Array,
-        damping_ratio: Array,
-        share: Array,
-    ) -> "Recursion":
-        """Recursions of `of_displacement` for many structures at once, with a first axis of draws.
-
-        `time_step` [s]; the factors of :meth:`WholeStructure.scaled` [-], shape (draws,).
-        """
-        size, draws = structure.interface.size, frequency.size
-        below = -np.linalg.solve(structure.mass, np.hstack([structure.stiffness, structure.damping]))
-        moved = np.linalg.solve(structure.mass, structure.interface)
-        factors = np.repeat(np.stack([frequency**2, frequency * damping_ratio], axis=1), size, axis=1)
-        a = np.zeros((draws, 2 * size, 2 * size))
-        a[:, :size] = np.eye(size, 2 * size, size)
-        a[:, size:] = below * factors[:, np.newaxis]
-        b = np.concatenate([np.zeros(size), moved])
-        late_mass = structure.specimen_mass * share
-        rows = np.zeros((draws, size, 2 * size))
-        rows += (structure.specimen_stiffness * frequency**2 * share)[:, None, None] * np.eye(size, 2 * size)
-        rows += (structure.specimen_damping * frequency * share)[:, None, None] * np.eye(size, 2 * size, size)
-        rows += late_mass[:, None, None] * a[:, size:]
-        return cls._held(
-            a, b, time_step, structure.interface @ rows, late_mass * float(structure.interface @ moved)
+    def of_draw(self, draw: int) -> "Recursion":
+        """Recursion of one of many draws."""
+        return Recursion(
+            transition=self.transition[draw],
+            early=self.early[draw],
+            late=self.late[draw],
+            output=self.output[draw],
+            feed_through=self.feed_through[draw],
+            static=self.static[draw],
+            smooth=self.smooth,
         )
 
-    @classmethod
-    def of_structures(cls, structures: Sequence[WholeStructure], time_step: float) -> "Recursion":
-        """Recursions of `of_displacement` for structures that differ by more than factors."""
-        each = [cls.of_displacement(structure, time_step) for structure in structures]
-        return cls(
-            decay=np.stack([one.decay for one in each]),
-            early=np.stack([one.early for one in each]),
-            late=np.stack([one.late for one in each]),
-            output=np.stack([one.output[0] for one in each]),
-            feed_through=np.stack([one.feed_through[0] for one in each]),
-        )
+    def of_draws(self, draws: int) -> "Recursion":
+        """Recursions of draws; the same for each where it is that of one structure."""
+        if self.transition.ndim > 2:  # noqa: PLR2004 - a first axis of draws
+            return self
+        same = (self.transition, self.early, self.late, self.output, self.feed_through, self.static)
+        stacked = [np.ascontiguousarray(np.broadcast_to(one, (draws, *one.shape))) for one in same]
+        names = ("transition", "early", "late", "output", "feed_through", "static")
+        return Recursion(**dict(zip(names, stacked, strict=True)), smooth=self.smooth)
 
     @property
     def order(self) -> int:
         """Length 2n of the state."""
-        return int(self.early.shape[-1])
+        return int(self.transition.shape[-1])
 
 
-def equilibrium(structure: WholeStructure, difference: float) -> Array:
-    """State in which the structure stands under a constant x_c − x_m.
+def stacked(structures: Sequence[CoupledPartition]) -> CoupledPartition:
+    """Structures of one size as one whose matrices have a first axis of draws."""
+    names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
+    matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in names}
+    return structures[0].changed(**matrices)
 
-    `difference` [m].
+
+def states_in_motion(structure: CoupledPartition, shapes: Array) -> Array:
+    """States in which the structure moves in shapes, by their displacements and velocities, (2, 2n, shapes).
+
+    `shapes` [-], shape (n, shapes).
     """
-    size = structure.interface.size
-    state = np.zeros(2 * size)
-    if difference:
-        state[:size] = difference * np.linalg.solve(structure.stiffness, structure.interface)
-    return state
+    viscous = np.linalg.solve(structure.mass, structure.damping)
+    return np.stack([np.vstack([shapes, viscous @ shapes]), np.vstack([np.zeros_like(shapes), shapes])])
 
 
-def _state_space(structure: WholeStructure) -> tuple[Array, Array]:
-    size = structure.interface.size
-    below = -np.linalg.solve(structure.mass, np.hstack([structure.stiffness, structure.damping]))
-    a = np.vstack([np.eye(size, 2 * size, size), below])
-    b = np.concatenate([np.zeros(size), np.linalg.solve(structure.mass, structure.interface)])
-    return a, b
+def _still(elastic: Array, loads: Array) -> Array:
+    """Displacements under constant loads."""
+    try:
+        return np.asarray(np.linalg.solve(elastic, loads))
+    except np.linalg.LinAlgError:
+        return np.full_like(loads, np.nan)
+
+
+def _beside(*matrices: Array) -> Array:
+    """Matrices of one number of rows side by side, some of which may have a first axis of draws."""
+    draws = np.broadcast_shapes(*(matrix.shape[:-2] for matrix in matrices))
+    return np.concatenate([np.broadcast_to(one, (*draws, *one.shape[-2:])) for one in matrices], axis=-1)
 
 
 def respond(recursion: Recursion, values: Array, state: Array | None = None) -> Array:
-    """Run the recursion over a whole input.
+    """Run the recursion over a whole input, shape (n,) or (p, n); returns outputs, shape (outputs, n).
 
     A constant difference moves the undisturbed structure to its own share of it:
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> recursion = Recursion.of_displacement(WholeStructure.of_structure(half), 0.01)
+    >>> recursion = Recursion.of_displacement(CoupledPartition.of_structure(half), 0.01)
     >>> round(float(respond(recursion, np.ones(2000))[0, -1]), 6)
     0.5
     """
-    held = np.zeros(recursion.order) if state is None else state
+    inputs = np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
+    held = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
     return np.asarray(
         march(
-            recursion.decay,
+            recursion.transition,
             recursion.early,
             recursion.late,
             recursion.output,
             recursion.feed_through,
-            np.ascontiguousarray(values, dtype=np.float64),
+            (0,) * len(inputs),
+            inputs,
+            joined(inputs) if recursion.smooth else inputs,
             held,
         )
     )
 
 
 @compiled
+def joined(inputs: Array) -> Array:
+    """Return samples whose straight connections move a structure as a smooth history does, shape (p, n)."""
+    answer = inputs.copy()
+    for row in range(inputs.shape[0]):
+        for i in range(1, inputs.shape[1] - 1):
+            bend = inputs[row, i + 1] - 2.0 * inputs[row, i] + inputs[row, i - 1]
+            answer[row, i] = inputs[row, i] - bend / 12.0
+    return answer
+
+
+@compiled
 def march(
-    decay: Array, early: Array, late: Array, output: Array, feed_through: Array, values: Array, state: Array
+    transition: Array,
+    early: Array,
+    late: Array,
+    output: Array,
+    feed_through: Array,
+    actuators: tuple[int, ...],
+    inputs: Array,
+    driving: Array,
+    state: Array,
 ) -> Array:
     """Return outputs, shape (outputs, n); `state` belongs to the first and then to the last sample."""
-    order, outputs = state.size, output.shape[0]
-    answer = np.empty((outputs, values.size))
-    moved = np.empty(order)
-    for i in range(values.size):
+    answer = np.empty((output.shape[0], inputs.shape[1]))
+    moved = np.empty(state.size)
+    for i in range(inputs.shape[1]):
         if i > 0:
-            advance(decay, early, late, values[i - 1], values[i], state, moved)
-        for row in range(outputs):
-            total = feed_through[row] * values[i]
-            for column in range(order):
+            advance(actuators, transition, early, late, driving, i, state, moved)
+        for row in range(output.shape[0]):
+            total = 0.0
+            for channel in range(len(actuators)):
+                total += feed_through[row, channel] * inputs[channel, i]
+            for column in range(state.size):
                 total += output[row, column] * state[column]
             answer[row, i] = total
     return answer
@@ -205,13 +267,26 @@ def march(
 
 @compiled
 def advance(
-    decay: Array, early: Array, late: Array, before: float, now: float, state: Array, scratch: Array
+    actuators: tuple[int, ...],
+    transition: Array,
+    early: Array,
+    late: Array,
+    inputs: Array,
+    now: int,
+    state: Array,
+    scratch: Array,
 ) -> None:
-    """Move the state by one step, in place."""
+    """Move the state by one step, to a sample of the inputs, shape (p, n), in place.
+
+    `actuators`: any p numbers, whose count is known when the kernel is compiled.
+    """
     for row in range(state.size):
-        total = early[row] * before + late[row] * now
+        total = 0.0
+        for channel in range(len(actuators)):
+            total += early[row, channel] * inputs[channel, now - 1]
+            total += late[row, channel] * inputs[channel, now]
         for column in range(state.size):
-            total += decay[row, column] * state[column]
+            total += transition[row, column] * state[column]
         scratch[row] = total
     for row in range(state.size):
         state[row] = scratch[row]

@@ -22,9 +22,9 @@ from reliab.assessment.rebuilt_error.interval import (
     structures_of_draws,
 )
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.structures import CoupledPartition
 
 _DRAWS = 128
 _OF_SCALED_PEAKS = 0.01  # that peaks are off which are scaled to the interface's, where modes differ
@@ -39,12 +39,19 @@ class Ground:
     time_step: float  # s
     influence: Array  # ι, how the ground moves the degrees of freedom [-], shape (degrees of freedom,)
 
-    def peaks(self, structure: WholeStructure, responses: Array) -> Array:
+    @property
+    def _finer(self) -> int:
+        """Steps in that of the ground motion."""
+        return max(int(np.ceil(self.time_step * _RATE)), 1)
+
+    def recursion(self, structure: CoupledPartition) -> Recursion:
+        """Recursion to the undisturbed responses of all degrees of freedom."""
+        return Recursion.of_ground(structure, self.influence, self.time_step / self._finer)
+
+    def peaks(self, recursion: Recursion, responses: Array) -> Array:
         """Largest undisturbed response of each [m], shape (responses,)."""
-        finer = max(int(np.ceil(self.time_step * _RATE)), 1)
-        places = np.arange(finer * (self.acceleration.size - 1) + 1) / finer
+        places = np.arange(self._finer * (self.acceleration.size - 1) + 1) / self._finer
         history = np.interp(places, np.arange(self.acceleration.size), self.acceleration)
-        recursion = Recursion.of_ground(structure, self.influence, self.time_step / finer)
         return np.asarray(np.abs(responses @ respond(recursion, history)).max(axis=1))
 
 
@@ -72,31 +79,28 @@ def stray_of_responses(rebuilt: RebuiltError, responses: Array, ground: Ground |
     """
     histories, structure = rebuilt.histories, rebuilt.structure
     thin = histories.thinned(rebuilt.every)
-    rows = np.vstack([responses, structure.interface])
-    fine = _strayed(structure, rows, histories.fed_back, histories)
-    coarse = _strayed(structure, rows, thin.fed_back, thin)
+    rows = np.vstack([responses, structure.interface.T])
+    fine, coarse = (
+        _strayed(Recursion.of_displacement(structure, one.time_step, floors=True), rows, one.fed_back, one)
+        for one in (histories, thin)
+    )
     between = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)
     drawn, phase = draw_unknown(rebuilt.unknown, _DRAWS, rebuilt.seed)
     structures = structures_of_draws(structure, drawn)
-    inputs, shifts = inputs_of_reading(thin, drawn)
-    starts = states_at_first_sample(structure, drawn, phase * rebuilt.unknown.error_at_start, thin.standing)
-    late, velocity = thin.fed_back - thin.difference, np.gradient(thin.measured, thin.time_step)
-    of_draws = np.empty((_DRAWS, *fine.shape))
-    for draw, changed in enumerate(structures):
-        difference = rebuilt.differences[draw % len(rebuilt.differences)] + shifts[draw] @ inputs
-        fed_back = difference + late + drawn["feedback_lag"][draw] * velocity
-        of_draws[draw] = between * _strayed(changed, rows, fed_back, thin, starts[draw])
+    strayed = _strayed_draws(rebuilt, thin, rows, structures, drawn, phase)
+    of_draws = between * strayed
     chance = np.random.default_rng(rebuilt.seed).standard_normal((2, _DRAWS, 1))
     if rebuilt.unknown.own_frequency is not None:  # whose error is the largest: as in `sweep`
         of_draws[:, :2] *= 1.0 + ACCURACY * chance[0][..., np.newaxis]
     if ground is None:
         peaks = peaks_of_draws = disagreement = None
     else:
-        peaks, of_interface = _peaks(ground, structure, rows, fine)
+        peaks, of_interface = _peaks(ground, ground.recursion(structure), rows, fine)
+        under_ground = ground.recursion(structures).of_draws(_DRAWS)
         peaks_of_draws = (1.0 + _OF_SCALED_PEAKS * chance[1]) * np.stack(
             [
-                _peaks(ground, changed, rows, sizes)[0]
-                for changed, sizes in zip(structures, of_draws, strict=True)
+                _peaks(ground, under_ground.of_draw(draw), rows, sizes)[0]
+                for draw, sizes in enumerate(of_draws)
             ]
         )
         disagreement = of_interface / float(fine[2, -1]) - 1.0
@@ -109,22 +113,48 @@ def stray_of_responses(rebuilt: RebuiltError, responses: Array, ground: Ground |
     )
 
 
-def _peaks(ground: Ground, structure: WholeStructure, rows: Array, sizes: Array) -> tuple[Array, float]:
+def _strayed_draws(
+    rebuilt: RebuiltError,
+    thin: Histories,
+    rows: Array,
+    structures: CoupledPartition,
+    drawn: dict[str, Array],
+    phase: Array,
+) -> Array:
+    """Sizes as of `_strayed` of each draw, shape (draws, 3, responses)."""
+    inputs, shifts = inputs_of_reading(thin, drawn)
+    recursions = Recursion.of_displacement(structures, thin.time_step, floors=True).of_draws(_DRAWS)
+    starts = states_at_first_sample(
+        rebuilt.structure,
+        recursions,
+        drawn["initial_state"],
+        phase * rebuilt.unknown.error_at_start,
+        thin.standing,
+    )
+    late, velocity = thin.fed_back - thin.difference, np.gradient(thin.measured, thin.time_step)
+    strayed = []
+    for draw in range(_DRAWS):
+        difference = rebuilt.differences[draw % len(rebuilt.differences)] + shifts[draw] @ inputs
+        fed_back = difference + late + drawn["feedback_lag"][draw] * velocity
+        strayed.append(_strayed(recursions.of_draw(draw), rows, fed_back, thin, starts[draw]))
+    return np.array(strayed)
+
+
+def _peaks(ground: Ground, recursion: Recursion, rows: Array, sizes: Array) -> tuple[Array, float]:
     """Peaks of the undisturbed responses [m], and that of the interface under the ground motion alone."""
-    under_ground = ground.peaks(structure, rows)
+    under_ground = ground.peaks(recursion, rows)
     of_interface = float(under_ground[-1])
     return under_ground[:-1] * (sizes[2, -1] / of_interface), of_interface
 
 
 def _strayed(
-    structure: WholeStructure, rows: Array, fed_back: Array, histories: Histories, start: Array | None = None
+    recursion: Recursion, rows: Array, fed_back: Array, histories: Histories, start: Array | None = None
 ) -> Array:
     """RMS and largest of x_c − x_I of each response [m], and largest x_I of the last, the interface.
 
     Shape (3, responses).
     """
-    recursion = Recursion.of_displacement(structure, histories.time_step, floors=True)
-    state = equilibrium(structure, histories.standing) if start is None else start.copy()
+    state = recursion.static[:, 0] * histories.standing if start is None else start
     strayed = np.ascontiguousarray(rows @ respond(recursion, fed_back, state))
     squares = [mean_square(row) for row in strayed]
     ideal = np.full(len(rows), np.abs(histories.command - strayed[-1]).max())

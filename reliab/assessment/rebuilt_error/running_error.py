@@ -11,11 +11,11 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.feedback import delayed
-from reliab.assessment.rebuilt_error.recursion import Recursion, advance, equilibrium
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
 from reliab.simulation.hybrid_test import HybridTest
+from reliab.structures import CoupledPartition
 
 _ROWS = 6  # command, measured, error, response to a constant, decay from equilibrium, nonlinear share
 _CAPACITY = 4096
@@ -34,7 +34,7 @@ class RunningError:
 
     def __init__(
         self,
-        structure: WholeStructure,
+        structure: CoupledPartition,
         time_step: float,
         feedback_lag: float,
         offset: float,
@@ -48,11 +48,12 @@ class RunningError:
         self._specimen = None
         if test is not None:
             slowest = 2.0 * np.pi * float(structure.natural_frequencies[0])
-            self._specimen = RunningSpecimen(test, self._recursion, slowest, time_step)
+            by_force = Recursion.of_force(structure, time_step)
+            self._specimen = RunningSpecimen(test, by_force, slowest, time_step)
         self._table = np.zeros((_ROWS, _CAPACITY))
         self._states = np.zeros((3, self._recursion.order))
-        self._states[2] = equilibrium(structure, 1.0)
-        self._before = np.zeros(3)
+        self._states[2] = self._recursion.static[:, 0]
+        self._inputs = np.zeros((3, 1, 2))
 
     @property
     def kept(self) -> int:
@@ -99,17 +100,17 @@ class RunningError:
         self._table[0, first:last], self._table[1, first:last] = command, measured
         self.size += command.size
         _follow(
-            self._recursion.decay,
+            self._recursion.transition,
             self._recursion.early,
             self._recursion.late,
             self._recursion.output[0],
-            self._recursion.feed_through[0],
+            self._recursion.feed_through[0, 0],
             self._table,
             self._fed_back(first, last),
             first,
             last,
             self._states,
-            self._before,
+            self._inputs,
         )
         self._conclude(first, last)
 
@@ -163,7 +164,7 @@ class RunningError:
 
 @compiled
 def _follow(
-    decay: Array,
+    transition: Array,
     early: Array,
     late: Array,
     output: Array,
@@ -173,19 +174,22 @@ def _follow(
     first: int,
     last: int,
     states: Array,
-    before: Array,
+    inputs: Array,
 ) -> None:
-    """Advance the error, the response to a constant and the decay from equilibrium, in place."""
+    """Advance the error, the response to a constant and the decay from equilibrium, in place.
+
+    `inputs`: of each at the sample before and at this one.
+    """
     scratch = np.empty(states.shape[1])
-    inputs = np.array([0.0, 1.0, 0.0])
+    inputs[1, 0, 1] = 1.0
     for i in range(first, last):
-        inputs[0] = fed_back[i - first]
+        inputs[0, 0, 1] = fed_back[i - first]
         difference = table[0, i] - table[1, i]
         for row in range(3):
             if i > 0:
-                advance(decay, early, late, before[row], inputs[row], states[row], scratch)
-            before[row] = inputs[row]
-            response = feed_through * inputs[row]
+                advance((0,), transition, early, late, inputs[row], 1, states[row], scratch)
+            inputs[row, 0, 0] = inputs[row, 0, 1]
+            response = feed_through * inputs[row, 0, 1]
             for column in range(states.shape[1]):
                 response += output[column] * states[row, column]
             table[2 + row, i] = response

@@ -57,7 +57,10 @@ class _Effects(NamedTuple):
 
 
 class RunningSpecimen:
-    """The nonlinear share of the error of a running test; `circular_frequency` [rad/s]; `step` [s]."""
+    """The nonlinear share of the error of a running test.
+
+    `recursion` from a force to the error; `circular_frequency` [rad/s]; `step` [s].
+    """
 
     def __init__(
         self, test: HybridTest, recursion: Recursion, circular_frequency: float, step: float
@@ -81,9 +84,9 @@ class RunningSpecimen:
         """
         return np.asarray(
             _follow(
-                self._recursion.decay,
-                self._recursion.early,
-                self._recursion.late,
+                self._recursion.transition,
+                self._recursion.early[:, 0],
+                self._recursion.late[:, 0],
                 self._effects,
                 np.ascontiguousarray(command),
                 np.ascontiguousarray(linear),
@@ -167,7 +170,7 @@ def _solve(
 
 @compiled
 def _follow(
-    decay: Array,
+    transition: Array,
     early: Array,
     late: Array,
     effects: _Effects,
@@ -197,7 +200,7 @@ def _follow(
             for row in range(state.size):
                 moved[row] = early[row] * force[0]
                 for column in range(state.size):
-                    moved[row] += decay[row, column] * state[column]
+                    moved[row] += transition[row, column] * state[column]
             path[0] += step * (path[1] + 0.5 * step * path[2])
             path[1] += step * path[2]
         gain = 0.0 if begins else late[0]

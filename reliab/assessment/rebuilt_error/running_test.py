@@ -20,10 +20,10 @@ from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.stability_indicator import NetDamping
 from reliab.assessment.rebuilt_error.stretches import ErrorSoFar
-from reliab.assessment.rebuilt_error.watched_modes import modes_of_structure
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
+from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
@@ -62,12 +62,12 @@ class RunningTest(ABC):
     periods_between: ClassVar[float] = 4.0
     """Periods of the structure by which it must grow at least."""
 
-    def __init__(self, structure: WholeStructure, time_step: float) -> None:
+    def __init__(self, structure: CoupledPartition, time_step: float) -> None:
         if not (np.isfinite(time_step) and time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{time_step} s")
         self.structure, self.time_step = structure, time_step
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
-        self._energy = LoopEnergy(modes_of_structure(structure, time_step))
+        self._energy = LoopEnergy(watched_modes(structure, time_step))
         self._asked = 0
         self._result: ErrorSoFar | RebuiltError | None = None
         self._low = dict.fromkeys(Metric, 0.0)

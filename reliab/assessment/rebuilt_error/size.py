@@ -1,8 +1,8 @@
 """How long a test may be: the draws of its error are held in memory at once."""
 
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.errors import InputError
 from reliab.significant import significant
+from reliab.structures import CoupledPartition
 
 MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
@@ -13,7 +13,7 @@ _SIMULATED_PER_PERIOD = 80.0
 _HOUR = 3600.0
 
 
-def samples_in_step_of_structure(structure: WholeStructure, time_step: float) -> int:
+def samples_in_step_of_structure(structure: CoupledPartition, time_step: float) -> int:
     """Return the number of samples of which one resolves the highest mode.
 
     `time_step` [s].

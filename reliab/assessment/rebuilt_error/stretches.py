@@ -29,12 +29,12 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
-from reliab.assessment.rebuilt_error.recursion import Recursion, equilibrium, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.structures import CoupledPartition
 from reliab.vocabulary import Metric
 
 _STANDS = 1e-9  # share of the largest response up to which a command counts as standing still
@@ -46,7 +46,7 @@ _SAMPLES = 1 << 19  # of a stretch, before they are thinned
 class Stated:
     """What is stated of a test."""
 
-    structure: WholeStructure  # The whole structure
+    structure: CoupledPartition  # The whole structure
     time_step: float  # Step between samples [s]
     feedback_lag: float  # Time by which the force is fed back late [s]
     sensor_offset: float | None  # Offset of the displacement sensor [m]; None to read it from rest
@@ -157,12 +157,13 @@ def what_is_unknown(test: Stated, start: Start, response: Array, command: Array,
         offset=start.offset_deviation,
         error_at_start=0.0 if start.at_rest else relative * start.amplitude,
         own_frequency=learn_frequency(
-            command,
-            fed_back,
+            command[np.newaxis],
+            fed_back[np.newaxis],
+            fed_back[np.newaxis],
             test.time_step,
             test.structure,
             test.tolerances.frequency,
-            standing=-start.standing,
+            standing=np.array([-start.standing]),
         ),
     )
 
@@ -195,7 +196,7 @@ def error_of_stretch(
     fed_back = command - delayed(read, test.feedback_lag, step)
     if before is None:
         recursion = Recursion.of_displacement(structure, step)
-        response = respond(recursion, fed_back, equilibrium(structure, -start.standing))[0]
+        response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
         unknown = what_is_unknown(test, start, response, command, fed_back)
     else:
         unknown = before.unknown
@@ -212,7 +213,7 @@ def error_of_stretch(
     )[0]
 
 
-def samples_in_stretch(structure: WholeStructure, time_step: float) -> int:
+def samples_in_stretch(structure: CoupledPartition, time_step: float) -> int:
     """Return the number of samples after which a stretch of a running test is judged and forgotten.
 
     `time_step` [s].

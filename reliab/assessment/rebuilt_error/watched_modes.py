@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.structures import CoupledPartition
 
 MEMORY = 3.0
 """Periods of a mode after which its window has forgotten all but 1/e."""
@@ -95,20 +95,15 @@ class WatchedMode:
         return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole)
 
 
-def watched_modes(
-    mass: Array, damping: Array, stiffness: Array, interface: Array, specimen: Array, time_step: float
-) -> tuple[WatchedMode, ...]:
-    """Return the modes to watch, the one with the shortest critical delay first.
-
-    `mass`, `damping`, `stiffness` of the whole structure, shape (n, n); `interface`: shape (n, p);
-    `specimen`: its stiffness, shape (p, p); `time_step` [s].
-    """
-    squares, shapes = scipy.linalg.eigh(stiffness, mass)
+def watched_modes(structure: CoupledPartition, time_step: float) -> tuple[WatchedMode, ...]:
+    """Return the modes to watch, the one with the shortest critical delay first; `time_step` [s]."""
+    interface, specimen = structure.interface, structure.specimen_stiffness
+    squares, shapes = scipy.linalg.eigh(structure.stiffness, structure.mass)
     omega = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
     moved = interface.T @ shapes
     modes = Modes(
         circular_frequencies=omega,
-        ratios=np.einsum("di,de,ei->i", shapes, damping, shapes) / (2.0 * omega),
+        ratios=np.einsum("di,de,ei->i", shapes, structure.damping, shapes) / (2.0 * omega),
         coupling=moved.T @ specimen @ moved,
         loads=specimen @ moved,
     )
@@ -120,15 +115,3 @@ def watched_modes(
     count = min(_MODES_FOR_EACH_ACTUATOR * interface.shape[1], max(int(takes_part.sum()), 1))
     places = np.argsort(delays, kind="stable")[:count]
     return tuple(WatchedMode(modes=modes, place=int(place), time_step=time_step) for place in places)
-
-
-def modes_of_structure(structure: WholeStructure, time_step: float) -> tuple[WatchedMode, ...]:
-    """Return the modes to watch of a structure with one interface; `time_step` [s]."""
-    return watched_modes(
-        structure.mass,
-        structure.damping,
-        structure.stiffness,
-        structure.interface[:, np.newaxis],
-        np.array([[structure.specimen_stiffness]]),
-        time_step,
-    )

@@ -22,14 +22,14 @@ from reliab.assessment.rebuilt_error.interval import (
     Unknown,
     draw_unknown,
     inputs_of_reading,
-    recursion_of_draws,
     states_at_first_sample,
+    structures_of_draws,
 )
-from reliab.assessment.rebuilt_error.recursion import advance
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
 from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
+from reliab.structures import CoupledPartition
 
 _CORRECTIONS = 2
 
@@ -50,7 +50,7 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
 def sweep_yielding(
     specimens: Sequence[Hysteresis],
     histories: Histories,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     unknown: Unknown,
     differences: Array,
     every: int,
@@ -81,7 +81,7 @@ def sweep_yielding(
 
 
 def errors_with_specimens(
-    specimens: Sequence[SteppedEffect], histories: Histories, structure: WholeStructure
+    specimens: Sequence[SteppedEffect], histories: Histories, structure: CoupledPartition
 ) -> Array:
     """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated.
 
@@ -97,30 +97,28 @@ def errors_with_specimens(
 def _swept(
     specimens: Sequence[SteppedEffect],
     thin: Histories,
-    structure: WholeStructure,
+    structure: CoupledPartition,
     drawn: dict[str, Array],
     velocity: Array,
     differences: Array,
     band: Array,
 ) -> Array:
-    recursion = recursion_of_draws(structure, drawn, thin.time_step)
-    size = structure.interface.size
-    stiffness = structure.specimen_stiffness * np.ones(len(specimens))
-    for name, power in (("frequency", 2), ("experimental_fraction", 1), ("specimen_stiffness", 1)):
-        stiffness *= np.maximum(1.0 + drawn.get(name, 0.0), 0.0) ** power
+    changed = structures_of_draws(structure, drawn)
+    recursion = Recursion.of_displacement(changed, thin.time_step, slips=True).of_draws(len(specimens))
+    standing = np.array([thin.standing, 0.0])
+    started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
     columns, shifts = inputs_of_reading(thin, drawn)
     setting = Setting(step=thin.time_step)
     return np.asarray(
         _sweep(
-            recursion.decay,
+            recursion.transition,
             recursion.early,
             recursion.late,
-            recursion.output,
-            recursion.feed_through,
-            stiffness[:, np.newaxis] * (structure.interface @ np.eye(size, 2 * size)),
+            np.ascontiguousarray(recursion.output[:, 0]),
+            np.ascontiguousarray(recursion.feed_through[:, 0, 0]),
             specimens[0].kernel.address,
             np.stack([specimen.coefficients(setting) for specimen in specimens]),
-            states_at_first_sample(structure, drawn, velocity, thin.standing)[:-2].copy(),
+            started,
             thin.command,
             np.ascontiguousarray(differences),
             columns,
@@ -135,12 +133,11 @@ def _swept(
 
 @compiled
 def _sweep(
-    decay: Array,
+    transition: Array,
     early: Array,
     late: Array,
     output: Array,
     feed_through: Array,
-    of_slip: Array,
     address: int,
     coefficients: Array,
     state: Array,
@@ -153,40 +150,41 @@ def _sweep(
     feedback_lag: Array,
     band: Array,
 ) -> Array:
-    """Statistics as of `sweep_draws`; `of_slip` is the output of the part that slip drives."""
+    """Statistics as of `sweep_draws` and the band, in place; the second input is slip."""
     draws, size = state.shape[0], command.size
     answer = np.empty((draws, 3))
     scratch, motion = np.empty(state.shape[1]), np.zeros(3)
+    driving = np.zeros((2, 2))
     for draw in range(draws):
         row = draw % differences.shape[0]
         sums = (0.0, 0.0, 0.0)
-        before, slip_before, slip = 0.0, 0.0, 0.0
-        held, slipped = state[draw], np.zeros(state.shape[1])
+        slip = 0.0
+        held = state[draw]
         of_test, of_response, tried = np.zeros(4), np.zeros(4), np.zeros(4)
         gain, at = 0.0, draw * coefficients.shape[1]
         for i in range(size):
             difference = differences[row, i]
             for k in range(inputs.shape[0]):
                 difference += shifts[draw, k] * inputs[k, i]
+            driving[0, 0], driving[1, 0] = driving[0, 1], slip
             now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
+            driving[0, 1] = now
             motion[0] = command[i] - now
             felt = call_kernel(
                 address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, at), pointer_to(of_test, 0)
             )
             if i > 0:
-                advance(decay[draw], early[draw], late[draw], before, now, held, scratch)
-                advance(decay[draw], early[draw], late[draw], slip_before, 0.0, slipped, scratch)
-                gain = _gain(of_slip[draw], late[draw])
+                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, held, scratch)
+                gain = _gain(output[draw], late[draw])
             error = feed_through[draw] * now
             for column in range(held.size):
-                error += output[draw, column] * held[column] + of_slip[draw, column] * slipped[column]
+                error += output[draw, column] * held[column]
             slip = _slip(
                 address, coefficients, at, motion, command[i] - error, gain, slip, felt, of_response, tried
             )
             error += gain * slip
             for column in range(held.size):
-                slipped[column] += late[draw, column] * slip * min(i, 1)  # the first sample begins the test
-            before, slip_before = now, slip
+                held[column] += late[draw, column, 1] * slip * min(i, 1)  # the first sample begins the test
             weight = 0.5 if i in (0, size - 1) else 1.0
             sums = tally(sums, error - difference, command[i] - error, weight, band, i)
         answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
@@ -194,11 +192,11 @@ def _sweep(
 
 
 @compiled
-def _gain(of_slip: Array, late: Array) -> float:
+def _gain(output: Array, late: Array) -> float:
     """Error at a sample by one unit of slip there [-]."""
     total = 0.0
-    for column in range(late.size):
-        total += of_slip[column] * late[column]
+    for column in range(output.size):
+        total += output[column] * late[column, 1]
     return total
 
 

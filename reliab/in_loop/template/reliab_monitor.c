@@ -521,14 +521,14 @@ static double nonlinear_share(reliab_monitor *monitor, double command, double li
         specimen->path[0] = fed_back;
     } else {
         for (row = 0u; row < RELIAB_ORDER; row++) {
-            moved[row] = EARLY[row][0] * specimen->force;
+            moved[row] = PUSHED_EARLY[row] * specimen->force;
             for (column = 0u; column < RELIAB_ORDER; column++) {
                 moved[row] += DECAY[row][column] * specimen->state[column];
             }
         }
         specimen->path[0] += RELIAB_STEP * (specimen->path[1] + 0.5 * RELIAB_STEP * specimen->path[2]);
         specimen->path[1] += RELIAB_STEP * specimen->path[2];
-        gain = LATE[0][0];
+        gain = PUSHED_LATE[0];
     }
     {
         const double kept = memory(specimen, fed_back, fabs(command - specimen->past[0][0]));
@@ -573,7 +573,7 @@ static double nonlinear_share(reliab_monitor *monitor, double command, double li
         ideal = better;
     }
     for (row = 0u; row < RELIAB_ORDER; row++) {
-        specimen->state[row] = moved[row] + (specimen->begun != 0 ? LATE[row][0] * specimen->force : 0.0);
+        specimen->state[row] = moved[row] + (specimen->begun != 0 ? PUSHED_LATE[row] * specimen->force : 0.0);
     }
     specimen->begun = 1;
     push(command, specimen->past[0]);

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from reliab.assessment.rebuilt_error import Monitor, WholeStructure, modes_of_structure
+from reliab.assessment.rebuilt_error import Monitor, watched_modes
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
+from reliab.structures import CoupledPartition
 
 STEP = 1.0 / 512.0
 STIFFNESS = (2.0 * np.pi * 2.0) ** 2 * np.array([[2.0, -1.0], [-1.0, 1.0]])
-FRAME = WholeStructure(
+FRAME = CoupledPartition(
     mass=np.eye(2),
     damping=np.eye(2) * 0.4,  # the second mode is damped less than the first one, and diverges first
     stiffness=STIFFNESS,
@@ -19,18 +20,18 @@ FRAME = WholeStructure(
 
 
 def modes():
-    return modes_of_structure(FRAME, STEP)
+    return watched_modes(FRAME, STEP)
 
 
 def loop(delay, seconds=12.0, seed=1):
     """Command and measured displacement of a loop whose actuator is late by whole samples."""
     ground = np.random.default_rng(seed).normal(size=int(seconds / STEP))
-    gamma, x, v = FRAME.interface, np.zeros(2), np.zeros(2)
+    gamma, x, v = FRAME.interface[:, 0], np.zeros(2), np.zeros(2)
     command = np.zeros(ground.size)
     for k in range(ground.size):
         command[k] = gamma @ x
         strayed = (command[k - delay] if k >= delay else 0.0) - command[k]
-        force = FRAME.stiffness @ x + gamma * FRAME.specimen_stiffness * strayed
+        force = FRAME.stiffness @ x + gamma * FRAME.specimen_stiffness[0, 0] * strayed
         v = v + STEP * (-ground[k] - FRAME.damping @ v - force)
         x = x + STEP * v
     measured = np.concatenate([np.zeros(delay), command[: command.size - delay]])

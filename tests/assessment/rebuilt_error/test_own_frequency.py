@@ -6,7 +6,7 @@ import pytest
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency, learn_frequency
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.structures import CoupledPartition
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
@@ -17,16 +17,21 @@ def simulated(seed, f=1.3, xi=0.04, duration=30.0):
 
 
 def shown_by(outcome, f, xi=0.04, deviation=0.02):
-    structure = WholeStructure.of_structure(
+    structure = CoupledPartition.of_structure(
         Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8)
     )
-    return learn_frequency(outcome.command, outcome.command - outcome.measured, STEP, structure, deviation)
+    return learned(outcome.command, outcome.command - outcome.measured, structure, deviation)
+
+
+def learned(command, difference, structure, deviation):
+    command, difference = command[np.newaxis], difference[np.newaxis]
+    return learn_frequency(command, difference, difference, STEP, structure, deviation, standing=np.zeros(1))
 
 
 def of_two_storeys(factor):
     """Two storeys whose stiffness is off by a factor, the lower one tested."""
     stiffness = 250.0 * factor * np.array([[2.0, -1.0], [-1.0, 1.0]])
-    return WholeStructure(
+    return CoupledPartition(
         mass=np.eye(2),
         damping=0.002 * stiffness + 0.2 * np.eye(2),
         stiffness=stiffness,
@@ -113,6 +118,6 @@ def test_a_frame_shows_its_first_frequency():
         for k, value in enumerate(values)
     )
     command = np.fft.irfft(response)[: ground.size]
-    shown = learn_frequency(command, np.zeros(command.size), STEP, stated, 0.03)
+    shown = learned(command, np.zeros(command.size), stated, 0.03)
     assert shown.value == pytest.approx(1.08**-0.5 - 1.0, abs=2.0 * shown.deviation)
     assert shown.deviation < 0.02

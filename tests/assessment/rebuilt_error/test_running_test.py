@@ -8,9 +8,9 @@ import scipy
 
 from reliab.assessment.rebuilt_error import Monitor, Tolerances, rebuild
 from reliab.assessment.rebuilt_error.stability_indicator import EnergyAlarm, Sums, net_damping
-from reliab.assessment.rebuilt_error.watched_modes import modes_of_structure, watched_modes
-from reliab.assessment.rebuilt_error.whole_structure import WholeStructure
+from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.errors import InputError
+from reliab.structures import CoupledPartition
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
@@ -18,7 +18,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-(MODE,) = modes_of_structure(WholeStructure.of_structure(STRUCTURE), STEP)
+(MODE,) = watched_modes(CoupledPartition.of_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 
@@ -136,17 +136,23 @@ def frame_of(share):
     """Two storeys of which the lower one is in the laboratory, by a share."""
     stiffness = 400.0 * np.array([[2.0, -1.0], [-1.0, 1.0]])
     damping = 0.02 * stiffness / 12.0
-    return np.eye(2), damping, stiffness, np.array([[1.0], [0.0]]), np.array([[share * 400.0]])
+    return CoupledPartition(
+        mass=np.eye(2),
+        damping=damping,
+        stiffness=stiffness,
+        interface=np.array([1.0, 0.0]),
+        specimen_stiffness=share * 400.0,
+    )
 
 
 @pytest.mark.parametrize("place", [0, 1])
 def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
     """The error moves the other mode as well, by whose motion it is changed."""
-    _, damping, stiffness, interface, specimen = frame_of(0.6)
-    mode = next(one for one in watched_modes(*frame_of(0.6), time_step=STEP) if one.place == place)
+    frame = frame_of(0.6)
+    mode = next(one for one in watched_modes(frame, STEP) if one.place == place)
     a, b = -0.1, -0.02
-    error = interface @ specimen @ interface.T
-    whole, coupled = stiffness + a * error, damping + b * error
+    error = frame.interface @ frame.specimen_stiffness @ frame.interface.T
+    whole, coupled = frame.stiffness + a * error, frame.damping + b * error
     companion = np.block([[np.zeros((2, 2)), np.eye(2)], [-whole, -coupled]])
     exact = np.sort_complex(np.linalg.eigvals(companion))
     exact = exact[exact.imag > 0.0][np.argsort(exact[exact.imag > 0.0].imag)][place]
@@ -158,17 +164,19 @@ def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
 
 
 def test_the_mode_with_the_shortest_critical_delay_comes_first_and_no_more_than_three_are_watched():
-    mass, damping, stiffness = (
-        np.eye(8),
-        np.zeros((8, 8)),
-        400.0 * (2.0 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)),
+    stiffness = 400.0 * (2.0 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1))
+    structure = CoupledPartition(
+        mass=np.eye(8),
+        damping=0.01 * stiffness,
+        stiffness=stiffness,
+        interface=np.eye(8)[0],
+        specimen_stiffness=200.0,
     )
-    interface, specimen = np.eye(8)[:, :1], np.array([[200.0]])
-    modes = watched_modes(mass, damping + 0.01 * stiffness, stiffness, interface, specimen, 1e-3)
+    modes = watched_modes(structure, 1e-3)
     delays = [2.0 * mode.ratio * mode.circular_frequency / mode.stiffness for mode in modes]
     assert len(modes) == 3
     assert delays == sorted(delays)
-    coarse = watched_modes(mass, damping + 0.01 * stiffness, stiffness, interface, specimen, 0.1)
+    coarse = watched_modes(structure, 0.1)
     assert [mode.place for mode in coarse] == [0]  # a period of the others has fewer than five samples
 
 

@@ -18,6 +18,7 @@ from reliab_studies.marths_benchmark.structure import (
     to_node,
 )
 
+from reliab.assessment.rebuilt_error.recursion import respond
 from reliab.errors import InputError
 
 # J1, J2, J5, J6, J7, J8, J9 and J10 of the nominal plant under El Centro; J3 of RoDeAC is one noise's
@@ -104,7 +105,7 @@ def test_the_error_follows_from_the_displacements_to_rounding():
     ground = np.sin(2.0 * np.pi * 2.2 * time) * np.minimum(time, 1.0) + 0.3 * np.sin(79.0 * time)
     run, strayed, _ = errors_of_uncertain_plant(ground, "none")
     difference = to_node(run.target) - to_node(run.true)
-    found = own_recursion().respond(difference) - difference
+    found = respond(own_recursion(), difference) - difference
     np.testing.assert_allclose(found, strayed, rtol=0.0, atol=1e-9 * np.abs(strayed).max())
 
 
