@@ -56,7 +56,7 @@ def draw_tests(memory: Memory, learned: dict[str, Learned], coming: NextTest, st
     drawn = {}
     for name, quantity in learned.items():
         mean, deviation = quantity.predict(others)
-        drawn[name] = mean[0] + deviation[0] * longer * quantity.left_out[places]
+        drawn[name] = mean[0] + deviation[0] * longer * quantity.left_out.residuals[places]
     return Draws(
         amplitude=drawn["A"],
         delay_ms=drawn["d_ms"],

@@ -116,18 +116,25 @@ class RigFolder:
         )
 
     def table(self) -> RigTable:
-        """Read the table; make it again where tests came, went or changed since it was written."""
-        written = self._written()
+        """Read the table; make it again where tests came, went or changed since it was written.
+
+        Files that say what they said, with other times, as in a copy of the folder, are no change.
+        """
         rows, faults = self._cached(), {}
-        current = {sha: rows[sha] for sha, state in written.items() if _same(rows.get(sha), state)}
-        for sha, state in written.items():
-            if sha in current:
+        current: dict[str, dict[str, Any]] = {}
+        for sha, state in self._written().items():
+            former = rows.get(sha, {})
+            if former.get(STATE) == state:
+                current[sha] = former
                 continue
             try:
-                current[sha] = {**row_of(self.read(sha)["test"], sha), STATE: state}
+                row = row_of(self.read(sha)["test"], sha)
             except (InputError, KeyError, TypeError) as error:
                 faults[self._test_path(sha).name] = str(error)
-        if current.keys() == rows.keys() and all(current[sha] is rows[sha] for sha in current):
+                continue
+            change = {CHANGE: former[CHANGE]} if _says_the_same(former, row) else {}
+            current[sha] = {**row, **change, STATE: state}
+        if current.keys() == rows.keys() and all(CHANGE in row for row in current.values()):
             return ordered_table(current.values(), faults)
         table = _with_changes(ordered_table(current.values(), faults))
         self._keep(table.rows)
@@ -172,5 +179,6 @@ def _with_changes(table: RigTable) -> RigTable:
     return RigTable(rows=rows, faults=table.faults)
 
 
-def _same(row: Mapping[str, Any] | None, state: str) -> bool:
-    return row is not None and row[STATE] == state
+def _says_the_same(former: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Whether a row of the table was made of such a test."""
+    return row == {name: value for name, value in former.items() if name not in (STATE, CHANGE)}

@@ -22,7 +22,7 @@ from rig_rows import rig_table, rig_test
 
 from reliab.rig import NextTest, predict_next
 from reliab.rig.drawing import DRAWS, Draws, learn_tests
-from reliab.rig.learning import last_ten, left_out_scores, pooled, shape_of
+from reliab.rig.learning import last_ten, left_out_scores, pooled
 from reliab.rig.memory import Memory
 from reliab.structures import Structure
 
@@ -80,26 +80,21 @@ def simulated_rig(kind, seed):
 def left_out(table, threshold):
     """What the model says of each test without its earthquake, with the variances learned from all.
 
-    Shares of tests below each end and the like, by quantity; `really_left_out` checks them on a few.
+    Shares of tests within intervals and the like, by quantity; `really_left_out` checks them on a few.
     """
     memory = Memory.remembered(table)
     found = {}
     for name, values in quantities(memory).items():
         learned = memory.learn(values, NextTest())
-        spreads = learned.spread * learned.left_out_spreads
-        limits = (np.log(threshold) - values) / spreads + learned.left_out
+        residuals = learned.left_out.residuals
+        limits = (np.log(threshold) - values) / (learned.spread * learned.left_out.spreads) + residuals
         rows = {"inside": np.zeros(values.size), "good": values <= np.log(threshold)}
-        rows |= {"score": np.zeros(values.size), "stated": np.zeros(values.size)}
-        for event in np.unique(learned.events):
-            inside = learned.events == event
-            others = learned.left_out[~inside]
-            shape = shape_of(others, learned.events[~inside])
-            low, high = shape.quantile(0.05)[0], shape.quantile(0.95)[0]
-            residuals = learned.left_out[inside]
-            rows["inside"][inside] = (residuals >= low) & (residuals <= high)
-            rows["score"][inside] = log_density(others, residuals) - np.log(spreads[inside])
+        rows |= {"score": learned.left_out_scores, "stated": np.zeros(values.size)}
+        for members, scatter in learned.scatters_without_earthquakes():
+            low, high = scatter.quantile(0.05), scatter.quantile(0.95)
+            rows["inside"][members] = (residuals[members] >= low) & (residuals[members] <= high)
             if name == "rms":
-                rows["stated"][inside] = [shape.cumulative([limit])[0] for limit in limits[inside]]
+                rows["stated"][members] = scatter.cumulative(limits[members])
         rows["all tests pooled"] = left_out_scores(values, learned.events, pooled, before=False)
         rows["the last ten"] = left_out_scores(values, learned.events, last_ten, before=True)
         found[name] = rows
@@ -115,7 +110,7 @@ def left_out_of_known_motion(table):
     learned = learn_tests(memory, NextTest(peak=1.0))
     of_a, of_b = table.numbers("own_a"), table.numbers("own_b_ms2")
     centres = {
-        name: each.values - each.spread * each.left_out_spreads * each.left_out
+        name: each.values - each.spread * each.left_out.spreads * each.left_out.residuals
         for name, each in learned.items()
     }
     count = len(table)
@@ -125,15 +120,13 @@ def left_out_of_known_motion(table):
         member = memory.events == event
         others = np.flatnonzero(~member)
         for name in ("A", "d_ms"):
-            spreads = learned[name].spread * learned[name].left_out_spreads[member]
-            residuals = learned[name].left_out
-            scores[member] += log_density(residuals[others], residuals[member]) - np.log(spreads)
+            scores[member] += learned[name].left_out_scores[member]
         for place in np.flatnonzero(member):
             rows = rng.choice(others, size=DRAWS)
             longer = np.sqrt((others.size - 1.0) / rng.chisquare(others.size - 1.0, DRAWS))
             drawn = {
                 name: centres[name][place]
-                + each.spread * each.left_out_spreads[place] * longer * each.left_out[rows]
+                + each.spread * each.left_out.spreads[place] * longer * each.left_out.residuals[rows]
                 for name, each in learned.items()
             }
             draws = Draws(
@@ -157,15 +150,6 @@ def known_law(kind):
         name: scipy.stats.gaussian_kde(np.concatenate([values[name] for values in every])).logpdf
         for name in every[0]
     }
-
-
-def log_density(others, residuals):
-    """Logarithm of the density of residuals by Student's t distribution, fitted to others."""
-    fits = [
-        (scipy.stats.t.fit(others, fdf=degrees, floc=0.0)[2], degrees) for degrees in (2.5, 4.0, 8.0, 30.0)
-    ]
-    scale, degrees = max(fits, key=lambda fit: scipy.stats.t.logpdf(others, fit[1], 0.0, fit[0]).sum())
-    return scipy.stats.t.logpdf(residuals, degrees, 0.0, scale)
 
 
 def quantities(memory):

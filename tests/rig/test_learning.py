@@ -3,9 +3,9 @@
 import emcee
 import numpy as np
 import pytest
+import scipy
 
-from reliab.criterion import MotionPredictive
-from reliab.rig.learning import Circumstances, last_ten, learn, left_out_scores, pooled, shape_of
+from reliab.rig.learning import Circumstances, Scatter, last_ten, learn, left_out_scores, pooled
 from reliab.rig.learning.variances import LEVEL
 
 NEXT = Circumstances(groups={"event": np.array([""])})
@@ -86,8 +86,8 @@ def test_a_test_left_out_is_predicted_as_if_it_had_never_been():
         gain = np.linalg.solve(noisy[np.ix_(~inside, ~inside)], matrix[np.ix_(~inside, inside)])
         residual = standard[inside] - gain.T @ standard[~inside]
         variance = LEVEL + between + noise - np.einsum("oi,oi->i", matrix[np.ix_(~inside, inside)], gain)
-        assert quantity.left_out_spreads[inside] == pytest.approx(np.sqrt(variance))
-        assert quantity.left_out[inside] == pytest.approx(residual / np.sqrt(variance))
+        assert quantity.left_out.spreads[inside] == pytest.approx(np.sqrt(variance))
+        assert quantity.left_out.residuals[inside] == pytest.approx(residual / np.sqrt(variance))
 
 
 @pytest.mark.parametrize("count", [3, 4, 9])
@@ -97,12 +97,53 @@ def test_few_tests_of_which_most_are_alike_are_not_certain(count):
     assert high - low > 0.5
 
 
-def test_one_test_far_off_does_not_widen_the_shape():
+def test_residuals_without_an_earthquake_are_those_of_a_rig_that_never_had_it():
+    """Residuals of the other tests, against conditioning without any test of that earthquake."""
+    rng = np.random.default_rng(24)
+    events = np.array([0, 0, 1, 2, 2, 2, 3, 4, 4])
+    quantity = learned(rng.normal(size=9), events)
+    between, noise = np.exp(2.0 * quantity.variances.mode)
+    standard = (quantity.values - quantity.centre) / quantity.spread
+    matrix = LEVEL + between * (events[:, None] == events) + np.diag(noise / quantity.variances.weights)
+    for absent in range(5):
+        residuals = quantity.left_out.residuals_without(np.flatnonzero(events == absent))
+        for event in {0, 1, 2, 3, 4} - {absent}:
+            inside, others = events == event, (events != event) & (events != absent)
+            gain = np.linalg.solve(matrix[np.ix_(others, others)], matrix[np.ix_(others, inside)])
+            variance = LEVEL + between + noise - np.einsum("oi,oi->i", matrix[np.ix_(others, inside)], gain)
+            expected = (standard[inside] - gain.T @ standard[others]) / np.sqrt(variance)
+            assert residuals[inside] == pytest.approx(expected)
+
+
+def scatter_of(residuals):
+    return Scatter.learned(np.asarray(residuals), np.arange(len(residuals)).astype(str))
+
+
+def test_scatter_is_normal_unless_tests_say_otherwise():
+    scatter = scatter_of(scipy.stats.norm.ppf((np.arange(60) + 0.5) / 60))
+    at = np.linspace(-3.0, 3.0, 7)
+    assert scatter.cumulative(at) == pytest.approx(scipy.stats.norm.cdf(at), abs=0.01)
+
+
+def test_scatter_learns_a_longer_side():
+    scatter = scatter_of(scipy.stats.gamma.ppf((np.arange(200) + 0.5) / 200, 1.5) - 1.5)
+    assert scatter.quantile(0.95) > -1.4 * scatter.quantile(0.05)
+
+
+def test_one_test_far_off_does_not_widen_the_scatter():
     usual = np.random.default_rng(23).normal(size=30)
-    names = np.arange(30).astype(str)
-    spoiled = np.where(np.arange(30) == 3, 40.0, usual)
-    assert shape_of(spoiled, names).quantile(0.95)[0] < 3.0
-    assert MotionPredictive.fit(spoiled[:, None], names).quantile(0.95)[0] > 5.0
+    assert scatter_of(np.where(np.arange(30) == 3, 40.0, usual)).quantile(0.95) < 3.0
+
+
+def test_density_of_scatter_is_the_derivative_of_its_probability():
+    scatter = scatter_of(np.random.default_rng(25).standard_t(3, size=40))
+    at, step = np.linspace(-5.0, 5.0, 11), 1e-5
+    difference = (scatter.cumulative(at + step) - scatter.cumulative(at - step)) / (2.0 * step)
+    assert np.exp(scatter.log_density(at)) == pytest.approx(difference, rel=1e-6)
+    assert scatter.cumulative([scatter.quantile(0.3)])[0] == pytest.approx(0.3)
+    drawn = np.linspace(-400.0, 400.0, 400_001)
+    mean = np.trapezoid(drawn * np.exp(scatter.log_density(drawn)), drawn)
+    assert mean == pytest.approx(0.0, abs=0.02)
 
 
 def test_baselines_are_student_distributions_of_what_they_know():

@@ -56,6 +56,20 @@ def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
     assert rows[0]["current"] == 0.4
 
 
+def test_reading_a_copy_of_a_rig_does_not_write(tmp_path):
+    keep(tmp_path, rig_test(1, note="a", A=0.99123), rig_test(2, covariates={"current": 0.4}, rms=None))
+    folder, table = RigFolder.opened(tmp_path), tmp_path / "table.csv"
+    rows, written = folder.table().rows, table.read_bytes()
+    for file in (tmp_path / "tests").iterdir():
+        os.utime(file, (1.0, 1.0))
+    again = folder.table().rows
+    assert table.read_bytes() == written
+    assert [{**row, "file_state": ""} for row in again] == [{**row, "file_state": ""} for row in rows]
+    keep(tmp_path, rig_test(3))
+    assert len(folder.table()) == 3
+    assert table.read_bytes() != written
+
+
 def test_a_row_that_was_changed_by_hand_is_read_from_its_test_again(tmp_path):
     keep(tmp_path, rig_test(1, A=0.99123), rig_test(2, note="a\r\nb"))
     folder, cache = RigFolder.opened(tmp_path), tmp_path / "table.csv"

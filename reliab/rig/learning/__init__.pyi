@@ -5,5 +5,6 @@ from .baselines import (
     pooled as pooled,
 )
 from .circumstances import Circumstances as Circumstances, places_in_day as places_in_day, warmth as warmth
-from .learned import Learned as Learned, learn as learn, shape_of as shape_of
+from .learned import Learned as Learned, learn as learn
+from .scatter import Scatter as Scatter
 from .variances import Variances as Variances, fit_variances as fit_variances

@@ -1,5 +1,6 @@
 """One quantity of a rig, learned from its tests: what it will be in a test under an earthquake not seen."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,16 +9,14 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.criterion import MotionPredictive
 from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
 from reliab.rig.learning.circumstances import Circumstances, Likeness
-from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_variances, inverse_of
+from reliab.rig.learning.left_out import LeftOut
+from reliab.rig.learning.scatter import Scatter
+from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_variances
 
-_DEGREES = (2.5, 4.0, 8.0, 30.0)
 _DRAWS_USED = 20
 _SMALLEST = 1e-9
-_STRAYED = 4.0  # spreads, beyond which a test counts as so far off
-_FEWEST_FOR_ODD, _MOST_ODD = 10, 0.2  # tests, and share of them, that may be odd
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,13 +29,12 @@ class Learned:
     spread: float  # By which values are standardised
     likeness: Likeness
     variances: Variances
-    left_out: Array  # Residual of each test when its earthquake is left out, over its predicted spread
-    left_out_spreads: Array  # That spread, of standardised values
+    left_out: LeftOut  # Each test, of standardised values, predicted without its earthquake
 
     def predict(self, others: Circumstances) -> tuple[Array, Array]:
         """Mean and standard deviation of tests under earthquakes not seen, shape (others,) each.
 
-        The spread is that of an ordinary test; :attr:`shape` says how far a test may stray.
+        The spread is that of an ordinary test; :attr:`scatter` says how far a test may stray.
         """
         standard = (self.values - self.centre) / self.spread
         between, alone = self.likeness.between(others), self.likeness.of_each_alone(others)
@@ -66,20 +64,19 @@ class Learned:
         return solved.T @ standard, np.einsum("ij,ji->i", across, solved)
 
     @cached_property
-    def shape(self) -> MotionPredictive:
+    def scatter(self) -> Scatter:
         """Distribution of the standardised residual of a further test, wider where few tests are known."""
-        return shape_of(self.left_out, self.events)
+        return Scatter.learned(self.left_out.residuals, self.events)
 
     def quantiles(self, others: Circumstances, probabilities: tuple[float, ...]) -> Array:
         """Quantiles of tests, shape (probabilities, others)."""
         mean, deviation = self.predict(others)
-        return np.stack([mean + deviation * self.shape.quantile(share)[0] for share in probabilities])
+        return np.stack([mean + deviation * self.scatter.quantile(share) for share in probabilities])
 
     def cumulative(self, others: Circumstances, value: float) -> Array:
         """Probability that the quantity is at most a value, shape (others,)."""
         mean, deviation = self.predict(others)
-        standard = (value - mean) / deviation
-        return np.array([float(self.shape.cumulative([residual])[0]) for residual in standard])
+        return self.scatter.cumulative((value - mean) / deviation)
 
     @cached_property
     def log_score(self) -> float:
@@ -88,14 +85,18 @@ class Learned:
 
     @cached_property
     def left_out_scores(self) -> Array:
-        """Log score of each test when its earthquake is left out, by Student's t fitted to the residuals."""
-        best = max((self._scores(degrees) for degrees in _DEGREES), key=lambda scores: float(scores.sum()))
-        return np.asarray(best)
+        """Log score of each test when its earthquake is left out."""
+        scores = np.empty_like(self.values)
+        for members, scatter in self.scatters_without_earthquakes():
+            scores[members] = scatter.log_density(self.left_out.residuals[members])
+        return scores - np.log(self.spread * self.left_out.spreads)
 
-    def _scores(self, degrees: float) -> Array:
-        _, _, scale = scipy.stats.t.fit(self.left_out, fdf=degrees, floc=0.0)
-        spreads = self.spread * self.left_out_spreads
-        return np.asarray(scipy.stats.t.logpdf(self.left_out, degrees, 0.0, scale) - np.log(spreads))
+    def scatters_without_earthquakes(self) -> Iterator[tuple[NDArray[np.intp], Scatter]]:
+        """Places of the tests of each earthquake, and how tests scatter by what all others teach."""
+        for members in self.left_out.members:
+            others = np.delete(np.arange(self.values.size), members)
+            residuals = self.left_out.residuals_without(members)[others]
+            yield members, Scatter.learned(residuals, self.events[others])
 
     @cached_property
     def scores_of_baselines(self) -> dict[str, float | None]:
@@ -123,7 +124,6 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
     among = likeness.among_learned()
     standard = (values - centre) / spread
     variances = fit_variances(standard, among, likeness.respects, seed=seed)
-    residuals, spreads = _left_out(standard, among, variances, events)
     return Learned(
         values=values,
         events=events,
@@ -131,23 +131,8 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
         spread=spread,
         likeness=likeness,
         variances=variances,
-        left_out=residuals / spreads,
-        left_out_spreads=spreads,
+        left_out=LeftOut.of_tests(standard, among, variances, events),
     )
-
-
-def shape_of(residuals: Array, events: NDArray[np.str_]) -> MotionPredictive:
-    """Distribution of a further standardised residual, from those of tests whose earthquake was left out.
-
-    One test far off does not widen the fitted shape, which nine of ten follow. Of fewer tests than ten, or
-    where many are far off, nobody can tell which are the odd ones.
-    """
-    centre = float(np.median(residuals))
-    reach = _STRAYED * _median_spread(residuals, centre)
-    near = np.clip(residuals, centre - reach, centre + reach)
-    if residuals.size >= _FEWEST_FOR_ODD and np.mean(near != residuals) <= _MOST_ODD:
-        residuals = near
-    return MotionPredictive.fit(residuals[:, None], events)
 
 
 def _mean_of_known(scores: Array) -> float | None:
@@ -157,21 +142,3 @@ def _mean_of_known(scores: Array) -> float | None:
 def _median_spread(values: Array, centre: float) -> float:
     """Estimate a standard deviation by the median distance from the centre, which odd tests do not move."""
     return 1.4826 * float(np.median(np.abs(values - centre)))
-
-
-def _left_out(
-    standard: Array, among: Array, variances: Variances, events: NDArray[np.str_]
-) -> tuple[Array, Array]:
-    """Residual of each test, and spread of an ordinary test, predicted without its earthquake."""
-    noise = np.exp(2.0 * variances.mode[-1])
-    matrix = covariance(among, variances.mode)
-    matrix[np.diag_indices(standard.size)] += noise / variances.weights
-    inverse, _ = inverse_of(matrix)
-    solved = inverse @ standard
-    residuals, squares = np.empty_like(standard), np.empty_like(standard)
-    for event in np.unique(events):
-        members = np.flatnonzero(events == event)
-        conditional = np.linalg.inv(inverse[np.ix_(members, members)])
-        residuals[members] = conditional @ solved[members]
-        squares[members] = np.diag(conditional) + noise * (1.0 - 1.0 / variances.weights[members])
-    return residuals, np.sqrt(np.maximum(squares, _SMALLEST))

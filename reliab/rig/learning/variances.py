@@ -18,11 +18,11 @@ import scipy
 from reliab.arrays import Array
 
 LEVEL = 100.0  # variance of the level, in squared spreads of the values
-_PRIOR = (float(np.log(0.3)), 1.0)  # of ln σ of an effect
-_PRIOR_OF_TIME = (float(np.log(0.1)), 1.0)
+_PRIOR = (float(np.log(0.03)), 1.5)  # of ln σ of an effect: most matter little, some do a lot
 _PRIOR_OF_NOISE = (float(np.log(0.7)), 0.7)
 _DEGREES = 4.0
 _ROUNDS = 3
+_FEWEST_FOR_ODD = 10  # tests; of fewer nobody can tell which are the odd ones
 _BATCHES, _FEWEST_DRAWS, _MOST_DRAWS = 4, 40, 128
 _WORK = 1e9  # draws in a batch times the cube of the tests
 _POPULATIONS = 3
@@ -65,11 +65,9 @@ class Variances:
 
 def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, seed: int = 0) -> Variances:
     """Learn from standardised values, shape (tests,), and their likeness, shape (respects, tests, tests)."""
-    priors = np.array(
-        [_PRIOR_OF_TIME if respect.startswith("time") else _PRIOR for respect in respects] + [_PRIOR_OF_NOISE]
-    )
+    priors = np.array([_PRIOR for _ in respects] + [_PRIOR_OF_NOISE])
     theta, weights = priors[:, 0].copy(), np.ones(values.size)
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS if values.size >= _FEWEST_FOR_ODD else 0):
         problem = _Problem(values=values, likeness=likeness, weights=weights, priors=priors)
         theta = problem.mode(theta)
         weights = problem.robust_weights(theta)
@@ -133,10 +131,12 @@ class _Problem:
         return np.asarray(found_mode.x)
 
     def robust_weights(self, theta: Array) -> Array:
-        """Weights of the tests by what each is when it is left out."""
+        """Weights of the tests by what each is when it is left out, in spreads of an ordinary test."""
         inverse, _ = inverse_of(self._covariance(theta))
-        squares = (inverse @ self.values) ** 2 / np.diag(inverse)
-        return np.clip((_DEGREES + 1.0) / (_DEGREES + squares), 0.02, 1.0)
+        own = np.diag(inverse)
+        variances = 1.0 / own + np.exp(2.0 * theta[-1]) * (1.0 - 1.0 / self.weights)
+        squares = (inverse @ self.values / own) ** 2 / variances
+        return np.asarray(np.clip((_DEGREES + 1.0) / (_DEGREES + squares), 0.02, 1.0))
 
 
 def inverse_of(matrix: Array) -> tuple[Array, float]:
