@@ -22,7 +22,14 @@ class FrameTest:
     frame: FrameUnderTest
     recording: Recording
     moved: np.ndarray  # the true displacement of the specimen [m]
-    exact: np.ndarray  # with a perfect actuator [m]
+    ground: np.ndarray  # acceleration [m/s²]
+    exact_floors: np.ndarray  # displacements with a perfect actuator [m], shape (samples, storeys)
+    exact_force: np.ndarray  # of the specimen with a perfect actuator [N]
+
+    @property
+    def exact(self) -> np.ndarray:
+        """Displacement of the interface with a perfect actuator [m]."""
+        return self.exact_floors[:, 0]
 
     @property
     def error(self) -> float:
@@ -32,7 +39,7 @@ class FrameTest:
 
 @compiled
 def _run(law, parameters, unit, stiffness_of_specimen, inverse, damping, stiffness, mass, load, actuator):
-    """Interface command, displacement of the specimen in the first storey and its force, by differences."""
+    """Floors in the computer, displacement of the specimen in the first storey and its force."""
     gain, delay = actuator
     whole, part = int(delay / STEP), delay / STEP - int(delay / STEP)
     size = load.shape[1]
@@ -54,7 +61,7 @@ def _run(law, parameters, unit, stiffness_of_specimen, inverse, damping, stiffne
         before = command[i - 1] if i > 0 else np.zeros(size)
         right = load[i] - force - stiffness @ command[i] + damping @ before / (2.0 * STEP)
         command[i + 1] = inverse @ (right + mass @ (2.0 * command[i] - before) / STEP**2)
-    return command[:-1, 0].copy(), moved, felt
+    return command[:-1].copy(), moved, felt
 
 
 def simulate_frame_test(
@@ -84,19 +91,26 @@ def simulate_frame_test(
     parameters[: len(drawn)] = drawn
     matrices = (inverse, damping, numerical, mass, load)
     perfect, linear = np.array([1.0, 0.0]), FAMILIES["linear"][0]
-    peak = float(np.abs(_run(linear, of_linear, 1.0, of_specimen, *matrices, perfect)[0]).max())
+    peak = float(np.abs(_run(linear, of_linear, 1.0, of_specimen, *matrices, perfect)[0][:, 0]).max())
     unit = peak / draw.uniform(1.5, 5.0)
     late = abs(draw.normal()) * 0.003 / float(whole.modes.frequency[0])
     actuator = np.array([1.0 + 0.01 * draw.normal(), late])
-    exact = _run(law, parameters, unit, of_specimen, *matrices, perfect)[0]
-    command, moved, force = _run(law, parameters, unit, of_specimen, *matrices, actuator)
+    exact, _, exact_force = _run(law, parameters, unit, of_specimen, *matrices, perfect)
+    floors, moved, force = _run(law, parameters, unit, of_specimen, *matrices, actuator)
     noise = 10.0 ** (-decibels / 20.0)
     recording = Recording(
         name=family,
-        command=command,
+        command=floors[:, 0].copy(),
         measured=moved + noise * moved.std() * draw.standard_normal(moved.size),
         force=force + noise * force.std() * draw.standard_normal(force.size),
         time_step=STEP,
     )
     frame = FrameUnderTest(name=f"{storeys} storeys", partition=partition, output=None, error_of="interface")
-    return FrameTest(frame=frame, recording=recording, moved=moved, exact=exact)
+    return FrameTest(
+        frame=frame,
+        recording=recording,
+        moved=moved,
+        ground=ground,
+        exact_floors=exact,
+        exact_force=exact_force,
+    )

@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.api.arguments import unused
 from reliab.api.design import Design
 from reliab.assessment import (
     Assessment,
@@ -185,23 +184,26 @@ def _draw(drawn: "Figure", figure: str | Path) -> None:
         ) from error
 
 
-def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment, out: str | Path) -> None:
+def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment, out: str | Path) -> str:
     """Write the response that a perfect actuator would have produced.
 
     Parameters
     ----------
-    assessment : Assessment
+    assessment : Assessment, FrameAssessment or CoupledAssessment
         What was found about a test.
     out : str or pathlib.Path
         The file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`.
 
+    Returns
+    -------
+    str
+        How large the correction is, where it is no longer small, and what is not known.
+
     Raises
     ------
     InputError
-        If the test is that of a frame, the file is neither `.csv` nor `.nc`, or it cannot be written.
+        If the file is neither `.csv` nor `.nc`, or it cannot be written.
     """
-    if isinstance(assessment, FrameAssessment | CoupledAssessment):
-        raise unused("corrected", "beside the `structure` of a frame")
     require_ending(out, ".csv", ".nc")
     response = corrected_response(assessment)
     rule = "The file of the corrected response must be writable"
@@ -210,3 +212,4 @@ def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment
             file.write_bytes(response.to_netcdf(engine="h5netcdf"))
         else:
             response.to_dataframe().to_csv(file)
+    return str(response.attrs["note"])

@@ -1,14 +1,20 @@
 """The response that a perfect actuator would have produced, with its band: a spoiled test, corrected."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
+from reliab.assessment.coupled_assessment import CoupledAssessment
+from reliab.assessment.exact_response import ExactResponse, ExactTest, exact_test
 from reliab.assessment.findings import Findings
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_responses import weights_of_storeys
+from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.significant import percent
-from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,98 +25,207 @@ _SPECIMENS = {
     "measured": "learned from its force",
 }
 _SMALL = 0.1  # of the peak of the exact response, up to which the largest correction is small
+_ALIKE = 0.7  # correlation of the force with what the ground motion leaves for it, at least
+_LEVELS = (0.05, 0.95)
+_UNITS = {
+    **dict.fromkeys(("measured", "measured_peak", "exact", "exact_peak", "drift_peak"), "m"),
+    "acceleration": "m_s2",
+    "specimen_force": "n",
+}
+_Key = tuple[str, str]  # quantity and name of a degree of freedom
+_OTHERS = (
+    "Displacements and accelerations of other degrees of freedom than the interface's need the ground "
+    "acceleration as a channel of the test."
+)
+_NOT_ITS_MOTION = (
+    "The recorded ground acceleration does not explain the force at the interface: it is taken for another "
+    "test's, and nothing is said of other degrees of freedom than the interface's."
+)
 
 
-def corrected_response(findings: Findings) -> "xr.Dataset":
+def corrected_response(found: Findings | FrameAssessment | CoupledAssessment) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
     ----------
-    findings : Assessment
+    found : Assessment, FrameAssessment or CoupledAssessment
         What was found about a test.
 
     Returns
     -------
     xarray.Dataset
-        Over `time_s`: `measured_m` without the sensor's offset and noise, `exact_m` with the ends of its 90 %
-        band `exact_low_m` and `exact_high_m` [m], `acceleration_m_s2`, the absolute acceleration of the mass
-        [m/s²], and `specimen_force_n` [N] where the specimen was measured or the mass is stated; neither is
-        given for a calibrated model. Attributes:
-        the peaks of both displacements [m], the energy that the specimen dissipates [J], and `note`, which
-        says how large the correction is.
+        Over `time_s`: `measured_m` without the sensor's offset and noise, `exact_m`, `acceleration_m_s2`, the
+        absolute acceleration of the mass [m/s²], and `specimen_force_n` [N] where the specimen was measured
+        or masses are stated; of a calibrated model only displacements. Each but the first with the ends of
+        its 90 % band, `exact_low_m`, `exact_high_m` and so on. Of a frame whose ground acceleration is a
+        channel of the test also those of every degree of freedom, `exact_NAME_m` and `acceleration_NAME_m_s2`
+        with `exact_low_NAME_m` and so on. With several actuators interface displacements and forces have
+        names too, and names no units: they are in SI units, of rotations in rad and N·m. Attributes, with
+        `_low` and `_high`: peaks of the displacements and of drifts of storeys, the energy that the specimen
+        dissipates [J], and `note`, which says how large the correction is and what is not known.
 
     Examples
     --------
     >>> from reliab import assess
     >>> corrected = corrected_response(assess("sample_test", f=1, xi=0.02))
-    >>> sorted(corrected.data_vars)
-    ['acceleration_m_s2', 'exact_high_m', 'exact_low_m', 'exact_m', 'measured_m']
+    >>> [name for name in sorted(corrected.data_vars) if "low" not in name and "high" not in name]
+    ['acceleration_m_s2', 'exact_m', 'measured_m']
     >>> bool(abs(corrected.attrs["exact_peak_m"] / corrected.attrs["measured_peak_m"] - 1.0) < 0.1)
     True
     """
     import xarray as xr
 
-    rebuilt = findings.error.rebuilt
-    measured, exact, step = rebuilt.histories.measured, rebuilt.reference, rebuilt.time_step
-    force = _force(findings)
-    histories = {
-        "measured_m": measured,
-        "exact_m": exact,
-        "exact_low_m": np.minimum(measured - rebuilt.high, exact),
-        "exact_high_m": np.maximum(measured - rebuilt.low, exact),
-        **({} if findings.error.modelled else {"acceleration_m_s2": _acceleration(findings)}),
-        **({} if force is None else {"specimen_force_n": force}),
-    }
-    peak = float(np.abs(exact).max())
-    attributes = {
-        "test": findings.recording.name,
-        "specimen": _SPECIMENS[findings.error.specimen_known],
-        "measured_peak_m": float(np.abs(measured).max()),
-        "exact_peak_m": peak,
-        "note": _note(findings),
-    }
-    if force is not None:
-        attributes["specimen_energy_j"] = float(scipy.integrate.trapezoid(force, exact))
-    times = np.arange(exact.size) * step
+    test = exact_test(found)
+    ground = _own_ground(test)
+    table = _Table(
+        test=test,
+        ground=ground,
+        named=isinstance(found, CoupledAssessment),
+        only_displacements=not isinstance(found, CoupledAssessment) and found.error.modelled,
+        with_forces=not isinstance(found, Findings) or "mass" in found.stated,
+    )
+    known = "stated" if isinstance(found, CoupledAssessment) else found.error.specimen_known
+    columns, sizes = table.banded()
     return xr.Dataset(
-        {name: ("time_s", values) for name, values in histories.items()},
-        coords={"time_s": times},
-        attrs=attributes,
+        {name: ("time_s", values) for name, values in columns.items()},
+        coords={"time_s": np.arange(test.measured.shape[1]) * test.time_step},
+        attrs={
+            "test": found.recording.name,
+            "specimen": _SPECIMENS[known],
+            "note": " ".join(_notes(test, ground)),
+            **sizes,
+        },
     )
 
 
-def _stiffness_over_mass(findings: Findings) -> tuple[float, float]:
-    """Stiffness of the whole structure and of the specimen over the mass [1/s²]."""
-    whole = findings.structure.circular_frequency**2
-    return whole, findings.structure.experimental_fraction * whole
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Table:
+    """Columns and sizes of a corrected test."""
+
+    test: ExactTest
+    ground: Array | None  # Of this very test [m/s²]
+    named: bool  # Whether interface displacements have names, and no units
+    only_displacements: bool
+    with_forces: bool
+
+    def banded(self) -> tuple[dict[str, Array], dict[str, float]]:
+        """Columns over the samples, and sizes, each with the ends of its 90 % band."""
+        test = self.test
+        exact, sizes = self._evaluate(test.stated, test.time_step, self.ground)
+        columns, attributes = {}, {}
+        for name, row in zip(test.interface, test.measured, strict=True):
+            columns[self._column("measured", name)] = row
+            attributes[self._column("measured_peak", name)] = float(np.abs(row).max())
+        mean, deviation, drawn = self._spread()
+        for (quantity, name), row in exact.items():
+            low, high = (
+                self._drawn_band(mean[quantity, name], deviation[quantity, name])
+                if (quantity, name) not in self._at_interface
+                else [end[test.interface.index(name)] for end in test.band]
+            )
+            columns[self._column(quantity, name)] = row
+            columns[self._column(quantity, name, "low")] = np.minimum(low, row)
+            columns[self._column(quantity, name, "high")] = np.maximum(high, row)
+        for (quantity, name), size in sizes.items():
+            low, high = np.quantile(drawn[quantity, name], _LEVELS)
+            attributes[self._column(quantity, name)] = size
+            attributes[self._column(quantity, name, "low")] = min(float(low), size)
+            attributes[self._column(quantity, name, "high")] = max(float(high), size)
+        return columns, attributes
+
+    @property
+    def _at_interface(self) -> set[_Key]:
+        """Columns whose band is that of the error."""
+        return {("exact", name) for name in self.test.interface}
+
+    def _column(self, quantity: str, name: str, end: str = "") -> str:
+        """Name of a column: the unit stands last, but where displacements may be rotations."""
+        unit = "j" if quantity.endswith("energy") else "" if self.named else _UNITS[quantity]
+        return "_".join(part for part in (quantity, end, name, unit) if part)
+
+    def _drawn_band(self, mean: Array, deviation: Array) -> list[Array]:
+        places = np.arange(self.test.measured.shape[1]) / self.test.every
+        mean, half = (
+            np.interp(places, np.arange(mean.size), values) for values in (mean, HALF_WIDTH * deviation)
+        )
+        return [mean - half, mean + half]
+
+    def _spread(self) -> tuple[dict[_Key, Array], dict[_Key, Array], dict[_Key, list[float]]]:
+        """Mean and deviation of each column over the draws, and the sizes of each draw."""
+        test, drawn = self.test, dict[_Key, list[float]]()
+        sums, squares = dict[_Key, Array](), dict[_Key, Array]()
+        ground = None if self.ground is None else self.ground[:: test.every]
+        number = 0
+        for draw in test.draws():
+            number += 1
+            rows, sizes = self._evaluate(draw, test.every * test.time_step, ground)
+            for key, row in rows.items():
+                sums[key] = sums.get(key, np.zeros(row.size)) + row
+                squares[key] = squares.get(key, np.zeros(row.size)) + row**2
+            for key, size in sizes.items():
+                drawn.setdefault(key, []).append(size)
+        mean = {key: total / number for key, total in sums.items()}
+        deviation = {
+            key: np.sqrt(np.maximum(total / number - mean[key] ** 2, 0.0)) for key, total in squares.items()
+        }
+        return mean, deviation, drawn
+
+    def _evaluate(
+        self, exact: ExactResponse, step: float, ground: Array | None
+    ) -> tuple[dict[_Key, Array], dict[_Key, float]]:
+        """Columns, by quantity and degree of freedom, and sizes of a response."""
+        test, at_interface = self.test, exact.at_interface
+        rows = {("exact", name): row for name, row in zip(test.interface, at_interface, strict=True)}
+        sizes = {("exact_peak", name): float(np.abs(row).max()) for (_, name), row in rows.items()}
+        if self.only_displacements:
+            return rows, sizes
+        if self.with_forces:
+            rows |= {
+                ("specimen_force", name): row for name, row in zip(test.interface, exact.felt, strict=True)
+            }
+            work = scipy.integrate.trapezoid(exact.felt, at_interface, axis=1)
+            sizes["specimen_energy", ""] = float(np.sum(work))
+        structure = exact.structure
+        if ground is None and not structure.all_driven:
+            return rows, sizes
+        moved = structure.displacements(at_interface, ground, step)
+        shaken = structure.accelerations(moved, exact.force, step)
+        rows |= {("acceleration", name): row for name, row in zip(test.degrees or ("",), shaken, strict=True)}
+        rows |= {("exact", name): row for name, row in zip(test.degrees, moved, strict=False)}
+        names, weights = weights_of_storeys(test.degrees, structure.influence)
+        peaks = np.abs(weights @ moved).max(axis=1)
+        sizes |= {
+            ("exact_peak", name): float(np.abs(row).max())
+            for name, row in zip(test.degrees, moved, strict=False)
+        }
+        sizes |= {("drift_peak", name): peak for name, peak in zip(names, peaks.tolist(), strict=True)}
+        return rows, sizes
 
 
-def _force(findings: Findings) -> Array | None:
-    """Force of the specimen along the exact response [N]; None where no mass says how large it is."""
-    if findings.error.specimen is not None:
-        return findings.error.specimen.force
-    if findings.error.modelled or "mass" not in findings.stated:
+def _own_ground(test: ExactTest) -> Array | None:
+    """Ground acceleration with which the computer's equation explains the force; None where none does."""
+    structure, step = test.stated.structure, test.time_step
+    if test.ground is None or structure.all_driven:
         return None
-    _, specimen = _stiffness_over_mass(findings)
-    return findings.stated["mass"].value * specimen * findings.error.reference
+    for ground in (test.ground, -test.ground):
+        moved = structure.displacements(test.command, ground, step)
+        left = structure.force_of_computer(moved, ground, step)
+        if float(np.sum(left * test.fed_back)) > _ALIKE * float(
+            np.linalg.norm(left) * np.linalg.norm(test.fed_back)
+        ):
+            return ground
+    return None
 
 
-def _acceleration(findings: Findings) -> Array:
-    """Absolute acceleration of the mass [m/s²]: what spring, dashpot and specimen exert on it."""
-    exact, step = findings.error.reference, findings.error.rebuilt.time_step
-    whole, specimen = _stiffness_over_mass(findings)
-    velocity = np.gradient(exact, step)
-    damping = 2.0 * findings.structure.damping_ratio * findings.structure.circular_frequency
-    if findings.error.specimen is None:
-        return -(damping * velocity + whole * exact)
-    resisted = findings.error.specimen.force / findings.stated["mass"].value
-    return -(damping * velocity + (whole - specimen) * exact + resisted)
-
-
-def _note(findings: Findings) -> str:
-    """Say how large the correction is, and where it is no longer small."""
-    largest = findings.error.estimate(Metric.MTE).value
-    sentence = f"The largest correction is {percent(largest, decimals=1)} of the exact response's peak."
-    if largest <= _SMALL:
-        return sentence
-    return f"{sentence} That is no longer a small correction: rely on the band, not on the line."
+def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:
+    """Say how large the correction is, where it is no longer small, and what is not known."""
+    largest = max(
+        float(np.abs(measured - exact).max() / np.abs(exact).max())
+        for measured, exact in zip(test.measured, test.stated.at_interface, strict=True)
+        if exact.any()
+    )
+    yield f"The largest correction is {percent(largest, decimals=1)} of the exact response's peak."
+    if largest > _SMALL:
+        yield "That is no longer a small correction: rely on the band, not on the line."
+    if not test.stated.structure.all_driven and ground is None:
+        yield _OTHERS if test.ground is None else _NOT_ITS_MOTION

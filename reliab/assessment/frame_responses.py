@@ -125,16 +125,21 @@ def errors_of_responses(
 
 
 def _responses(partition: Partition) -> tuple[list[tuple[str, str]], Array]:
-    """Kinds and names of floors and storeys, and their weights of the degrees of freedom.
+    """Kinds and names of floors and storeys, and their weights of the degrees of freedom."""
+    frame = partition.frame
+    storeys, drifts = weights_of_storeys(frame.names, np.asarray(frame.influence))
+    names = [("floor", name) for name in frame.names] + [("storey", name) for name in storeys]
+    return names, np.vstack([np.eye(frame.size), drifts])
+
+
+def weights_of_storeys(names: tuple[str, ...], influence: Array) -> tuple[list[str], Array]:
+    """Names of storeys, and the weights of all degrees of freedom in their drifts; none without names.
 
     A storey lies below each floor that the ground moves along with it, above the one before.
     """
-    frame = partition.frame
-    floors = np.eye(frame.size)
-    along = np.flatnonzero(np.asarray(frame.influence))
-    drifts = np.diff(floors[along], axis=0, prepend=np.zeros((1, frame.size)))
-    names = [("floor", name) for name in frame.names] + [("storey", frame.names[place]) for place in along]
-    return names, np.vstack([floors, drifts])
+    along = np.flatnonzero(influence) if names else np.zeros(0, dtype=np.int64)
+    drifts = np.diff(np.eye(influence.size)[along], axis=0, prepend=np.zeros((1, influence.size)))
+    return [names[place] for place in along], drifts
 
 
 def _ground(partition: Partition, recording: Recording, motion: Motion | None) -> Ground | None:

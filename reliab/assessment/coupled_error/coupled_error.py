@@ -1,5 +1,6 @@
 """The rebuilt error of a test with several actuators: by interface displacement, with what widens it."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -99,6 +100,9 @@ class CoupledError:
     unknown: Unknowns
     drawn: Array  # What was drawn, shape (unknowns, draws)
     histories: CoupledHistories
+    every: int  # Number of samples of which one was drawn
+    # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
+    exact: Callable[[], Iterator[tuple[CoupledPartition, Array]]]
 
     @property
     def judged(self) -> tuple[DegreeError, ...]:
@@ -158,6 +162,8 @@ def conclude(
     swept: tuple[Array, Array, Array],
     raw: Array,
     loose: Array,
+    every: int,
+    exact: Callable[[], Iterator[tuple[CoupledPartition, Array]]],
 ) -> CoupledError:
     """Combine histories and draws into errors of every interface displacement."""
     response = histories.respond(histories.recursion, histories.fed_back)
@@ -168,15 +174,15 @@ def conclude(
         peak = float(np.abs(reference[place]).max())
         largest = float(np.abs(reference).max())
         moves = peak > np.finfo(float).eps * largest
-        stated, every = _spread(as_stated, place), _spread(swept, place)
+        stated, drawn = _spread(as_stated, place), _spread(swept, place)
         degrees.append(
             DegreeError(
                 name=name,
                 error=strayed[place],
                 reference=reference[place],
-                draws=every,
-                rms=every.estimate(Metric.RMS, float(np.median(stated.rms))),
-                mte=every.estimate(Metric.MTE, float(np.median(stated.mte))),
+                draws=drawn,
+                rms=drawn.estimate(Metric.RMS, float(np.median(stated.rms))),
+                mte=drawn.estimate(Metric.MTE, float(np.median(stated.mte))),
                 noise=float(loose[place] / peak) if moves else np.inf,
             )
         )
@@ -190,6 +196,8 @@ def conclude(
         unknown=unknown,
         drawn=swept[2],
         histories=histories,
+        every=every,
+        exact=exact,
     )
 
 

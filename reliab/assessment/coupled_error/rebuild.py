@@ -7,7 +7,7 @@ drawn there, and a matrix carries them to the interface.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,7 @@ from reliab.structures import CoupledPartition, is_part
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
 
+_EXACT_DRAWS = 64  # of the response that perfect actuators would have given
 _FEWEST_SAMPLES = 64
 _FEWEST_PER_PERIOD = 10.0
 _IN_PERIOD_OF_BAND = 0.25
@@ -148,6 +149,8 @@ def rebuild_coupled(
         swept=sweep.errors(unknown, differences, accuracy=ACCURACY),
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
+        every=every,
+        exact=partial(sweep.exact, unknown, differences[:_EXACT_DRAWS].copy()),
     )
 
 
@@ -227,25 +230,56 @@ class _Sweep:
         self, structure: CoupledPartition, drawn: dict[str, Array], differences: Array
     ) -> tuple[Array, Array]:
         """Statistics and sums over draws of structures of one size."""
+        recursion, states, (inputs, shifts), (late, rate) = self._driven(
+            structure, drawn, differences.shape[0]
+        )
+        command = self.histories.carry @ self.histories.command[:, :: self.every]
+        lags = drawn["feedback_lag"]
+        return sweep_draws(recursion, states, command, differences, inputs, shifts, late, rate, lags)
+
+    def exact(self, unknown: Unknowns, differences: Array) -> Iterator[tuple[CoupledPartition, Array]]:
+        """Structures and exact responses at the interface [m], draw by draw."""
+        draws, carried = differences.shape[0], self.histories.carry @ differences
+        command = self.histories.carry @ self.histories.command[:, :: self.every]
+        drawn = unknown.draw(draws, self.seed)
+        for places, structure in self._structures(drawn, draws):
+            chosen = {name: values[places] for name, values in drawn.items()}
+            recursion, states, (inputs, shifts), (late, rate) = self._driven(structure, chosen, places.size)
+            for row, draw in enumerate(places.tolist()):
+                strayed = carried[draw] + np.tensordot(shifts[row], inputs, 1)
+                fed_back = strayed + late + chosen["feedback_lag"][row] * rate
+                response = respond(recursion.of_draw(row), fed_back, states[row])
+                of_draw = {name: values[row : row + 1] for name, values in chosen.items()}
+                yield self._whole(of_draw), command - response
+
+    def _whole(self, drawn: dict[str, Array]) -> CoupledPartition:
+        """Give the structure of one draw with all of its modes."""
+        parts = {name: float(values[0]) for name, values in drawn.items() if is_part(name)}
+        f, ratio, share = (float(factor[0]) for factor in factors_of_draws(drawn))
+        changed = self.partition.with_parts(parts)
+        whole = changed if changed.size == self.partition.size else self.partition
+        return whole.scaled(frequency=f, damping_ratio=ratio, share=share)
+
+    def _driven(
+        self, structure: CoupledPartition, drawn: dict[str, Array], draws: int
+    ) -> tuple[Recursion, Array, tuple[Array, Array], tuple[Array, Array]]:
+        """Recursion and states of draws, what sensors add and how much of it, and what a late force adds."""
         histories, every = self.histories, self.every
-        step, draws = every * histories.time_step, differences.shape[0]
+        step = every * histories.time_step
         recursion = Recursion.of_displacement(structure, step, smooth=True).of_draws(draws)
         command, measured = histories.command[:, ::every], histories.measured[:, ::every]
-        inputs, shifts = self._at_sensors(command, measured, drawn)
         displaced, moving = (
             np.array([drawn.get(f"initial_{name}_{place + 1}", none) for place in range(len(command))]).T
             for name, none in (("displacement", np.zeros(draws)), ("velocity", np.zeros(draws)))
         )
-        return sweep_draws(
+        return (
             recursion,
             states_at_first_sample(structure, recursion, displaced, moving, histories.standing),
-            histories.carry @ command,
-            differences,
-            inputs,
-            shifts,
-            (histories.fed_back - histories.difference)[:, ::every],
-            histories.carry @ np.gradient(measured, step, axis=1),
-            drawn["feedback_lag"],
+            self._at_sensors(command, measured, drawn),
+            (
+                (histories.fed_back - histories.difference)[:, ::every],
+                histories.carry @ np.gradient(measured, step, axis=1),
+            ),
         )
 
     def _at_sensors(self, command: Array, measured: Array, drawn: dict[str, Array]) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ by 1 + κ h z.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -32,6 +32,16 @@ _OF_CHANNEL = ("force_lag", "attached_mass", "load_path_friction")
 
 OF_FORCE: Final = ("specimen", "mass", *_OF_CHANNEL)
 """What is not known of specimen, mass and force, by name."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Draw:
+    """A draw of what is not known of a test."""
+
+    measured: Array  # Displacement of the specimen [m], shape (n,)
+    response: Array  # What a perfect actuator would have given [m], shape (n,)
+    specimen: LearnedSpecimen
+    structure: CoupledPartition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,10 +74,13 @@ class LearnedTest:
 
     def _recursion(self, relative: list[float]) -> Recursion:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
+        return Recursion.of_force(self._scaled(relative).without_specimen, self.thin.time_step)
+
+    def _scaled(self, relative: list[float]) -> CoupledPartition:
+        """Structure with relative changes of each stated value."""
         frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
         most = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
-        scaled = self.whole.scaled(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
-        return Recursion.of_force(scaled.without_specimen, self.thin.time_step)
+        return self.whole.scaled(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
 
     def response(self, specimen: LearnedSpecimen, moved: Array, *, late: bool = True) -> Array:
         """Exact response, had the actuator moved as given along the command [m], shape (n,).
@@ -137,9 +150,9 @@ class LearnedTest:
         `carried`: which of `OF_FORCE` are drawn; `varied`: whether families and coefficients are.
         """
         sizes, strayed = [], []
-        for measured, response in self._drawn(differences, unknown, seed, carried=carried, varied=varied):
-            error = measured - response
-            sizes.append(relative_errors(error, response))
+        for draw in self._drawn(differences, unknown, seed, carried=carried, varied=varied):
+            error = draw.measured - draw.response
+            sizes.append(relative_errors(error, draw.response))
             strayed.append(error)
         rms, mte = np.array(sizes).T
         known = np.arange(self.thin.command.size)
@@ -152,7 +165,7 @@ class LearnedTest:
 
     def _drawn(
         self, differences: Array, unknown: Unknown, seed: int, *, carried: Sequence[str], varied: bool
-    ) -> Iterator[tuple[Array, Array]]:
+    ) -> Iterator["_Draw"]:
         generator = np.random.default_rng(seed)
         thin, step, used, draws = self.thin, self.thin.time_step, self.path.used, len(differences)
         drawn, _ = draw_unknown(unknown, draws, seed)
@@ -181,7 +194,26 @@ class LearnedTest:
             felt = self._late(felt, float(drawn["feedback_lag"][row]))
             relative = [float(drawn[name][row]) for name in _OF_STRUCTURE]
             numerical = self._recursion(relative) if any(relative) else self._numerical
-            yield measured, self._respond(specimen, coefficients, felt, numerical)
+            yield _Draw(
+                measured=measured,
+                response=self._respond(specimen, coefficients, felt, numerical),
+                specimen=replace(specimen, coefficients=coefficients),
+                structure=self._scaled(relative),
+            )
+
+    def exact_of_draws(
+        self, differences: Array, unknown: Unknown, seed: int
+    ) -> Iterator[tuple[CoupledPartition, Array, Array]]:
+        """Structures, exact responses [m] and forces along them [N], draw by draw, both shape (1, n).
+
+        Each force is off by what its family misses of held-out parts.
+        """
+        chance = np.random.default_rng([seed, 2]).standard_normal(len(differences)).tolist()
+        draws = self._drawn(differences, unknown, seed, carried=OF_FORCE, varied=True)
+        for draw, off in zip(draws, chance, strict=True):
+            force = self.force_of(draw.specimen, draw.response)
+            force += off * draw.specimen.missed * float(np.std(force))
+            yield draw.structure, draw.response[np.newaxis], force[np.newaxis]
 
 
 def _deviation(specimen: LearnedSpecimen) -> float:

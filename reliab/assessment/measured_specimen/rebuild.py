@@ -82,6 +82,7 @@ class MeasuredSpecimen:
     rebuilt: RebuiltError  # The error, its interval and the exact response
     families: tuple[FamilyOfSpecimen, ...]  # Families of elements that learned the specimen, the best first
     force: Array  # Force that the specimen would have had along the exact response [N], shape (n,)
+    fed_back: Array  # Force that it had along the measured displacement [N], shape (n,)
     late: float  # Time by which the force seems to follow the displacement late, beyond what is stated [s]
     beyond: float  # How far the exact response leaves the range of the measured one, over the range [-]
 
@@ -289,6 +290,7 @@ def _concluded(
             for specimen, weight, response in zip(learned, test.weights, responses, strict=True)
         ),
         force=np.interp(places, known, test.force_of(learned[0], reference)),
+        fed_back=np.interp(places, known, test.force_of(learned[0], thin.measured)),
         late=late_by(test.path, learned[0], test.added[0]),
         beyond=_beyond(reference, thin.measured),
     )

@@ -168,10 +168,20 @@ class Recursion:
         return int(self.transition.shape[-1])
 
 
+_MATRICES = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
+
+
+def structure_of_draw(structures: CoupledPartition, draw: int) -> CoupledPartition:
+    """Structure of one of many draws; matrices that are not drawn are those of each."""
+    drawn = {name: getattr(structures, name) for name in _MATRICES}
+    return structures.changed(
+        **{name: matrix[draw] for name, matrix in drawn.items() if matrix.ndim > 2}  # noqa: PLR2004
+    )
+
+
 def stacked(structures: Sequence[CoupledPartition]) -> CoupledPartition:
     """Structures of one size as one whose matrices have a first axis of draws."""
-    names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
-    matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in names}
+    matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in _MATRICES}
     return structures[0].changed(**matrices)
 
 

@@ -7,6 +7,7 @@ frequency that is 2 % off makes it wrong by some ten per cent, at all floors nea
 at the interface, to whose peak the others are scaled.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ from reliab.assessment.rebuilt_error.interval import (
     structures_of_draws,
 )
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.structures import CoupledPartition
 
@@ -122,8 +123,30 @@ def _strayed_draws(
     phase: Array,
 ) -> Array:
     """Sizes as of `_strayed` of each draw, shape (draws, 3, responses)."""
-    inputs, shifts = inputs_of_reading(thin, drawn)
     recursions = Recursion.of_displacement(structures, thin.time_step, floors=True).of_draws(_DRAWS)
+    strayed = [
+        _strayed(recursions.of_draw(draw), rows, fed_back, thin, start)
+        for draw, (fed_back, start) in enumerate(_driven(rebuilt, thin, recursions, drawn, phase))
+    ]
+    return np.array(strayed)
+
+
+def exact_of_draws(rebuilt: RebuiltError, number: int) -> Iterator[tuple[CoupledPartition, Array]]:
+    """Structures and responses at the interface without actuator errors [m], draw by draw, shape (1, m)."""
+    thin = rebuilt.histories.thinned(rebuilt.every)
+    drawn, phase = draw_unknown(rebuilt.unknown, number, rebuilt.seed)
+    structures = structures_of_draws(rebuilt.structure, drawn)
+    recursions = Recursion.of_displacement(structures, thin.time_step).of_draws(number)
+    for draw, (fed_back, start) in enumerate(_driven(rebuilt, thin, recursions, drawn, phase)):
+        response = respond(recursions.of_draw(draw), fed_back, start)
+        yield structure_of_draw(structures, draw), thin.command - response
+
+
+def _driven(
+    rebuilt: RebuiltError, thin: Histories, recursions: Recursion, drawn: dict[str, Array], phase: Array
+) -> Iterator[tuple[Array, Array]]:
+    """x_c − x_m of the force that was fed back [m] and state at the first sample, draw by draw."""
+    inputs, shifts = inputs_of_reading(thin, drawn)
     starts = states_at_first_sample(
         rebuilt.structure,
         recursions,
@@ -132,12 +155,9 @@ def _strayed_draws(
         thin.standing,
     )
     late, velocity = thin.fed_back - thin.difference, np.gradient(thin.measured, thin.time_step)
-    strayed = []
-    for draw in range(_DRAWS):
+    for draw, start in enumerate(starts):
         difference = rebuilt.differences[draw % len(rebuilt.differences)] + shifts[draw] @ inputs
-        fed_back = difference + late + drawn["feedback_lag"][draw] * velocity
-        strayed.append(_strayed(recursions.of_draw(draw), rows, fed_back, thin, starts[draw]))
-    return np.array(strayed)
+        yield difference + late + drawn["feedback_lag"][draw] * velocity, start
 
 
 def _peaks(ground: Ground, recursion: Recursion, rows: Array, sizes: Array) -> tuple[Array, float]:

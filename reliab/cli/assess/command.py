@@ -174,15 +174,16 @@ def _write_one(
     from reliab.cli.assess.shown_coupled import show_coupled
     from reliab.cli.assess.shown_frame import show_frame
     from reliab.cli.assess.shown_test import show_assessment
-    from reliab.cli.output import write_json
+    from reliab.cli.output import console, write_json
 
     content = assessment.to_dict()
     if demand.out is not None:
         write_verdicts([{"file": str(test), **content}], demand.out)
-    if demand.corrected is not None:
-        write_corrected(assessment, demand.corrected)
+    note = None if demand.corrected is None else write_corrected(assessment, demand.corrected)
     if write_json(content, demand.json_target):
         return
+    if note is not None:
+        console().print(f"{demand.corrected}: {note}", highlight=False)
     if isinstance(assessment, CoupledAssessment):
         show_coupled(assessment, details=demand.details)
         return

@@ -61,6 +61,7 @@ class CoupledFrame:
     channels_at_interface: bool  # Whether a test's channels are interface displacements
     transfer_system: ActuatorMatrix | None = None  # The rig; None where the file describes none
     tolerances: TolerancesTable = EXACT  # How exactly the structure is known
+    degrees_of_freedom: tuple[str, ...] = ()  # Names of all of them, in the order of the matrices
 
     @property
     def to_interface(self) -> Array:
@@ -102,6 +103,8 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
         channels_at_interface=rows is None or rows.channels == "interface",
         transfer_system=_actuators(description.transfer_system, kinematics, folder),
         tolerances=description.tolerances,
+        degrees_of_freedom=description.frame.names
+        or tuple(str(place + 1) for place in range(partition.size)),
     )
 
 

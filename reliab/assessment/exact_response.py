@@ -1,0 +1,147 @@
+"""What a perfect actuator would have produced, with all as stated and draw by draw, of any kind of test."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.coupled_assessment import CoupledAssessment
+from reliab.assessment.coupled_error import CoupledError
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.findings import Findings
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.rebuilt_error import HALF_WIDTH
+from reliab.assessment.rebuilt_error.responses import exact_of_draws
+from reliab.assessment.substructures import Substructures
+from reliab.structures import CoupledPartition
+
+_DRAWS = 64
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExactResponse:
+    """Response at the interface that a perfect actuator would have given."""
+
+    structure: Substructures
+    at_interface: Array  # Displacements [m], shape (p, n)
+    force: Array  # Of the specimen without the inertia of its mass [N], shape (p, n)
+    felt: Array  # The same with it [N], shape (p, n)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExactTest:
+    """A test as it should have been."""
+
+    time_step: float  # s
+    every: int  # Number of samples of which one was drawn
+    interface: tuple[str, ...]  # Names of the interface displacements; one empty name where there is one
+    degrees: tuple[str, ...]  # Names of all degrees of freedom; none where the interface is all
+    ground: Array | None  # Ground acceleration [m/s²], shape (n,); None where it was not recorded
+    measured: Array  # Displacements of the specimen without noise [m], shape (p, n)
+    command: Array  # The same of the command [m], shape (p, n)
+    fed_back: Array  # Force of the specimen along the measured path [N], shape (p, n)
+    band: tuple[Array, Array]  # Ends of the 90 % band of the exact displacements [m], each shape (p, n)
+    stated: ExactResponse
+    draws: Callable[[], Iterator[ExactResponse]]
+
+
+def exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTest:
+    """Say what a test should have been, by what was found about it; not of a calibrated model's."""
+    if isinstance(found, CoupledAssessment):
+        return _of_several(found)
+    if isinstance(found, FrameAssessment):
+        return _of_one(found.error, found.frame.partition.frame.names, found.recording.ground)
+    unit = found.error.specimen is None and "mass" in found.stated
+    return _of_one(found.error, (), None, found.stated["mass"].value if unit else 1.0)
+
+
+def _linear(partition: CoupledPartition, at_interface: Array, step: float) -> ExactResponse:
+    shared = Substructures.of_partition(partition)
+    force, felt = shared.force_of_linear(at_interface, step)
+    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=felt)
+
+
+def _of_force(partition: CoupledPartition, at_interface: Array, force: Array) -> ExactResponse:
+    shared = Substructures.of_partition(partition)
+    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=force)
+
+
+def _in_kilograms(partition: CoupledPartition, mass: float) -> CoupledPartition:
+    """Structure of matrices per unit mass, with a mass [kg]."""
+    names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
+    return partition.changed(**{name: mass * getattr(partition, name) for name in names})
+
+
+def _of_one(error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, mass: float = 1.0) -> ExactTest:
+    """Test with one actuator; `mass` [kg] by which matrices are multiplied."""
+    rebuilt, specimen = error.rebuilt, error.specimen
+    measured, step = rebuilt.histories.measured, rebuilt.time_step
+
+    def draws() -> Iterator[ExactResponse]:
+        if specimen is None:
+            for structure, response in exact_of_draws(rebuilt, _DRAWS):
+                yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
+            return
+        few = rebuilt.differences[:_DRAWS]
+        for each in specimen.test.exact_of_draws(few, rebuilt.unknown, rebuilt.seed):
+            yield _of_force(*each)
+
+    exact = rebuilt.reference[np.newaxis]
+    if specimen is None:
+        stated = _linear(_in_kilograms(rebuilt.structure, mass), exact, step)
+        fed_back = stated.structure.force_of_linear(measured[np.newaxis], step)[1]
+    else:
+        stated = _of_force(specimen.test.whole, exact, specimen.force[np.newaxis])
+        fed_back = specimen.fed_back[np.newaxis]
+    return ExactTest(
+        time_step=step,
+        every=rebuilt.every,
+        interface=("",),
+        degrees=names,
+        ground=ground,
+        measured=measured[np.newaxis],
+        command=rebuilt.histories.command[np.newaxis],
+        fed_back=fed_back,
+        band=((measured - rebuilt.high)[np.newaxis], (measured - rebuilt.low)[np.newaxis]),
+        stated=stated,
+        draws=draws,
+    )
+
+
+def _of_several(found: CoupledAssessment) -> ExactTest:
+    """Test with several actuators."""
+    error, histories = found.error, found.error.histories
+    step, carry = error.time_step, histories.carry
+
+    def draws() -> Iterator[ExactResponse]:
+        for partition, response in error.exact():
+            yield _linear(partition, response, error.every * step)
+
+    measured = carry @ histories.measured
+    stated = _linear(error.partition, np.stack([degree.reference for degree in error.degrees]), step)
+    return ExactTest(
+        time_step=step,
+        every=error.every,
+        interface=error.partition.names,
+        degrees=found.frame.degrees_of_freedom,
+        ground=found.recording.ground,
+        measured=measured,
+        command=carry @ histories.command,
+        fed_back=stated.structure.force_of_linear(measured, step)[1],
+        band=_band_of_several(error, measured),
+        stated=stated,
+        draws=draws,
+    )
+
+
+def _band_of_several(error: CoupledError, measured: Array) -> tuple[Array, Array]:
+    """Give both ends of the 90 % band of the exact displacements [m], each shape (p, n)."""
+    places = np.arange(measured.shape[1]) / error.every
+    known = np.arange(error.degrees[0].draws.mean.size)
+    means, deviations = (
+        np.stack([np.interp(places, known, getattr(degree.draws, name)) for degree in error.degrees])
+        for name in ("mean", "deviation")
+    )
+    centre, half = measured - means, HALF_WIDTH * deviations
+    return centre - half, centre + half
