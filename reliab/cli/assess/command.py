@@ -169,11 +169,6 @@ def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, demand: AssessDemand
 ) -> None:
     from reliab.api import write_corrected, write_verdicts
-    from reliab.assessment import Assessment, CoupledAssessment
-    from reliab.cli.assess.shown_briefly import show_briefly
-    from reliab.cli.assess.shown_coupled import show_coupled
-    from reliab.cli.assess.shown_frame import show_frame
-    from reliab.cli.assess.shown_test import show_assessment
     from reliab.cli.output import console, write_json
 
     content = assessment.to_dict()
@@ -182,13 +177,28 @@ def _write_one(
     note = None if demand.corrected is None else write_corrected(assessment, demand.corrected)
     if write_json(content, demand.json_target):
         return
+    _show_one(assessment, content, details=demand.details)
     if note is not None:
         console().print(f"{demand.corrected}: {note}", highlight=False)
+
+
+def _show_one(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    content: dict[str, Any],
+    *,
+    details: bool,
+) -> None:
+    from reliab.assessment import Assessment, CoupledAssessment
+    from reliab.cli.assess.shown_briefly import show_briefly
+    from reliab.cli.assess.shown_coupled import show_coupled
+    from reliab.cli.assess.shown_frame import show_frame
+    from reliab.cli.assess.shown_test import show_assessment
+
     if isinstance(assessment, CoupledAssessment):
-        show_coupled(assessment, details=demand.details)
+        show_coupled(assessment, details=details)
         return
-    show_briefly(content, without_details=not demand.details)
-    if not demand.details:
+    show_briefly(content, without_details=not details)
+    if not details:
         return
     if isinstance(assessment, Assessment):
         show_assessment(assessment)
