@@ -15,10 +15,10 @@ def summarise(tests: pd.DataFrame, threshold: float) -> pd.DataFrame:
     """Rates of judged tests, one row a family and one over all.
 
     `tests` as `judge_tests` gives them; `threshold` of a good test [-]. Columns: tests, near and wide (share
-    whose value lies within 10 and 25 % of the true error), held (share of intervals that hold it),
-    false_safe (accepted bad tests over all tests), accepted (of the good ones), refused_good (of the good
-    ones), undecided, left (median) and inside (mean) [-]; tests that were refused count as undecided and as
-    missed.
+    whose value lies within 10 and 25 % of the true error), held (share of intervals that hold it), bad
+    (number of bad tests), false_safe (accepted bad tests over all tests), accepted (of the good ones),
+    refused_good (of the good ones), undecided, left (median) and inside (mean) [-]; tests that were refused
+    count as undecided and as missed.
     """
     groups = [(name, rows) for name, rows in tests.groupby("family", sort=False)]
     return pd.DataFrame([_rates(str(name), rows, threshold) for name, rows in [*groups, (ALL, tests)]])
@@ -34,6 +34,7 @@ def _rates(name: str, tests: pd.DataFrame, threshold: float) -> dict[str, object
         "near": (away < _NEAR).mean(),
         "wide": (away < _WIDE).mean(),
         "held": ((tests["low"] <= tests["true"]) & (tests["true"] <= tests["high"])).mean(),
+        "bad": int((~good).sum()),
         "false_safe": (said_good & ~good).mean(),
         "accepted": _share(said_good[good]),
         "refused_good": _share(said_bad[good]),

@@ -6,8 +6,9 @@ from matplotlib.figure import Figure
 
 from reliab.report import GREY, legend_below, line, name_axes, panels, plain, styled
 
-_HEIGHT = 105.0
+_HEIGHT = 122.0
 _LEAST, _MOST = 0.3, 3.0
+_SPREAD = 0.7  # between marks of the tests of a family
 _BESIDE = 0.13  # between marks of tests with less and with more noise
 
 
@@ -31,8 +32,9 @@ def ratios_by_family(tests: pd.DataFrame) -> Figure:
     place.axvspan(0.9, 1.1, color=GREY, alpha=0.15, linewidth=0.0)
     for rank, (decibels, rows) in enumerate(tests.groupby(tests["decibels"].astype(int), sort=False)):
         look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none", "markersize": 3.0}
-        number = rows.groupby("family").cumcount() / max(len(tests) / len(families), 1.0)
-        height = rows["family"].map(families.index) + 0.6 * number - 0.25 + _BESIDE * rank
+        of_family = rows.groupby("family")
+        number = of_family.cumcount() / of_family["family"].transform("size")
+        height = rows["family"].map(families.index) + _SPREAD * (number - 0.5) + _BESIDE * rank
         ratio, low, high = (
             np.clip(rows[name] / rows["true"], _LEAST, _MOST) for name in ("value", "low", "high")
         )

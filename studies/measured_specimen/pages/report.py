@@ -72,7 +72,9 @@ def measured_specimen_report(
         ),
         facts={
             "Families": str(len(rates) - 1),
-            "Tests of each": ", ".join(sorted({str(int(n)) for n in rates["tests"].iloc[:-1]})),
+            "Tests of each": " to ".join(
+                str(int(n)) for n in sorted({rates["tests"].iloc[:-1].min(), rates["tests"].iloc[:-1].max()})
+            ),
             "Good test": f"error of at most {percent(threshold)} RMS",
             "Purpose": purpose,
         },
@@ -121,6 +123,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
 def _verdicts(rates: pd.DataFrame) -> Section:
     columns = (
         Column(key="family", heading="Specimen", wide=True),
+        Column(key="bad", heading="Bad tests", number=Whole()),
         Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SHARE),
         Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
         Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),
@@ -154,11 +157,14 @@ def _linear(tests: pd.DataFrame) -> tuple[Section, ...]:
     lost = compare_with_stated(tests)
     if not lost:
         return ()
+    number = int(lost["tests"])
     text: Prose = prose(
-        "{tests} tests of linear specimens were judged as those of a stated linear specimen, too: {agree} of "
-        "the verdicts are the same, {opposed} opposite ones; the interval of the error is {width:.2f} times "
-        "as wide in the median and {widest:.2f} times in 5 % of the tests.",
-        tests=int(lost["tests"]),
+        "{tests} judged as if the specimen were stated as linear, too: {agree} of the verdicts are the same, "
+        "{opposed} opposite ones; the interval of the error is {width:.2f} times as wide in the median, and "
+        "{widest:.2f} times or more in 5 %.",
+        tests="One test of a linear specimen was"
+        if number == 1
+        else f"{number} tests of linear specimens were",
         agree=percent(lost["agree"], decimals=0),
         opposed=percent(lost["opposed"], decimals=0),
         width=lost["width"],

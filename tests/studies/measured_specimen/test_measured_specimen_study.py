@@ -106,14 +106,15 @@ def test_what_a_linear_specimen_loses_is_told_by_verdicts_and_widths():
 
 def test_the_report_says_the_rates(tmp_path, text_of):
     study = KIND.tables.model_validate({"title": "Measured", "kind": "measured_specimen"})
-    tests = pd.DataFrame(
-        [_judged(), _judged(decibels=30.0), _judged(family="linear", value=0.05, low=0.045, high=0.06)]
-    )
+    stated = {"stated_value": 0.05, "stated_low": 0.04, "stated_high": 0.055, "stated_word": "reliable"}
+    linear = _judged(family="linear", value=0.05, low=0.045, high=0.06, **stated)
+    tests = pd.DataFrame([_judged(), _judged(decibels=30.0), linear])
     tests.to_csv(tmp_path / TESTS, index=False)
     summarise(tests, 0.05).to_csv(tmp_path / RATES, index=False)
     text = text_of(KIND.report(study, tmp_path))
     assert "Of 3 tests the computed error lies within 10 % of the true one in 67 %" in text
     assert "interval holds it in 67 %" in text
+    assert "One test of a linear specimen was judged as if the specimen were stated as linear, too" in text
 
 
 @pytest.mark.parametrize(
