@@ -26,6 +26,7 @@ _SPECIMENS = {
 }
 _SMALL = 0.1  # of the peak of the exact response, up to which the largest correction is small
 _ALIKE = 0.7  # correlation of the force with what the ground motion leaves for it, at least
+_TINY = np.finfo(float).tiny
 _LEVELS = (0.05, 0.95)
 _UNITS = {
     **dict.fromkeys(("measured", "measured_peak", "exact", "exact_peak", "drift_peak"), "m"),
@@ -117,9 +118,11 @@ class _Table:
             columns[self._column("measured", name)] = row
             attributes[self._column("measured_peak", name)] = float(np.abs(row).max())
         mean, deviation, drawn = self._spread()
+        width = self._width_of_draws(deviation)
         for (quantity, name), row in exact.items():
+            factor = 1.0 if quantity == "specimen_force" else width
             low, high = (
-                self._drawn_band(mean[quantity, name], deviation[quantity, name])
+                self._drawn_band(mean[quantity, name], factor * deviation[quantity, name])
                 if (quantity, name) not in self._at_interface
                 else [end[test.interface.index(name)] for end in test.band]
             )
@@ -127,11 +130,18 @@ class _Table:
             columns[self._column(quantity, name, "low")] = np.minimum(low, row)
             columns[self._column(quantity, name, "high")] = np.maximum(high, row)
         for (quantity, name), size in sizes.items():
-            low, high = np.quantile(drawn[quantity, name], _LEVELS)
+            factor = width if quantity.endswith("peak") else 1.0
+            low, high = size + factor * (np.quantile(drawn[quantity, name], _LEVELS) - size)
             attributes[self._column(quantity, name)] = size
             attributes[self._column(quantity, name, "low")] = min(float(low), size)
             attributes[self._column(quantity, name, "high")] = max(float(high), size)
         return columns, attributes
+
+    def _width_of_draws(self, deviation: dict[_Key, Array]) -> float:
+        """Width of the interface's band over that of the draws alone, which is too narrow elsewhere, too."""
+        low, high = self.test.band
+        half = HALF_WIDTH * np.stack([deviation["exact", name] for name in self.test.interface])
+        return float(np.sqrt(np.mean(((high - low) / 2.0) ** 2) / (np.mean(half**2) + _TINY)))
 
     @property
     def _at_interface(self) -> set[_Key]:
