@@ -214,6 +214,7 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("--design", "--check"), "`check` has no meaning"),
         (("--design", "--report", "a.pdf"), "`report` has no meaning"),
         (("--design", "--motion", "ground.txt"), "`motion` has no meaning"),
+        (("--design", "--structure", "frame.toml"), "Judge a trial test of the frame"),
         (("--design", "--threshold", 0), "for errors from 0.01 to 0.2"),
         (("--design", "--f", "1±0.01"), "those of an exact structure"),
         (("--design", "--figure", "none/chart.svg"), "figure's file must be writable"),

@@ -122,6 +122,13 @@ def _answer_design(demand: AssessDemand) -> None:
 
     if "tests" in demand.given:
         raise InputError("A test's file has no meaning beside `design`", remedy="Leave it out")
+    if "structure" in demand.given:
+        raise InputError(
+            "Tolerable errors before a test are those of structures of one mass, not of frames",
+            value=f"`structure={demand.structure}`",
+            remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
+            "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
+        )
     design = demand.ask(design_test, "design", "figure", "json_target", why="beside `design`")
     if demand.figure is not None:
         draw_design(design, demand.figure)
