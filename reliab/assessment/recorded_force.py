@@ -1,8 +1,9 @@
 """Recorded forces that cannot be the specimen's: reversed, in another unit, unrelated, of another column.
 
 A passive specimen resists: its force is a sum of spring, dashpot, mass, hardening and elastic-plastic springs
-with coefficients that are not negative. Such a sum explains a reversed force only with its sign turned; and
-where it explains the force by the command, not by the measured displacement, the columns are exchanged.
+with coefficients that are not negative. Such a sum explains a reversed force only with its sign turned, and a
+motion does no work against it; and where it explains the force by the command, not by the measured
+displacement, the columns are exchanged.
 """
 
 from typing import Final
@@ -87,7 +88,8 @@ def require_restoring_force(
     # in motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip
     springs_back = _stiffness(measured, force, kernel) is not None
     better = _FAR_BETTER if springs_back else _BETTER
-    if unexplained_if_reversed < min(better * unexplained, _UNRELATED):
+    reversed_explains = unexplained_if_reversed < min(better * unexplained, _UNRELATED)
+    if reversed_explains and not _takes_work(measured, force, kernel):
         raise InputError(
             "The recorded force must resist the motion",
             value="a force that acts along it, as if its sign were reversed",
@@ -105,6 +107,14 @@ def require_restoring_force(
         )
     if stiffness:
         _require_unit(measured, force, kernel, stiffness, where)
+
+
+def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
+    """Whether the motion does work on the specimen, on average over the test, as on one that buckles."""
+    moved, resisted = (kernel.seen(history, 0) for history in (measured, force))
+    resisted = resisted - resisted.mean()
+    work = np.cumsum(0.5 * (resisted[1:] + resisted[:-1]) * np.diff(moved))
+    return bool(work.mean() > 0.0)
 
 
 def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:

@@ -173,3 +173,13 @@ def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(moved):
     require_plausible(replace(test, measured=drifting))
     with pytest.raises(InputError, match="exchanged"):
         require_plausible(replace(test, command=test.measured, measured=test.command))
+
+
+def test_a_brace_that_buckles_takes_work_and_is_not_reversed():
+    """Springs explain its force better with the sign turned, but the motion does work on it."""
+    simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
+    time = np.arange(0.0, 30.0, 1.0 / 256.0)
+    noise = np.random.default_rng(4).standard_normal(time.size)
+    load = np.convolve(noise, np.hanning(25), mode="same") * (time / 4.0) * np.exp(1.0 - time / 4.0)
+    brace = simulated_tests.simulate("buckling brace", load, 1.0 / 256.0, np.random.default_rng(29))
+    require_restoring_force(brace.measured, brace.force, 1.0 / 256.0)
