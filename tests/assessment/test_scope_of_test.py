@@ -7,9 +7,10 @@ import pytest
 
 from reliab.assessment import assess, default_criterion
 from reliab.assessment.default_criterion import criterion_of_response
-from reliab.assessment.scope_of_test import compared
+from reliab.assessment.scope_of_test import compared, scope_of_test
 from reliab.boundary import FirstOrderEllipse
 from reliab.criterion import published_criterion
+from reliab.recordings import Recording
 from reliab.structures import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
@@ -25,6 +26,16 @@ def criterion():
 )
 def test_a_length_is_compared_with_the_lengths_of_the_motions(criterion, length, position):
     assert compared(criterion, {"length": length}).position == position
+
+
+def test_a_response_off_resonance_is_outside(criterion):
+    """A pulse of six seconds moves a structure of 1 Hz as its ground moves, whatever its damping."""
+    times = np.arange(0.0, 40.0, 1.0 / 256.0)
+    pulse = np.exp(-(((times - 15.0) / 2.0) ** 2)) * np.cos(2.0 * np.pi * (times - 15.0) / 6.0)
+    recording = Recording(command=pulse, measured=pulse, time_step=1.0 / 256.0, name="a pulse")
+    found = scope_of_test(criterion, recording, ONE_HERTZ, pulse)
+    assert found.outside
+    assert any("frequency of the error" in sentence for sentence in found.sentences)
 
 
 def test_a_criterion_that_states_no_motions_is_not_compared():

@@ -96,7 +96,7 @@ def _of_ground_motions(assessment: Assessment) -> str:
     if not population or position is None:
         return f"{share} of the ground motions behind the criterion"
     promise = "no share" if position is Position.OUTSIDE else share
-    return f"{promise} of {population}, with the test {position} of them"
+    return f"{promise} of motions like the {population}, with the test {position} of them"
 
 
 def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
