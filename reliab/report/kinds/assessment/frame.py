@@ -65,8 +65,8 @@ def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     placed = assessment.population
     if placed is not None and assessment.criterion is not None:
         index = MISSING if placed.index is None else significant(placed.index)
-        stated = assessment.criterion.provenance.population
-        motions = f"motions like the {stated}" if stated else "the population's ground motions"
+        population = assessment.criterion.provenance.population
+        motions = f"motions like the {population}" if population else "the population's ground motions"
         facts["Index of the criterion"] = (
             f"{index} against 1, for {percent(assessment.criterion.confidence)} of {motions}"
         )
