@@ -16,7 +16,7 @@ from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import CoupledRecording
 from reliab.significant import percent, percent_with_interval
 from reliab.simulation.frames import CoupledFrame
-from reliab.structures import CoupledLimit, part_and_number
+from reliab.structures import CoupledLimit, is_part
 from reliab.vocabulary import MILLI, Metric
 
 CAUSES_IN_WORDS = {
@@ -289,7 +289,7 @@ def budget_of_several(
     items = []
     for name, contribution in error.widenings(metric).items():
         quantity, _, number = name.rpartition("_")
-        of_sensor = number.isdecimal() and part_and_number(name) is None
+        of_sensor = number.isdecimal() and not is_part(name)
         known = quantity if of_sensor else name
         known = "initial_state" if known.startswith("initial") else known
         items.append(

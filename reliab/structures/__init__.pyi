@@ -18,6 +18,8 @@ from .partition import (
 from .parts_of_structure import (
     PARTS as PARTS,
     is_part as is_part,
+    least_of as least_of,
+    name_of_entries as name_of_entries,
     part_and_number as part_and_number,
     with_parts as with_parts,
 )

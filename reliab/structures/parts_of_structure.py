@@ -4,9 +4,13 @@ A matrix is written in the motions in which its parts stand apart, A = Bᵀ S B,
 its factor as √F S √F, which leaves it positive definite and is exact for diagonal S: B gives the
 displacements of the floors for masses, the drifts of the storeys for springs and dashpots (S of a shear frame
 is diagonal), and the coordinates of the modes for frequencies and damping ratios.
+
+Single entries of a matrix are off with those opposite to them, alone or several together. Where draws of them
+would leave less than a twentieth of the lowest stiffness, which no structure has, they are drawn nearer.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -20,22 +24,49 @@ PARTS: Final = ("floor_mass", "storey_stiffness", "storey_damping", "mode_freque
 WHOLES: Final = ("damping", "specimen_stiffness", *PARTS[:3])
 """What is changed without a number: the damping, the specimen, what floors or storeys have in common."""
 
+MATRICES: Final = ("mass", "damping", "stiffness")
+
+_ENTRIES = re.compile(r"(mass|damping|stiffness)_entry((?:_\d+_\d+)+)")
 _LEAST = 0.05  # of what is stated: no part has less
+_ROUNDING = 1e-9  # of the largest eigenvalue
 
 
 def is_part(name: str) -> bool:
-    """Whether a name is that of a part, such as "storey_stiffness_2", or of a whole, such as "damping"."""
+    """Whether a name is of a part, such as "storey_stiffness_2", of entries, or of a whole: "damping"."""
     return name in WHOLES or part_and_number(name) is not None
 
 
-def part_and_number(name: str) -> tuple[str, int] | None:
-    """Part of the structure and its number; None where a name is not that of a numbered part.
+def part_and_number(name: str) -> tuple[str, str] | None:
+    """Part of the structure and its number, or places of entries; None where a name is of no such part.
 
     >>> part_and_number("storey_stiffness_2"), part_and_number("damping")
-    (('storey_stiffness', 2), None)
+    (('storey_stiffness', '2'), None)
+    >>> part_and_number("mass_entry_1_2")
+    ('mass_entry', '(1, 2)')
     """
     part, _, number = name.rpartition("_")
-    return (part, int(number)) if part in PARTS and number.isdecimal() else None
+    if part in PARTS and number.isdecimal():
+        return part, number
+    if (entries := _places_of_entries(name)) is None:
+        return None
+    return f"{entries[0]}_entry", ", ".join(f"({row + 1}, {column + 1})" for row, column in entries[1])
+
+
+def name_of_entries(matrix: str, places: Sequence[tuple[int, int]]) -> str:
+    """Name entries of a matrix that are off together, by rows and columns from 0.
+
+    >>> name_of_entries("stiffness", [(0, 1)])
+    'stiffness_entry_1_2'
+    """
+    return f"{matrix}_entry" + "".join(f"_{row + 1}_{column + 1}" for row, column in places)
+
+
+def _places_of_entries(name: str) -> tuple[str, list[tuple[int, int]]] | None:
+    """Matrix, rows and columns of entries that are off together."""
+    if (found := _ENTRIES.fullmatch(name)) is None:
+        return None
+    numbers = [int(number) - 1 for number in found[2].split("_")[1:]]
+    return found[1], list(zip(numbers[::2], numbers[1::2], strict=True))
 
 
 def with_parts(
@@ -56,11 +87,37 @@ def with_parts(
         damping = _multiplied(damping, back, frequency * ratio)
     floors = np.eye(mass.shape[0])
     drifts = floors - np.eye(mass.shape[0], k=-1)
-    return (
+    parts = (
         _multiplied(mass, floors, factors["floor_mass"]),
         _multiplied(damping, drifts, factors["storey_damping"]) * _factor(changes.get("damping", 0.0)),
         _multiplied(stiffness, drifts, factors["storey_stiffness"]),
     )
+    m, c, k = (with_entries(one, name, changes) for one, name in zip(parts, MATRICES, strict=True))
+    return m, c, k
+
+
+def with_entries(matrix: Array, name: str, changes: Mapping[str, float]) -> Array:
+    """Return a matrix with entries off by relative changes, or by as much of them as a structure allows."""
+    added = np.zeros_like(matrix)
+    for entries, change in changes.items():
+        of_matrix = _places_of_entries(entries)
+        if of_matrix is not None and of_matrix[0] == name:
+            for row, column in of_matrix[1]:
+                added[row, column] += change * matrix[row, column]
+                if row != column:
+                    added[column, row] += change * matrix[column, row]
+    if not added.any():
+        return matrix
+    least = least_of(matrix)
+    while np.linalg.eigvalsh(matrix + added)[0] < least:
+        added = added / 2.0
+    return np.asarray(matrix + added)
+
+
+def least_of(matrix: Array) -> float:
+    """Lowest eigenvalue that changes of entries may leave."""
+    values = np.linalg.eigvalsh(matrix)
+    return float(min(_LEAST * values[0], values[0]) - _ROUNDING * np.abs(values).max())
 
 
 def _factor(change: float) -> float:

@@ -16,7 +16,7 @@ from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
 from reliab.simulation.frames import CoupledFrame, coupled_response, read_frame, read_structure
-from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
 from reliab.structures import CoupledPartition
 

@@ -11,7 +11,7 @@ from reliab.motions import Motion
 from reliab.recordings import Recording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.simulation.frames import FrameUnderTest
-from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
 

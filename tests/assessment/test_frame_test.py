@@ -15,7 +15,7 @@ from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.simulation.frames import governing_mode
 from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems import TransferFunction
 from reliab.stated_value import StatedValue

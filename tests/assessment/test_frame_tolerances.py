@@ -11,7 +11,7 @@ from reliab.assessment.coupled_test import assess_coupled
 from reliab.assessment.frame_test import assess_frame
 from reliab.recordings import CoupledRecording, Recording
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest
-from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.structures import CoupledPartition, Partition, Specimen
 from reliab.structures.frames import Frame
 
@@ -50,6 +50,11 @@ CASES = {
         {"floor_masses": [0.05, 0.05]},
         {"floor_mass_1", "floor_mass_2"},
     ),
+    "entries": (
+        replace(TWO_STOREYS, stiffness=TWO_STOREYS.stiffness * np.array([[0.97, 1.0], [1.0, 1.0]])),
+        {"entries": [{"matrix": "stiffness", "places": [["1", "1"]], "deviation": 0.05}]},
+        {"stiffness_entry_1_1"},
+    ),
     "dashpots": (
         TWO_STOREYS.with_storeys("damping", np.array([0.7, 1.2])),
         {"storey_dampings": 0.25},
@@ -86,7 +91,7 @@ def frame(**tolerances):
     )
 
 
-QUICK = ("damping", "modes", "storeys alike")
+QUICK = ("damping", "modes", "storeys alike", "entries")
 
 
 @pytest.mark.parametrize(
@@ -111,8 +116,9 @@ def test_parts_replace_what_is_assumed_of_the_whole():
     assert not {"frequency", "damping_ratio"} & names
 
 
-def test_several_actuators_have_the_same_tolerances():
-    tested, stated, names = CASES["storeys"]
+@pytest.mark.parametrize("case", ["storeys", "entries"])
+def test_several_actuators_have_the_same_tolerances(case):
+    tested, stated, names = CASES[case]
     recording, true = simulated(tested)
     partition = CoupledPartition(
         mass=TWO_STOREYS.mass,

@@ -90,7 +90,8 @@ def test_a_stronger_specimen_leaves_what_the_computer_has():
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("floor_mass_10", ("floor_mass", 10)),
+        ("floor_mass_10", ("floor_mass", "10")),
+        ("floor_mass_1_2", None),
         ("floor_mass", None),
         ("time_shift_1", None),
         ("sensor_scale", None),
@@ -98,4 +99,18 @@ def test_a_stronger_specimen_leaves_what_the_computer_has():
 )
 def test_names_of_parts(name, expected):
     assert part_and_number(name) == expected
-    assert is_part(name) == name.startswith("floor_mass")
+    assert is_part(name) == (name in {"floor_mass_10", "floor_mass"})
+
+
+def test_entries_are_off_with_those_opposite_to_them():
+    changed = with_parts(MASS, DAMPING, STIFFNESS, {"stiffness_entry_1_2_3_3": 0.01})[2] - STIFFNESS
+    expected = np.zeros((3, 3))
+    expected[0, 1] = expected[1, 0] = 0.01 * STIFFNESS[0, 1]
+    expected[2, 2] = 0.01 * STIFFNESS[2, 2]
+    np.testing.assert_allclose(changed, expected, atol=1e-9)
+
+
+def test_entries_leave_a_structure():
+    stiffness = np.array([[1.05, -1.0], [-1.0, 1.0]])
+    changed = with_parts(np.eye(2), np.zeros((2, 2)), stiffness, {"stiffness_entry_1_2": 0.2})[2]
+    assert 0.0 < np.linalg.eigvalsh(changed)[0] < np.linalg.eigvalsh(stiffness)[0]

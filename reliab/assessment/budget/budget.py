@@ -217,6 +217,24 @@ _QUANTITIES = {
         factor=PERCENT,
         remedy="Measure the damping ratios by a free vibration, and state their deviations.",
     ),
+    "mass_entry": _Quantity(
+        name="entry of the mass matrix in row and column",
+        unit="%",
+        factor=PERCENT,
+        remedy="Weigh what moves, and state the deviation of the entry.",
+    ),
+    "damping_entry": _Quantity(
+        name="entry of the damping matrix in row and column",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the damping ratios by a free vibration, and state their deviations.",
+    ),
+    "stiffness_entry": _Quantity(
+        name="entry of the stiffness matrix in row and column",
+        unit="%",
+        factor=PERCENT,
+        remedy="Measure the stiffness between these degrees of freedom, and state its deviation.",
+    ),
     "initial_state": _Quantity(
         name="motion before the record",
         unit="mm",

@@ -50,6 +50,9 @@ _OF_PARTS = {  # what is not assumed of the whole where parts of the structure a
     "storey_stiffness": "frequency",
     "storey_damping": "damping_ratio",
     "mode_frequency": "frequency",
+    "mass_entry": "frequency",
+    "stiffness_entry": "frequency",
+    "damping_entry": "damping_ratio",
     "mode_damping_ratio": "damping_ratio",
     "specimen_stiffness": "experimental_fraction",
 }

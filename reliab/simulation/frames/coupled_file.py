@@ -46,7 +46,8 @@ from reliab.simulation.frames.frame_file import (
     frame_of_tables,
     names_several,
 )
-from reliab.simulation.frames.frame_tables import TolerancesTable, TransferTable
+from reliab.simulation.frames.frame_tables import TransferTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, invertible
 from reliab.structures import CoupledPartition
 
@@ -93,7 +94,7 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
             value=description.error.of,
             remedy="Leave [error] out",
         )
-    partition = _partition(description)
+    partition, names = _partition(description)
     rows = description.kinematics
     kinematics = np.eye(partition.degrees) if rows is None else _kinematics(rows.matrix, partition.degrees)
     return CoupledFrame(
@@ -102,14 +103,15 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
         kinematics=kinematics,
         channels_at_interface=rows is None or rows.channels == "interface",
         transfer_system=_actuators(description.transfer_system, kinematics, folder),
-        tolerances=description.tolerances,
-        degrees_of_freedom=description.frame.names
-        or tuple(str(place + 1) for place in range(partition.size)),
+        tolerances=description.tolerances.of_structure(
+            names, partition.mass, partition.damping, partition.stiffness
+        ),
+        degrees_of_freedom=names,
     )
 
 
-def _partition(description: CoupledDescription) -> CoupledPartition:
-    """Whole structure and specimen; a specimen that is no part of the matrices is added to them."""
+def _partition(description: CoupledDescription) -> tuple[CoupledPartition, tuple[str, ...]]:
+    """Whole structure and specimen, which is added to matrices that do not hold it, and names of degrees."""
     table, specimen = description.frame, description.specimen
     mass, stiffness = table.matrices
     if np.shape(mass) != np.shape(stiffness):
@@ -130,7 +132,7 @@ def _partition(description: CoupledDescription) -> CoupledPartition:
             whole + interface @ added @ interface.T
             for whole, added in ((mass, m), (damping, c), (stiffness, k))
         )
-    return CoupledPartition(
+    partition = CoupledPartition(
         mass=mass,
         damping=damping,
         stiffness=stiffness,
@@ -141,6 +143,7 @@ def _partition(description: CoupledDescription) -> CoupledPartition:
         influence=table.influence,  # type: ignore[arg-type]  # made an array there
         names=its_names,
     )
+    return partition, names
 
 
 def _kinematics(rows: tuple[tuple[float, ...], ...], degrees: int) -> Array:

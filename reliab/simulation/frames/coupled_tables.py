@@ -10,14 +10,13 @@ from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import (
     DampingTable,
-    DescribedTable,
     ErrorTable,
     FrameTable,
     Row,
-    TolerancesTable,
     TransferTable,
     matrix_of_rows,
 )
+from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
 from reliab.structures import condensed
 from reliab.structures.frames import rayleigh_damping
 

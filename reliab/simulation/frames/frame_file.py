@@ -45,6 +45,12 @@ One set of tables describes every structure::
     #   storey_correlation = 0.5 between those of one number
     # or mode_frequencies and mode_damping_ratios, likewise, where modes are known better than matrices
 
+    [[tolerances.entries]]                   # optional: of single entries of a matrix and those opposite
+    matrix = "stiffness"                     # or "mass", "damping"
+    places = [["1", "2"]]                    # by degrees of freedom
+    deviation = 0.05
+    correlation = 0.5                        # between several places
+
     [transfer_system]                        # optional: the rig, whose error `reliab criterion` states
     numerator = [250.0]                      # coefficients in descending powers of s
     denominator = [1.0, 250.0]
@@ -69,8 +75,9 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.described_files import Model, described, read_toml
 from reliab.errors import InputError
-from reliab.simulation.frames.frame_tables import FrameDescription, TolerancesTable
+from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.frames.matrix_files import with_matrices
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import TransferSystem
 from reliab.structures import Partition, with_specimen
 from reliab.structures.frames import Frame
@@ -151,22 +158,7 @@ def read_frame(path: str | Path) -> FrameUnderTest:
 
 
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
-    table = description.frame
-    mass, stiffness = table.matrices
-    plain = Frame(
-        mass=mass,
-        stiffness=stiffness,
-        damping=np.zeros_like(np.asarray(stiffness)),
-        influence=table.influence,  # type: ignore[arg-type]  # made an array by Frame
-        names=table.names,
-    )
-    frame = Frame(
-        mass=mass,
-        stiffness=stiffness,
-        damping=description.damping.matrix(plain.mass, plain.stiffness),
-        influence=plain.influence,
-        names=plain.names,
-    )
+    frame = _frame(description)
     interface = description.specimen.interface(frame)
     specimen = description.specimen.specimen
     if not description.specimen.part_of_structure:
@@ -188,5 +180,27 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
         output=of.output(frame),
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
         transfer_system=rig,
-        tolerances=description.tolerances,
+        tolerances=description.tolerances.of_structure(
+            frame.names, frame.mass, frame.damping, frame.stiffness
+        ),
+    )
+
+
+def _frame(description: FrameDescription) -> Frame:
+    """Frame of the matrices that are given."""
+    table = description.frame
+    mass, stiffness = table.matrices
+    plain = Frame(
+        mass=mass,
+        stiffness=stiffness,
+        damping=np.zeros_like(np.asarray(stiffness)),
+        influence=table.influence,  # type: ignore[arg-type]  # made an array by Frame
+        names=table.names,
+    )
+    return Frame(
+        mass=mass,
+        stiffness=stiffness,
+        damping=description.damping.matrix(plain.mass, plain.stiffness),
+        influence=plain.influence,
+        names=plain.names,
     )

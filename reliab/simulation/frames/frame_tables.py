@@ -11,18 +11,12 @@ from reliab.arrays import Array
 from reliab.effects import Effect, find_effect
 from reliab.errors import InputError
 from reliab.received import named_within
+from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
 from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, TransferSystem
 from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.structures import Specimen, drift_interface, floor_interface
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
 from reliab.vocabulary import MILLI
-
-
-class DescribedTable(BaseModel):
-    """A table that holds its own keys and no others."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
-
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -358,109 +352,6 @@ class ErrorTable(DescribedTable):
         return (
             floor_interface(frame, self.of) if self.between is None else drift_interface(frame, *self.between)
         )
-
-
-Deviation = Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)]
-
-Deviations = Deviation | tuple[Deviation, ...]
-
-
-class TolerancesTable(DescribedTable):
-    """Relative standard deviations of factors of the whole structure, and of its parts."""
-
-    mass: Deviation = Field(default=0.0, description="Of a factor of the mass matrix")
-    stiffness: Deviation = Field(
-        default=0.0, description="Of a factor of the stiffness matrix and of the specimen’s stiffness"
-    )
-    frequency: Deviation | None = Field(
-        default=None, description="Of the measured natural frequencies, in place of `mass` and `stiffness`"
-    )
-    damping: Deviation | None = Field(
-        default=None, description="Of a factor of the damping matrix, in place of `damping_ratio`"
-    )
-    damping_ratio: Deviation = Field(default=0.0, description="Of a factor of all damping ratios")
-    specimen_stiffness: Deviation = Field(
-        default=0.0, description="Of the specimen’s share of the stiffness, beside the factors above"
-    )
-    specimen_changes_structure: bool = Field(
-        default=False,
-        description="Whether the matrices change with the specimen, since the computer’s part is as stated",
-    )
-    floor_masses: Deviations = Field(
-        default=(), description="Of the mass of each floor, each by itself: one number or one for each"
-    )
-    storey_stiffnesses: Deviations = Field(
-        default=(), description="Of the stiffness of each storey, likewise"
-    )
-    storey_dampings: Deviations = Field(default=(), description="Of the damping of each storey, likewise")
-    storey_correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
-        default=0.0, description="Correlation between floors or storeys whose deviation is one number"
-    )
-    mode_frequencies: Deviations = Field(
-        default=(), description="Of the natural frequency of each mode, in place of masses and stiffnesses"
-    )
-    mode_damping_ratios: Deviations = Field(
-        default=(), description="Of the damping ratio of each mode, in place of other tolerances of damping"
-    )
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        matrices = self.mass or self.stiffness
-        storeys = self.floor_masses or self.storey_stiffnesses
-        if self.frequency is not None and matrices:
-            message = "give frequency, or mass and stiffness"
-            raise ValueError(message)
-        if self.mode_frequencies and (self.frequency is not None or matrices or storeys):
-            message = "give mode_frequencies, or tolerances of mass, stiffness and frequency"
-            raise ValueError(message)
-        ways = self.damping is not None, bool(self.damping_ratio), bool(self.mode_damping_ratios)
-        if sum(ways) > 1 or (self.mode_damping_ratios and self.storey_dampings):
-            message = "give one of damping, damping_ratio and mode_damping_ratios"
-            raise ValueError(message)
-        of_storeys = (self.floor_masses, self.storey_stiffnesses, self.storey_dampings)
-        if self.storey_correlation and not any(isinstance(values, float) for values in of_storeys):
-            message = "storey_correlation needs floors or storeys whose deviation is one number"
-            raise ValueError(message)
-        return self
-
-    @property
-    def of_frequency(self) -> float:
-        """Relative standard deviation of the natural frequencies, ω² = k/m [-]."""
-        return 0.5 * math.hypot(self.mass, self.stiffness) if self.frequency is None else self.frequency
-
-    @property
-    def of_specimen_alone(self) -> float:
-        """That of the specimen where the structure stays as it is [-]."""
-        return 0.0 if self.specimen_changes_structure else self.specimen_stiffness
-
-    def of_parts(self, size: int) -> dict[str, float]:
-        """Relative standard deviations of parts of a structure of so many degrees of freedom, by name."""
-        alike = math.sqrt(self.storey_correlation)
-        of_specimen = self.specimen_stiffness if self.specimen_changes_structure else 0.0
-        deviations = {
-            "damping": self.damping or 0.0,
-            "specimen_stiffness": of_specimen,
-            **_by_number("floor_mass", self.floor_masses, alike, size),
-            **_by_number("storey_stiffness", self.storey_stiffnesses, alike, size),
-            **_by_number("storey_damping", self.storey_dampings, alike, size),
-            **_by_number("mode_frequency", self.mode_frequencies, 0.0, size),
-            **_by_number("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
-        }
-        return {name: deviation for name, deviation in deviations.items() if deviation}
-
-
-def _by_number(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
-    """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
-    if isinstance(values, float):
-        own = values * math.sqrt(1.0 - alike**2)
-        return {name: alike * values} | {f"{name}_{place + 1}": own for place in range(size)}
-    if len(values) not in (0, size):
-        raise InputError(
-            f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",
-            value=f"{len(values)} of {name.replace('_', ' ')}",
-            remedy="Give one number, or as many as the structure has degrees of freedom",
-        )
-    return {f"{name}_{place}": value for place, value in enumerate(values, start=1)}
 
 
 class FrameDescription(DescribedTable):

@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from reliab.errors import InputError
-from reliab.simulation.frames.frame_tables import TolerancesTable
+from reliab.simulation.frames.tolerances_table import TolerancesTable
 
 
 def test_one_number_stands_for_each_storey_by_itself():
@@ -50,3 +50,36 @@ def test_numbers_for_each_are_as_many_as_there_are_modes():
 def test_tolerances_that_contradict_each_other(keys, message):
     with pytest.raises(ValidationError, match=message):
         TolerancesTable(**keys)
+
+
+def entries(correlation, *places, deviation=0.04):
+    table = {"matrix": "stiffness", "places": places, "deviation": deviation, "correlation": correlation}
+    return TolerancesTable(entries=[table])
+
+
+def test_entries_are_named_by_row_and_column_and_share_what_is_correlated():
+    assert entries(0.0, ("2", "1")).of_parts(2) == {"stiffness_entry_2_1": 0.04}
+    parts = entries(0.25, ("1", "1"), ("1", "2")).of_parts(2)
+    assert parts["stiffness_entry_1_1_1_2"] == pytest.approx(0.02)
+    assert np.hypot(0.02, parts["stiffness_entry_1_2"]) == pytest.approx(0.04)
+    assert entries(1.0, ("1", "1"), ("1", "2")).of_parts(2) == {"stiffness_entry_1_1_1_2": 0.04}
+
+
+def test_entries_are_found_by_the_names_of_degrees_of_freedom():
+    stiffness = np.array([[3.0, -1.0], [-1.0, 1.0]])
+    table = entries(0.0, ("roof", "x")).of_structure(("x", "roof"), np.eye(2), np.eye(2), stiffness)
+    assert table.of_parts(2) == {"stiffness_entry_2_1": 0.04}
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "places", "deviation", "message"),
+    [
+        ([[3.0, -1.0], [-1.0, 1.0]], ("x", "y"), 0.04, "Name two of x, roof"),
+        ([[3.0, 0.0], [0.0, 1.0]], ("x", "roof"), 0.04, "zero in row 1, column 2"),
+        ([[1.05, -1.0], [-1.0, 1.0]], ("x", "roof"), 0.04, "three deviations off"),
+    ],
+)
+def test_entries_are_those_of_a_structure(stiffness, places, deviation, message):
+    table = entries(0.0, places, deviation=deviation)
+    with pytest.raises(InputError, match=message):
+        table.of_structure(("x", "roof"), np.eye(2), np.eye(2), np.array(stiffness))

@@ -1,0 +1,192 @@
+"""The table `[tolerances]` of `frame.toml`: how exactly a structure is known."""
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from reliab.arrays import Array
+from reliab.errors import InputError
+from reliab.structures import least_of, name_of_entries
+
+_FAR = 3.0  # standard deviations that an entry may be off
+
+
+class DescribedTable(BaseModel):
+    """A table that holds its own keys and no others."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
+
+
+Deviation = Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)]
+
+Deviations = Deviation | tuple[Deviation, ...]
+
+
+class EntriesTable(DescribedTable):
+    """Relative standard deviation of entries of a matrix, and of those opposite to them."""
+
+    matrix: Literal["mass", "damping", "stiffness"] = Field(description="Matrix of the whole structure")
+    places: tuple[tuple[str | int, str | int], ...] = Field(
+        description="Degrees of freedom of the row and the column of each entry"
+    )
+    deviation: Deviation = Field(description="Of each of these entries")
+    correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0, description="Between these entries; 1 for entries that are off together"
+    )
+
+    @property
+    def of_parts(self) -> dict[str, float]:
+        """Deviations of all together and of each by itself, by name; places are numbers."""
+        places = [(int(row) - 1, int(column) - 1) for row, column in self.places]
+        alike = math.sqrt(self.correlation) if len(places) > 1 else 0.0
+        alone = self.deviation * math.sqrt(1.0 - alike**2)
+        parts = {name_of_entries(self.matrix, [place]): alone for place in places}
+        return parts | ({name_of_entries(self.matrix, places): self.deviation * alike} if alike else {})
+
+    def of_structure(self, names: tuple[str, ...], matrix: Array) -> Self:
+        """Return the table with numbers for names; the entries must be those of a structure."""
+        numbers = []
+        for place in self.places:
+            row, column = (_number(name, names) for name in place)
+            self._require_structure(matrix, row, column)
+            numbers.append((row + 1, column + 1))
+        return self.model_copy(update={"places": tuple(numbers)})
+
+    def _require_structure(self, matrix: Array, row: int, column: int) -> None:
+        where = f"row {row + 1}, column {column + 1} of the {self.matrix} matrix"
+        if matrix[row, column] == 0.0:
+            raise InputError(
+                "The tolerance of an entry is relative to it",
+                value=f"zero in {where}",
+                remedy="State an entry that is not zero, or a storey or mode",
+            )
+        for far in (-_FAR * self.deviation, _FAR * self.deviation):
+            changed = np.array(matrix)
+            changed[row, column] = changed[column, row] = (1.0 + far) * matrix[row, column]
+            if np.linalg.eigvalsh(changed)[0] < least_of(matrix):
+                raise InputError(
+                    "A matrix must stay that of a structure where an entry is three deviations off",
+                    value=f"{self.deviation:g} for {where}",
+                    remedy="State a smaller deviation, or those of storeys or modes",
+                )
+
+
+def _number(name: str | int, names: tuple[str, ...]) -> int:
+    if str(name) not in names:
+        raise InputError(
+            "An entry stands in the row and column of degrees of freedom",
+            value=repr(name),
+            remedy=f"Name two of {', '.join(names)}",
+        )
+    return names.index(str(name))
+
+
+class TolerancesTable(DescribedTable):
+    """Relative standard deviations of factors of the whole structure, and of its parts."""
+
+    mass: Deviation = Field(default=0.0, description="Of a factor of the mass matrix")
+    stiffness: Deviation = Field(
+        default=0.0, description="Of a factor of the stiffness matrix and of the specimen’s stiffness"
+    )
+    frequency: Deviation | None = Field(
+        default=None, description="Of the measured natural frequencies, in place of `mass` and `stiffness`"
+    )
+    damping: Deviation | None = Field(
+        default=None, description="Of a factor of the damping matrix, in place of `damping_ratio`"
+    )
+    damping_ratio: Deviation = Field(default=0.0, description="Of a factor of all damping ratios")
+    specimen_stiffness: Deviation = Field(
+        default=0.0, description="Of the specimen’s share of the stiffness, beside the factors above"
+    )
+    specimen_changes_structure: bool = Field(
+        default=False,
+        description="Whether the matrices change with the specimen, since the computer’s part is as stated",
+    )
+    floor_masses: Deviations = Field(
+        default=(), description="Of the mass of each floor, each by itself: one number or one for each"
+    )
+    storey_stiffnesses: Deviations = Field(
+        default=(), description="Of the stiffness of each storey, likewise"
+    )
+    storey_dampings: Deviations = Field(default=(), description="Of the damping of each storey, likewise")
+    storey_correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0, description="Correlation between floors or storeys whose deviation is one number"
+    )
+    mode_frequencies: Deviations = Field(
+        default=(), description="Of the natural frequency of each mode, in place of masses and stiffnesses"
+    )
+    mode_damping_ratios: Deviations = Field(
+        default=(), description="Of the damping ratio of each mode, in place of other tolerances of damping"
+    )
+
+    entries: tuple[EntriesTable, ...] = Field(default=(), description="Of single entries of matrices")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        matrices = self.mass or self.stiffness
+        storeys = self.floor_masses or self.storey_stiffnesses or self.entries
+        if self.frequency is not None and matrices:
+            message = "give frequency, or mass and stiffness"
+            raise ValueError(message)
+        if self.mode_frequencies and (self.frequency is not None or matrices or storeys):
+            message = "give mode_frequencies, or tolerances of mass, stiffness and frequency"
+            raise ValueError(message)
+        ways = self.damping is not None, bool(self.damping_ratio), bool(self.mode_damping_ratios)
+        if sum(ways) > 1 or (self.mode_damping_ratios and (self.storey_dampings or self.entries)):
+            message = "give one of damping, damping_ratio and mode_damping_ratios"
+            raise ValueError(message)
+        of_storeys = (self.floor_masses, self.storey_stiffnesses, self.storey_dampings)
+        if self.storey_correlation and not any(isinstance(values, float) for values in of_storeys):
+            message = "storey_correlation needs floors or storeys whose deviation is one number"
+            raise ValueError(message)
+        return self
+
+    @property
+    def of_frequency(self) -> float:
+        """Relative standard deviation of the natural frequencies, ω² = k/m [-]."""
+        return 0.5 * math.hypot(self.mass, self.stiffness) if self.frequency is None else self.frequency
+
+    @property
+    def of_specimen_alone(self) -> float:
+        """That of the specimen where the structure stays as it is [-]."""
+        return 0.0 if self.specimen_changes_structure else self.specimen_stiffness
+
+    def of_structure(self, names: tuple[str, ...], mass: Array, damping: Array, stiffness: Array) -> Self:
+        """Return the table with numbers for the names of degrees of freedom."""
+        matrices = {"mass": mass, "damping": damping, "stiffness": stiffness}
+        entries = (table.of_structure(names, matrices[table.matrix]) for table in self.entries)
+        return self.model_copy(update={"entries": tuple(entries)})
+
+    def of_parts(self, size: int) -> dict[str, float]:
+        """Relative standard deviations of parts of a structure of so many degrees of freedom, by name."""
+        alike = math.sqrt(self.storey_correlation)
+        of_specimen = self.specimen_stiffness if self.specimen_changes_structure else 0.0
+        deviations = {
+            "damping": self.damping or 0.0,
+            "specimen_stiffness": of_specimen,
+            **_by_number("floor_mass", self.floor_masses, alike, size),
+            **_by_number("storey_stiffness", self.storey_stiffnesses, alike, size),
+            **_by_number("storey_damping", self.storey_dampings, alike, size),
+            **_by_number("mode_frequency", self.mode_frequencies, 0.0, size),
+            **_by_number("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
+        }
+        for table in self.entries:
+            for name, deviation in table.of_parts.items():
+                deviations[name] = math.hypot(deviations.get(name, 0.0), deviation)
+        return {name: deviation for name, deviation in deviations.items() if deviation}
+
+
+def _by_number(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
+    """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
+    if isinstance(values, float):
+        own = values * math.sqrt(1.0 - alike**2)
+        return {name: alike * values} | {f"{name}_{place + 1}": own for place in range(size)}
+    if len(values) not in (0, size):
+        raise InputError(
+            f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",
+            value=f"{len(values)} of {name.replace('_', ' ')}",
+            remedy="Give one number, or as many as the structure has degrees of freedom",
+        )
+    return {f"{name}_{place}": value for place, value in enumerate(values, start=1)}
