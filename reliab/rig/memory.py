@@ -174,9 +174,9 @@ class Memory:
     def log_scales(self, table: RigTable | None = None) -> Array:
         """Return the same for the structure of each test, of this rig or of another table."""
         every = self.table if table is None else table
-        rows = zip(*(every.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True)
-        scales: dict[tuple[float, ...], float] = {}
-        return np.array([scales.setdefault(row, self._log_scale(row)) for row in rows])
+        rows = list(zip(*(every.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True))
+        scales = {row: self._log_scale(row) for row in set(rows)}
+        return np.array([scales[row] for row in rows])
 
     def _log_scale(self, row: Sequence[float]) -> float:
         frequency, damping, share = row
