@@ -394,8 +394,13 @@ class _Watch:
             yield from self._alarm(
                 "error",
                 monitor,
-                f"the error is above twice {percent(self.threshold, decimals=2)}; of tests that end below "
-                f"that threshold {percent(FALSE_ERROR_ALARMS)} at most have this alarm",
+                f"the error is above twice {percent(self.threshold, decimals=2)}; "
+                + (
+                    f"of tests that end below that threshold {percent(FALSE_ERROR_ALARMS)} at most have this "
+                    "alarm"
+                    if self.of_force is None
+                    else "how often that is false was not measured for specimens that are learned"
+                ),
             )
 
     def _alarm(self, name: str, monitor: Monitor | MeasuredMonitor, sentence: str) -> Iterator[Message]:
@@ -429,7 +434,10 @@ class _Watch:
             "net_damping_ratio": damping,
             "near_instability": damping is not None and damping < _CRITICAL * self.stated["xi"].value,
             "alarms": list(self.alarms),
-            "false_alarm_rates": {"unstable": FALSE_ALARMS, "error": FALSE_ERROR_ALARMS},
+            "false_alarm_rates": {
+                "unstable": FALSE_ALARMS,
+                "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
+            },
             **_learning(monitor),
             **more,
         }

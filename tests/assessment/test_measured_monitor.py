@@ -146,6 +146,7 @@ def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path)
     ]
     assert running[0]["specimen"] == {"learning": True, "held_out": None, "until_s": None}
     assert running[0]["rms"] is None
+    assert running[0]["false_alarm_rates"]["error"] is None
     known = [message for message in running if "error" in message]
     assert len(known) > 3
     for message in known:
