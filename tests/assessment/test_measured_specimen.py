@@ -215,6 +215,15 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
 
 
+def test_a_response_that_diverges_ends_at_once() -> None:
+    """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
+    whole = CoupledPartition.of_structure(Structure(frequency=0.7, damping_ratio=0.05))
+    late, numerical = 0.9 * _SINE, Recursion.of_force(whole.without_specimen, _STEP)
+    law = _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS)
+    response = law.respond(np.array([-1e9]), _SINE, late, _STEP, _STILL, numerical)
+    assert np.isnan(response[-1])
+
+
 def test_elements_are_seen_as_the_channels_are() -> None:
     """Filtered at the full rate and then thinned, without the ends that the filter sees one side of."""
     noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)

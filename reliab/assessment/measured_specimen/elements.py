@@ -35,6 +35,7 @@ from reliab.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
 _LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields
+_BOUNDED = 1e3  # times the largest command, within which a response stays
 _STATES = 6
 _SLOW = 1e-3  # of the largest speed, below which a dashpot is linear
 _FINER = 1.012  # ratio of sizes below which two elements are one
@@ -241,6 +242,7 @@ def _respond(
     held, scratch = np.zeros(early.shape[0]), np.zeros(early.shape[0])
     forces = np.zeros((1, 2))
     wrong, wrong_before, before, earlier = 0.0, 0.0, 0.0, 0.0
+    limit = _BOUNDED * np.abs(command).max()
     for i in range(command.size):
         foreseen = 2.0 * wrong - wrong_before if i > 1 else wrong
         if i > 0:
@@ -249,6 +251,9 @@ def _respond(
         now = command[i]
         for row in range(held.size):
             now -= output[row] * held[row]
+        if not abs(now) <= limit:  # diverges; some elements take the longer the farther they are moved
+            answer[i:] = np.nan
+            return answer
         velocity = _velocity(now, before, earlier, step, i)
         force = 0.0
         for element in range(kinds.size):
