@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypedDict, Unpack, overload
+from typing import TYPE_CHECKING, TypedDict, Unpack, overload
 
 from reliab.api.arguments import (
     LINEAR,
@@ -21,27 +21,24 @@ from reliab.api.several_tests import Judge, assess_each, name_of_test
 from reliab.api.stated_structure import exactly_stated, stated_by_model, stated_of_test
 from reliab.assessment import (
     Assessment,
-    Assessments,
-    CoupledAssessment,
     Equipment,
-    ForceChannel,
-    FrameAssessment,
     LowPass,
-    assess_coupled,
-    assess_frame,
     corrected,
     stated_of_filters,
 )
 from reliab.assessment.assess import assess as assess_structure
 from reliab.criterion import Criterion
 from reliab.errors import InputError
-from reliab.motions import Motion, read_motion
 from reliab.progress import Progress, silent
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
-from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment import Assessments, CoupledAssessment, ForceChannel, FrameAssessment
+    from reliab.motions import Motion
+    from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+    from reliab.simulation.hybrid_test import UpdatedModel
 
 _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
@@ -82,9 +79,9 @@ class Stated(Former, total=False):
     filter: Iterable[str] | None
     equipment: str | Path | Equipment | None
     exact: bool
-    motion: str | Path | Motion | None
+    motion: "str | Path | Motion | None"
     criterion: str | Path | Criterion | None
-    model: str | Path | UpdatedModel | None
+    model: "str | Path | UpdatedModel | None"
     specimen: str | None
     force_channel: Iterable[str] | None
     threshold: float | None
@@ -108,23 +105,23 @@ def assess(  # type: ignore[overload-overlap]  # a text is one file
 ) -> Assessment: ...
 @overload
 def assess(  # type: ignore[overload-overlap]
-    test: Test, structure: FrameUnderTest | str | Path, **stated: Unpack[Stated]
-) -> FrameAssessment: ...
+    test: Test, structure: "FrameUnderTest | str | Path", **stated: Unpack[Stated]
+) -> "FrameAssessment": ...
 @overload
 def assess(  # type: ignore[overload-overlap]
-    test: Test, structure: CoupledFrame, **stated: Unpack[Stated]
-) -> CoupledAssessment: ...
+    test: Test, structure: "CoupledFrame", **stated: Unpack[Stated]
+) -> "CoupledAssessment": ...
 @overload
 def assess(
     test: Iterable[Test],
-    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None = None,
+    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None" = None,
     **stated: Unpack[Stated],
-) -> Assessments: ...
+) -> "Assessments": ...
 
 
 def assess(
     test: "Test | Iterable[Test]",
-    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None = None,
+    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None" = None,
     *,
     f: Quantity | None = None,
     xi: Quantity | None = None,
@@ -139,9 +136,9 @@ def assess(
     filter: Iterable[str] | None = None,  # noqa: A002 - the option's name
     equipment: str | Path | Equipment | None = None,
     exact: bool = False,
-    motion: str | Path | Motion | None = None,
+    motion: "str | Path | Motion | None" = None,
     criterion: str | Path | Criterion | None = None,
-    model: str | Path | UpdatedModel | None = None,
+    model: "str | Path | UpdatedModel | None" = None,
     specimen: str | None = None,
     force_channel: Iterable[str] | None = None,
     threshold: float | None = None,
@@ -158,7 +155,7 @@ def assess(
     channels: str | Path | None = None,
     progress: Progress = silent,
     **former: Unpack[Former],
-) -> Assessment | FrameAssessment | CoupledAssessment | Assessments:
+) -> "Assessment | FrameAssessment | CoupledAssessment | Assessments":
     """Judge a test, or several, by the error computed from command and measured displacement.
 
     Parameters
@@ -308,10 +305,10 @@ class _Terms:
     filters: Mapping[str, LowPass]
     equipment: str | Path | Equipment | None
     exact: bool
-    structure: Structure | FrameUnderTest | CoupledFrame | str | Path | None
-    motion: str | Path | Motion | None
+    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None"
+    motion: "str | Path | Motion | None"
     criterion: str | Path | Criterion | None
-    model: str | Path | UpdatedModel | None
+    model: "str | Path | UpdatedModel | None"
     specimen: str | None
     force_channel: tuple[str, ...]
     threshold: float | None
@@ -349,10 +346,22 @@ class _Terms:
     def _own_criterion(self) -> Criterion | None:
         return Criterion.read(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
 
+    def _own_model(self) -> "UpdatedModel | None":
+        if not isinstance(self.model, str | Path):
+            return self.model
+        from reliab.simulation.hybrid_test import read_model
+
+        return read_model(self.model)
+
+    def _own_motion(self) -> "Motion | None":
+        if not isinstance(self.motion, str | Path):
+            return self.motion
+        from reliab.motions import read_motion
+
+        return read_motion(self.motion)
+
     def _judge_of_structures(self, structure: Structure | None) -> Judge:
-        model = read_model(self.model) if isinstance(self.model, str | Path) else self.model
-        motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
-        criterion = self._own_criterion()
+        model, motion, criterion = self._own_model(), self._own_motion(), self._own_criterion()
         measured = self._specimen_is_measured()
         of_force = self._channel_of_force()
         numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
@@ -396,12 +405,19 @@ class _Terms:
     def _specimen_is_measured(self) -> bool:
         return require_known_specimen(self.specimen, beside_model=self.model is not None)
 
-    def _channel_of_force(self) -> ForceChannel | None:
+    def _channel_of_force(self) -> "ForceChannel | None":
         if self.force_channel and not self._specimen_is_measured():
             raise unused("force_channel", "unless the `specimen` is measured")
-        return ForceChannel.parse(self.force_channel) if self.force_channel else None
+        if not self.force_channel:
+            return None
+        from reliab.assessment import ForceChannel
 
-    def _judge_of_frames(self, structure: FrameUnderTest | CoupledFrame | str | Path) -> Judge:
+        return ForceChannel.parse(self.force_channel)
+
+    def _judge_of_frames(self, structure: "FrameUnderTest | CoupledFrame | str | Path") -> Judge:
+        from reliab.assessment import assess_frame
+        from reliab.simulation.frames import CoupledFrame, read_structure
+
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
         for name in self.former:
@@ -417,10 +433,10 @@ class _Terms:
         if isinstance(frame, CoupledFrame):
             return self._judge_of_several_actuators(frame)
         criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
-        motion = read_motion(self.motion) if isinstance(self.motion, str | Path) else self.motion
+        motion = self._own_motion()
         of_filters = stated_of_filters(self.filters)
 
-        def judge(channels: Channels, test: Test) -> FrameAssessment:
+        def judge(channels: Channels, test: Test) -> "FrameAssessment":
             recording = channels.read(test)
             stated = {**recording.stated, **self.numbers}
             require_positive(stated)
@@ -440,7 +456,9 @@ class _Terms:
 
         return judge
 
-    def _judge_of_several_actuators(self, frame: CoupledFrame) -> Judge:
+    def _judge_of_several_actuators(self, frame: "CoupledFrame") -> Judge:
+        from reliab.assessment import assess_coupled
+
         for name in ("skew", "command_scale", "hysteresis"):
             if name in self.numbers:
                 raise unused(name, _BESIDE_SEVERAL)
@@ -454,7 +472,7 @@ class _Terms:
         require_positive(self.numbers)
         equipment = known_equipment(self.equipment, exact=self.exact)
 
-        def judge(channels: Channels, test: Test) -> CoupledAssessment:
+        def judge(channels: Channels, test: Test) -> "CoupledAssessment":
             return assess_coupled(
                 channels.read_several_actuators(test),
                 frame,

@@ -6,15 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.api.design import Design
-from reliab.assessment import (
-    Assessment,
-    Comparison,
-    CoupledAssessment,
-    FrameAssessment,
-    corrected_response,
-    verdict_table,
-)
+from reliab.assessment import Assessment
 from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending, written_whole
@@ -24,11 +16,13 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from reliab.api.design import Design
+    from reliab.assessment import Comparison, CoupledAssessment, FrameAssessment
     from reliab.report import Setting
 
 
 def file_report(
-    assessment: Assessment | FrameAssessment | CoupledAssessment,
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
     report: str | Path,
     *,
     test: str | Path,
@@ -54,6 +48,7 @@ def file_report(
         If the file cannot be written.
     """
     require_ending(report, ".pdf")
+    from reliab.assessment import CoupledAssessment
     from reliab.report import write_pdf
     from reliab.report.kinds.assessment import (
         assessment_report,
@@ -99,10 +94,12 @@ def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> No
     InputError
         If the file cannot be written.
     """
+    from reliab.assessment import verdict_table
+
     _write_table(verdict_table(verdicts), out)
 
 
-def write_ranking(comparison: Comparison, out: str | Path) -> None:
+def write_ranking(comparison: "Comparison", out: str | Path) -> None:
     """Write the table of ranked tests, one row for each.
 
     Parameters
@@ -127,7 +124,7 @@ def _write_table(rows: "pd.DataFrame", out: str | Path) -> None:
         rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
 
-def draw_design(design: Design, figure: str | Path) -> None:
+def draw_design(design: "Design", figure: str | Path) -> None:
     """Draw the chart of tolerable errors over the frequency.
 
     Parameters
@@ -147,7 +144,7 @@ def draw_design(design: Design, figure: str | Path) -> None:
     _draw(tolerable_errors_over_frequency(design.chart), figure)
 
 
-def draw_comparison(comparison: Comparison, figure: str | Path) -> None:
+def draw_comparison(comparison: "Comparison", figure: str | Path) -> None:
     """Draw the chart of ranked tests.
 
     Parameters
@@ -184,7 +181,7 @@ def _draw(drawn: "Figure", figure: str | Path) -> None:
         ) from error
 
 
-def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment, out: str | Path) -> str:
+def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessment", out: str | Path) -> str:
     """Write the response that a perfect actuator would have produced.
 
     Parameters
@@ -205,6 +202,8 @@ def write_corrected(assessment: Assessment | FrameAssessment | CoupledAssessment
         If the file is neither `.csv` nor `.nc`, or it cannot be written.
     """
     require_ending(out, ".csv", ".nc")
+    from reliab.assessment import corrected_response
+
     response = corrected_response(assessment)
     rule = "The file of the corrected response must be writable"
     with refuse_unwritable(rule, where=out), written_whole(out) as file:

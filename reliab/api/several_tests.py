@@ -2,19 +2,26 @@
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
 from reliab.api.channels import Channels, Test
-from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
 from reliab.errors import InputError
 from reliab.progress import Progress
 from reliab.recordings import CoupledRecording, Recording
 
-Judge = Callable[[Channels, Test], Assessment | FrameAssessment | CoupledAssessment]
+if TYPE_CHECKING:
+    from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
+
+Judge: TypeAlias = Callable[[Channels, Test], "Assessment | FrameAssessment | CoupledAssessment"]
 """Reads and judges a test."""
 
 
-def assess_each(tests: Iterable[tuple[str, Channels, Test]], judge: Judge, progress: Progress) -> Assessments:
+def assess_each(
+    tests: Iterable[tuple[str, Channels, Test]], judge: Judge, progress: Progress
+) -> "Assessments":
     """Judge tests, each with its name and what is stated of its channels."""
+    from reliab.assessment import Assessments
+
     by_file: dict[str, tuple[Channels, Test]] = {}
     for file, channels, test in tests:
         if file in by_file:

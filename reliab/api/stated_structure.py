@@ -1,14 +1,16 @@
 """What is stated of the structure of a test: by arguments, by a model, by the file's header."""
 
 from collections.abc import Mapping
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from reliab.api.arguments import require_positive, unused
 from reliab.errors import InputError
 from reliab.recordings import Recording
-from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
+
+if TYPE_CHECKING:
+    from reliab.simulation.hybrid_test import UpdatedModel
 
 _SAME: Final = 0.01  # relative difference up to which a stated structure is that of a model
 
@@ -22,7 +24,7 @@ def exactly_stated(structure: Structure) -> dict[str, StatedValue]:
     }
 
 
-def stated_by_model(model: UpdatedModel) -> dict[str, StatedValue]:
+def stated_by_model(model: "UpdatedModel") -> dict[str, StatedValue]:
     """Take what a model states of its structure."""
     return {} if model.test.structure is None else exactly_stated(model.test.structure)
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reliab.assessment.alignment import align
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget import Equipment
 from reliab.assessment.contradictions import (
@@ -23,10 +23,8 @@ from reliab.assessment.explanations import Explanation, error_under
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.moving_windows import track_windows
 from reliab.assessment.own_equation import OwnEquation, examine_equation
-from reliab.assessment.own_motion import OwnPlacement, place_on_own
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
@@ -35,12 +33,16 @@ from reliab.assessment.tracking_measures import measure_tracking
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion
-from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
-from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, whole_structure
 from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.measured_specimen import ForceChannel
+    from reliab.assessment.own_motion import OwnPlacement
+    from reliab.motions import Motion
+    from reliab.simulation.hybrid_test import UpdatedModel
 
 _FEW_DRAWS = 2
 _DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
@@ -52,15 +54,15 @@ def assess(
     *,
     stated: Mapping[str, StatedValue] | None = None,
     equipment: Equipment | None = None,
-    motion: Motion | None = None,
+    motion: "Motion | None" = None,
     criterion: Criterion | None = None,
     threshold: float = 0.05,
     confidence: float = 0.95,
     metric: str = "rms",
-    model: UpdatedModel | None = None,
+    model: "UpdatedModel | None" = None,
     measured_specimen: bool = False,
     linear_specimen: bool = False,
-    force_channel: ForceChannel | None = None,
+    force_channel: "ForceChannel | None" = None,
     assumed: tuple[str, ...] = (),
     taper: str = "hann",
     seed: int = 0,
@@ -143,7 +145,7 @@ def _examined(
     recording: Recording,
     question: Question,
     chosen: Criterion,
-    motion: Motion | None,
+    motion: "Motion | None",
     assumed: tuple[str, ...],
     taper: str,
 ) -> Assessment:
@@ -219,9 +221,12 @@ def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -
 
 
 def _placed(
-    motion: Motion, clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
-) -> OwnPlacement:
+    motion: "Motion", clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
+) -> "OwnPlacement":
     """Place the test against the boundary of its own ground motion."""
+    from reliab.assessment.alignment import align
+    from reliab.assessment.own_motion import place_on_own
+
     alignment = align(clean, error.reference, question.structure, motion)
     return place_on_own(motion, tracking, alignment, question)
 

@@ -2,18 +2,21 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.band import noise_floor, power_of
-from reliab.assessment.measured_specimen import MeasuredSpecimen
-from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
+
+if TYPE_CHECKING:
+    from reliab.assessment.measured_specimen import MeasuredSpecimen
+    from reliab.assessment.own_motion import OwnPlacement
 
 _OFF_RESONANCE = (0.5, 1.7)
 _PEAK = 8.0
@@ -76,7 +79,7 @@ def _mean(values: NDArray[np.float64]) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
-def of_specimen(specimen: MeasuredSpecimen | None) -> Iterator[Contradiction]:
+def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
     """Say where the recorded force did not show well enough what the specimen does."""
     if specimen is None:
         return
@@ -112,7 +115,7 @@ def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:
         )
 
 
-def of_motion(placement: OwnPlacement | None) -> Iterator[Contradiction]:
+def of_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
     """Say where the stated ground motion and structure do not give this test."""
     if placement is not None and not placement.alignment.matched:
         yield Contradiction(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, TypedDict
+from typing import TYPE_CHECKING, Final, TypedDict
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from reliab.assessment.budget import (
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error import (
     Estimate,
     Part,
@@ -29,17 +28,19 @@ from reliab.assessment.rebuilt_error import (
     rebuild,
 )
 from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
-from reliab.simulation.hybrid_test import UpdatedModel
 from reliab.stated_value import StatedValue
 from reliab.structures import CoupledPartition, Structure, whole_structure
 from reliab.vocabulary import MILLI, PERCENT, Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen
+    from reliab.simulation.hybrid_test import UpdatedModel
 
 """Largest probability where sizes of what is unknown are assumed."""
 
@@ -63,11 +64,11 @@ class Question:
     equipment: Equipment | None  # What is not known where nothing is stated; None: everything is exact
     metric: Metric  # Which error
     threshold: float  # Error of the whole test [-]
-    model: UpdatedModel | None = None  # Calibrated model of a nonlinear specimen
+    model: "UpdatedModel | None" = None  # Calibrated model of a nonlinear specimen
     seed: int = 0  # Seed of the draws
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
     linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
-    force_channel: ForceChannel | None = None  # What is stated of the force of a measured specimen
+    force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
 
     @property
     def resolution(self) -> float | None:
@@ -132,7 +133,7 @@ class ErrorOfTest:
     under: str = ""
     alternatives: tuple["ErrorOfTest", ...] = ()
     sizes: Mapping[str, Size] = field(default_factory=dict)
-    specimen: MeasuredSpecimen | None = None
+    specimen: "MeasuredSpecimen | None" = None
     modelled: bool = False
     if_linear: Spread | None = None
 
@@ -254,6 +255,8 @@ def error_of_test(
         specimen = _learned(recording, measured, question, rest)
         rebuilt = specimen.rebuilt
     elif question.model is not None:
+        from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+
         rebuilt = rebuild_with_specimen(
             recording.command,
             measured,
@@ -284,7 +287,7 @@ def error_of_test(
     return that_may_have_yielded(error, question.yielding(recording))
 
 
-def sizes_of_force(specimen: MeasuredSpecimen | None) -> dict[str, Size]:
+def sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
     """Sizes of what is stated of mass and force of a measured specimen."""
     deviations = {} if specimen is None else specimen.test.deviations_of_force
     return {
@@ -326,7 +329,7 @@ class _Rest(TypedDict):
     seed: int
 
 
-def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> MeasuredSpecimen:
+def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> "MeasuredSpecimen":
     """Learn the specimen of one mass from the recorded force; `measured` [m]."""
     if "mass" not in question.stated:
         raise InputError(
@@ -351,7 +354,7 @@ def specimen_from_force(
     tolerances: Tolerances,
     mass_deviation: float = 0.0,
     seed: int = 0,
-) -> MeasuredSpecimen:
+) -> "MeasuredSpecimen":
     """Learn a specimen from its recorded force, with the error of its test.
 
     `measured`, `sensor_offset` [m]; `whole` [kg, N·s/m, N/m]; `mass_deviation` over the mass [-].
@@ -363,6 +366,8 @@ def specimen_from_force(
             remedy="Record the force that was fed back, in newtons",
             where=recording.name,
         )
+    from reliab.assessment.measured_specimen import rebuild_with_force
+
     return rebuild_with_force(
         recording.command,
         measured,

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
@@ -10,7 +10,6 @@ from reliab.assessment.faults import Fault
 from reliab.assessment.improvement import Improvement, improvement
 from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
-from reliab.assessment.own_motion import OwnPlacement
 from reliab.assessment.placement import Placement
 from reliab.assessment.scope_of_test import ScopeOfTest
 from reliab.assessment.tracking_index import TrackingIndex
@@ -23,6 +22,9 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Structure, stability_margin
 from reliab.structures.stability import critical_delay
 from reliab.vocabulary import Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.own_motion import OwnPlacement
 
 LARGEST_PROBABILITY: Final = 0.99
 """Largest probability stated for a population of ground motions: higher ones were not validated."""
@@ -65,7 +67,7 @@ class Findings:
     scope: ScopeOfTest  # The test compared with the motions behind the criterion
     # The test against the motions that ship, carried to its own response; None where they cannot be
     by_response: Placement | None
-    placement: OwnPlacement | None  # The test against its own ground motion's boundary, where that is known
+    placement: "OwnPlacement | None"  # The test against its own ground motion's boundary, where that is known
     error: ErrorOfTest  # The error of this test, rebuilt from its command and measured displacement
     faults: tuple[FaultEffect, ...]  # Faults of the recording
     equation: OwnEquation  # What the test's equation of motion shows about the structure

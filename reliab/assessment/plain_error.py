@@ -1,11 +1,13 @@
 """Errors and their parts as plain numbers, the same in every summary of a test."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.assessment.measured_specimen import MeasuredSpecimen
 from reliab.assessment.rebuilt_error import Estimate, Part
+
+if TYPE_CHECKING:
+    from reliab.assessment.measured_specimen import MeasuredSpecimen
 
 
 def finite(value: float | None) -> float | None:
@@ -28,7 +30,7 @@ def plain_part(part: Part) -> dict[str, float | None]:
     }
 
 
-def plain_specimen(how_known: str, learned: MeasuredSpecimen | None) -> dict[str, Any]:
+def plain_specimen(how_known: str, learned: "MeasuredSpecimen | None") -> dict[str, Any]:
     """How the specimen is known; of one that was learned, by what and how well."""
     if learned is None:
         return {"known": how_known}

@@ -15,13 +15,16 @@ gives A and d an error of about the share that its last τ seconds have in the w
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.signals import taper
-from reliab.simulation.linear_loop import TrackingSums
+
+if TYPE_CHECKING:
+    from reliab.simulation.linear_loop import TrackingSums
 
 _FEWEST_SAMPLES = 16
 
@@ -68,7 +71,7 @@ def frequency_evaluation(
     )
 
 
-def evaluate_sums(sums: TrackingSums) -> tuple[Array, Array]:
+def evaluate_sums(sums: "TrackingSums") -> tuple[Array, Array]:
     """Evaluate tracking of many simulated tests from sums that were accumulated while stepping.
 
     `sums`: sums over the positive frequencies of command and measured displacement. Returns A [-] and d [s],

@@ -3,15 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from reliab.assessment.budget.equipment import Equipment
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, is_part
 from reliab.vocabulary import MILLI
+
+if TYPE_CHECKING:
+    from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 
 
 class Source(StrEnum):
@@ -94,7 +97,7 @@ def sizes_of_unknown(
     return sizes
 
 
-def sizes_of_structure(frame: FrameUnderTest | CoupledFrame) -> dict[str, Size]:
+def sizes_of_structure(frame: "FrameUnderTest | CoupledFrame") -> dict[str, Size]:
     """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e.
 
     Where parts of the structure are stated, nothing is assumed of the whole beside them.

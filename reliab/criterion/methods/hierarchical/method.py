@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, fit_hierarchical
 from reliab.criterion.methods.method import Method, checked_share
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from reliab.criterion.methods.hierarchical.fit import HierarchicalFit
 
 _CURVED: Final = {"table": True, "dimensionless": True, "power": False}
 
@@ -51,8 +53,10 @@ class HierarchicalMethod(Method):
 
     def learn(
         self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
-    ) -> HierarchicalFit:
+    ) -> "HierarchicalFit":
         """Sample the posterior; see :meth:`Method.learn`."""
+        from reliab.criterion.methods.hierarchical.fit import fit_hierarchical
+
         if law not in _CURVED:
             raise InputError(
                 "The hierarchical model has a law inside that is linear or quadratic in ln f and ln ξ",
