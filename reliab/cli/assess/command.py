@@ -195,21 +195,31 @@ def _show_one(
     *,
     details: bool,
 ) -> None:
-    from reliab.assessment import Assessment, CoupledAssessment
+    from reliab.assessment import Assessment
+    from reliab.cli.assess.shown_briefly import show_briefly
+    from reliab.cli.assess.shown_test import show_assessment
+
+    if not isinstance(assessment, Assessment):
+        _show_frame(assessment, content, details=details)
+        return
+    show_briefly(content, without_details=not details)
+    if details:
+        show_assessment(assessment)
+
+
+def _show_frame(
+    assessment: "FrameAssessment | CoupledAssessment", content: dict[str, Any], *, details: bool
+) -> None:
+    from reliab.assessment import CoupledAssessment
     from reliab.cli.assess.shown_briefly import show_briefly
     from reliab.cli.assess.shown_coupled import show_coupled
     from reliab.cli.assess.shown_frame import show_frame
-    from reliab.cli.assess.shown_test import show_assessment
 
     if isinstance(assessment, CoupledAssessment):
         show_coupled(assessment, details=details)
         return
     show_briefly(content, without_details=not details)
-    if not details:
-        return
-    if isinstance(assessment, Assessment):
-        show_assessment(assessment)
-    else:
+    if details:
         show_frame(assessment)
 
 
