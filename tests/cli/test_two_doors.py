@@ -147,7 +147,7 @@ def agree(capsys, tests, stated):
 def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(assessment, "assess_structure", Answer)
-    monkeypatch.setattr(assessment, "assess_frame", Answer)
+    monkeypatch.setattr(reliab.assessment, "assess_frame", Answer)
     codes = [agree(capsys, *drawn(number)) for number in range(DRAWS)]
     assert codes.count(0) > 0.2 * DRAWS
     assert codes.count(2) > 0.2 * DRAWS
@@ -177,7 +177,7 @@ def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
 def test_objects_say_what_their_files_say(folder, monkeypatch):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(assessment, "assess_structure", Answer)
-    monkeypatch.setattr(assessment, "assess_frame", Answer)
+    monkeypatch.setattr(reliab.assessment, "assess_frame", Answer)
     readers = {
         "criterion": ("criterion.json", Criterion.read),
         "model": ("model.toml", read_model),
