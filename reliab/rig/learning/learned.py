@@ -41,8 +41,8 @@ class Learned:
         among = self.likeness.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
         mean, variance = self._at(self.variances.mode, standard, among, between)
-        chosen = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
-        means = [self._at(theta, standard, among, between)[0] for theta in self.variances.draws[chosen]]
+        rows = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
+        means = [self._at(theta, standard, among, between)[0] for theta in self.variances.draws[rows]]
         prior = sum(
             (
                 np.exp(2.0 * log_spread) * alike

@@ -52,15 +52,15 @@ class Scatter:
         grid, table, prior = _grid()
         logarithms = prior + share * (_counts_at_knots(residuals) @ table)
         weights = np.exp(logarithms - logarithms.max())
-        chosen = weights > _NEGLIGIBLE
-        degrees, skewness, scale = grid[:, chosen]
-        kept = weights[chosen] / weights[chosen].sum()
-        return cls(weights=kept, degrees=degrees, skewness=skewness, scale=scale)
+        probable = weights > _NEGLIGIBLE
+        degrees, skewness, scale = grid[:, probable]
+        shares = weights[probable] / weights[probable].sum()
+        return cls(weights=shares, degrees=degrees, skewness=skewness, scale=scale)
 
     def log_density(self, residuals: ArrayLike) -> Array:
         """Logarithm of the density of residuals, shape (residuals,)."""
-        each = _log_densities(np.asarray(residuals), self.degrees, self.skewness, self.scale)
-        return np.asarray(scipy.special.logsumexp(each, b=self.weights, axis=1))
+        densities = _log_densities(np.asarray(residuals), self.degrees, self.skewness, self.scale)
+        return np.asarray(scipy.special.logsumexp(densities, b=self.weights, axis=1))
 
     def cumulative(self, residuals: ArrayLike) -> Array:
         """Probability that a further residual is at most each of these, shape (residuals,)."""
