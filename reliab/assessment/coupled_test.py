@@ -23,7 +23,7 @@ from reliab.assessment.coupled_error import (
     compare_with_ground,
     rebuild_coupled,
 )
-from reliab.assessment.doubts import ERROR_NAMES, probability_text
+from reliab.assessment.doubts import ERROR_NAMES, doubted_by_entries, probability_text
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.plausibility import require_length, require_plausible
 from reliab.assessment.tracking_index import track
@@ -233,5 +233,7 @@ def _verdict(
     )
     remedy = budget_of_several(error, metric, sizes)[0].remedy
     verdict = Verdict(word=word, reasons=(reason,), would_decide=(remedy,) if word is Word.UNDECIDED else ())
+    largest = np.max([degree.draws.errors(metric) for degree in error.judged], axis=0)
+    verdict = doubted_by_entries(verdict, sizes, largest, threshold)
     doubts = [f"Actuator {number}: {fault.finding}" for number, fault in faults if fault.in_loop is None]
     return verdict.doubted(doubts, ["Repair the channel: the verdict may depend on it."] if doubts else [])

@@ -1,10 +1,14 @@
 """The verdict by the error of the test, and what makes it undecided."""
 
+from collections.abc import Iterable
+
+from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.significant import percent, significant
+from reliab.structures import is_of_entries
 from reliab.vocabulary import Metric
 
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
@@ -13,6 +17,7 @@ _NONLINEAR = (
     "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or "
     "give a model of it that `reliab diagnose` calibrated."
 )
+_ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
     "vibration: the verdict depends on which of them it is."
@@ -63,6 +68,25 @@ def verdict_of_error(
         reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure.")
     return verdict.doubted(reasons, remedies)
+
+
+def doubted_by_entries(verdict: Verdict, unknown: Iterable[str], errors: Array, threshold: float) -> Verdict:
+    """Call no test reliable of which a structure that stated entries allow has too large an error.
+
+    The error is largest with the natural frequency that a test near resonance really had, which entries leave
+    open, so that a 90 % interval holds too rarely (the guide on frames has figures).
+
+    `errors` of the draws, shape (draws,), and `threshold` [-].
+    """
+    largest = float(errors.max())
+    if verdict.word is not Word.RELIABLE or largest <= threshold or not any(map(is_of_entries, unknown)):
+        return verdict
+    reason = (
+        "Single entries of a matrix are uncertain, and with one of the structures that they allow the error "
+        f"is {percent(largest, decimals=2)}: near resonance it is largest with the frequency that the test "
+        "really had, which its interval does not know."
+    )
+    return verdict.doubted([reason], [_ENTRIES])
 
 
 def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:

@@ -13,7 +13,7 @@ from reliab.assessment.budget import (
     tolerances_of,
 )
 from reliab.assessment.contradictions import limited, of_frequency, of_specimen, of_stability
-from reliab.assessment.doubts import verdict_of_error
+from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
 from reliab.assessment.error_of_test import (
     ErrorOfTest,
     Question,
@@ -152,6 +152,12 @@ def _examined(
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
+    verdict = doubted_by_entries(
+        verdict_of_error(error, effects, OwnEquation(), ()),
+        error.sizes,
+        error.rebuilt.draws.errors(question.metric),
+        question.threshold,
+    )
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -166,7 +172,7 @@ def _examined(
             else ResponseErrors(each=(), disagreement=None, measured=True)
         ),
         faults=effects,
-        verdict=turning.limit(verdict_of_error(error, effects, OwnEquation(), ())),
+        verdict=turning.limit(verdict),
         turning=turning,
         critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
         criterion=criterion,

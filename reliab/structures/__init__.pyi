@@ -17,6 +17,7 @@ from .partition import (
 )
 from .parts_of_structure import (
     PARTS as PARTS,
+    is_of_entries as is_of_entries,
     is_part as is_part,
     least_of as least_of,
     name_of_entries as name_of_entries,

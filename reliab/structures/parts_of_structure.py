@@ -52,6 +52,11 @@ def part_and_number(name: str) -> tuple[str, str] | None:
     return f"{entries[0]}_entry", ", ".join(f"({row + 1}, {column + 1})" for row, column in entries[1])
 
 
+def is_of_entries(name: str) -> bool:
+    """Whether a name is of single entries of a matrix, such as "stiffness_entry_1_2"."""
+    return _places_of_entries(name) is not None
+
+
 def name_of_entries(matrix: str, places: Sequence[tuple[int, int]]) -> str:
     """Name entries of a matrix that are off together, by rows and columns from 0.
 
