@@ -250,6 +250,7 @@ def test_a_recorded_ground_motion_contradicts_another_structure(recorded, with_g
     assert "lowest natural frequency" not in " ".join(stated.verdict.reasons)
 
 
+@pytest.mark.slow
 def test_a_ground_motion_of_another_test_is_noticed(recorded, with_ground):
     turned = with_ground.assign(ground_acceleration_m_s2=-shaking()[1])
     assert "The ground acceleration has the opposite sign." in reliab.assess(turned, recorded[1]).warnings

@@ -230,6 +230,7 @@ def test_frequencies_are_not_stated_beside_mass_and_stiffness():
         TolerancesTable(frequency=0.01, stiffness=0.03)
 
 
+@pytest.mark.slow
 def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(frame, test_and_truth):
     recording, _ = test_and_truth
     assumed = assess_frame(recording, frame, equipment=ordinary_equipment())

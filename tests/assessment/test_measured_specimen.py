@@ -428,6 +428,7 @@ def test_what_cannot_be_learned_is_refused(stated: dict[str, object], says: str)
         assess("sample_test", f=1, xi=0.02, **stated)
 
 
+@pytest.mark.slow
 def test_a_specimen_that_no_element_explains_leaves_the_test_undecided() -> None:
     """A force that half follows chance is predicted nowhere, and the verdict says so."""
     test = _simulated("bilinear", 8)

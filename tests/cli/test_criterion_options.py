@@ -140,6 +140,7 @@ CHANGES = {
     "out": [],
     "json_target": [],
 }
+SLOW = {"suite", "motion", "duration"}  # options that carry the criterion of all that ships
 REFUSED = {
     "motions": [(PAPER, ("--motions", "synthetic")), (PRINTED, ("--motions", "synthetic"))],
     "sets": [(PAPER, ("--sets", "near")), (PRINTED, ("--sets", "near")), (STORE, ("--sets", "near"))],
@@ -211,7 +212,7 @@ def placed(arguments, folder):
 
 def cases(table):
     return [
-        pytest.param(base, extra, id=f"{name}-{number}")
+        pytest.param(base, extra, id=f"{name}-{number}", marks=[pytest.mark.slow] if name in SLOW else [])
         for name, pairs in table.items()
         for number, (base, extra) in enumerate(pairs)
     ]

@@ -81,6 +81,7 @@ def test_a_name_of_nothing_is_answered_by_the_names_that_there_are(arguments, ca
     assert ("sample_test" if arguments[0] == "assess" else "quick") in message
 
 
+@pytest.mark.slow
 def test_the_explorer_answers_in_json_too(tmp_path, capsys):
     page = tmp_path / "page.html"
     assert run(["explore", "--out", str(page), "--json", "-"]) == 0

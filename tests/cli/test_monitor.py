@@ -69,6 +69,7 @@ def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
     assert [one["samples"] for one in said[:3]] == [128, 256, 384]
 
 
+@pytest.mark.slow
 def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     path = tmp_path / "long.csv"
     written(path, 0.004, seconds=30.0, quiet=16.0)
@@ -113,6 +114,7 @@ def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):
     assert said[-1]["net_damping_ratio"] < 0.0
 
 
+@pytest.mark.slow
 def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
     lines = written(tmp_path / "unstable.csv", 0.03)
     arguments = ["monitor", "-", "--f", "1", "--xi", "0.05", "--threshold", "0.5"]
@@ -331,6 +333,7 @@ def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     assert messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"] > 1.15 * sound["value"]
 
 
+@pytest.mark.slow
 def test_what_is_not_stated_is_as_uncertain_as_in_assess(good, tmp_path, capsys):
     """Two doors, one interval: that of a linear specimen with ordinary equipment."""
     sizes = tmp_path / "ours.toml"

@@ -83,6 +83,7 @@ def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with
         assert (code, out.decode(encoding)) == (0, written)
 
 
+@pytest.mark.slow
 def test_json_is_exact_whatever_the_encoding(run_with):
     arguments = [*CRITERION, "--json", "-"]
     exact, escaped = (run_with(encoding, arguments)[1] for encoding in ("utf-8", "cp1252"))

@@ -6,6 +6,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 WITHOUT = """
 import sys
@@ -30,6 +32,7 @@ def absent_packages():
     return sorted(needed - small)
 
 
+@pytest.mark.slow
 def test_a_test_is_judged_without_reports_figures_samplers_and_stores(tmp_path):
     absent = absent_packages()
     assert {"typst", "arviz_stats", "matplotlib", "emcee", "zarr"} <= set(absent)

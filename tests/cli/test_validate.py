@@ -35,6 +35,7 @@ def table2():
     return answer("--ellipses", TABLE2)
 
 
+@pytest.mark.slow
 def test_calibration_curve_has_rates_with_intervals_and_whole_confusion_matrices(table2):
     ours = [row for row in table2["rows"] if row["candidate"] == "dirichlet"]
     assert [row["confidence"] for row in ours] == [0.5, 0.6, 0.7, 0.8, 0.9, 0.95]

@@ -68,6 +68,7 @@ def carried_shares():
     return np.array(shares), kept(as_they_are, others), as_they_are[0]
 
 
+@pytest.mark.slow
 def test_a_criterion_carried_to_a_response_keeps_its_share(carried_shares):
     shares, _, _ = carried_shares
     assert shares[:, 0].mean() == pytest.approx(0.9, abs=0.09)  # 60 motions of 20 earthquakes: 2 sd

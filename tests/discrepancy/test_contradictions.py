@@ -134,6 +134,7 @@ def slow(time_constant, limit=np.inf):
     return answer
 
 
+@pytest.mark.slow
 @given(
     frequencies=st.lists(st.floats(0.3, 20.0), min_size=2, max_size=4, unique=True),
     amplitudes=st.lists(st.floats(0.1, 3.0), min_size=4, max_size=4),

@@ -40,5 +40,6 @@ def test_a_specimen_that_delivers_energy_is_refused(damper):
     assert "positive where the specimen resists" in str(refused.value)
 
 
+@pytest.mark.slow
 def test_a_specimen_that_resists_is_diagnosed_without_a_doubt_of_its_sign(damper):
     assert not any("sign of" in remark for remark in diagnose(read_campaign(damper(FACTORS["none"]))).remarks)

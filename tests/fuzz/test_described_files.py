@@ -116,6 +116,7 @@ def with_value(content, place, value):
     return changed
 
 
+@pytest.mark.slow
 def test_every_value_of_a_criterion_may_be_anything():
     """Each key in turn holds each of the values above; of long lists the first three places."""
     from reliab.criterion import Criterion

@@ -115,6 +115,7 @@ def test_a_store_that_lost_an_array_is_refused_without_a_warning(tmp_path, name,
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_store_with_several_damaged_arrays_is_one_error_and_no_traceback(tmp_path, caplog):
     case = corpus.stores()[0]
     names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "journal")]

@@ -235,6 +235,7 @@ def commands_of(plant, monitor=None, seconds=60):
     return np.array(commands)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_co_simulation_of_two_units_is_stopped_at_the_alarm(units, plants, kind):
     stopped, unstopped = commands_of(plants[kind], units[kind]), commands_of(plants[kind])
@@ -243,6 +244,7 @@ def test_a_co_simulation_of_two_units_is_stopped_at_the_alarm(units, plants, kin
     assert np.abs(stopped).max() < 0.1 * np.abs(unstopped).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_offset_is_stated_before_the_first_sample_and_not_after(units, kind):
     learned, stated = Unit(units[kind]), Unit(units[kind])

@@ -40,6 +40,7 @@ def said(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
     return run.stdout if code == 0 else run.stderr
 
 
+@pytest.mark.slow
 @needs_octave
 def test_a_monitor_is_written_wherever_it_shall_stand(tmp_path):
     script = "m = reliab.monitor_export('c', 'it''s here', 'f', 1, 'xi', 0.02, 'rate', 256);"

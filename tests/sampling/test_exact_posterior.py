@@ -30,6 +30,7 @@ def test_quantiles_of_the_mean_are_exact_within_monte_carlo_error(posteriors):
     assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
 
 
+@pytest.mark.slow
 def test_quantiles_of_the_spread_are_exact_within_monte_carlo_error(posteriors):
     sampled, exact = posteriors
     degrees = exact.degrees_of_freedom

@@ -17,6 +17,7 @@ def compact(tmp_path_factory, store):
     return path
 
 
+@pytest.mark.slow
 def test_ellipses_of_the_small_file_are_those_of_the_store(store, compact):
     thresholds = (0.02, 0.05, 0.1)
     large, small = (open_results(path).reliab.ellipses(thresholds) for path in (store, compact))

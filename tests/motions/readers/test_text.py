@@ -55,6 +55,7 @@ def test_two_columns_tell_the_step_whatever_separates_them(delimiter: str, tail:
     assert motion.time_step == 0.01
 
 
+@pytest.mark.slow
 @given(
     step=st.sampled_from([0.0024, 0.0066, 1 / 150, 1 / 1024, 0.005, 0.02]),
     start=st.floats(-5.0, 5.0),

@@ -32,6 +32,7 @@ def forest():
     return event_forest(sample, limits=(2e-4, 2.0))
 
 
+@pytest.mark.slow
 def test_a_figure_with_any_names_is_drawn_without_a_warning(forest):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

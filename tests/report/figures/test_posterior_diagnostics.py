@@ -61,6 +61,7 @@ def test_draws_that_are_all_equal_are_drawn_without_a_complaint(posterior):
         assert draw(still, NAMES).axes
 
 
+@pytest.mark.slow
 def test_pairs_fill_the_lower_triangle(posterior):
     figure = pairs(posterior, NAMES)
     assert len([each for each in figure.axes if each.axison and (each.lines or each.collections)]) == 6

@@ -201,6 +201,7 @@ def test_a_single_integrator_is_allowed():
     assert TransferFunction(numerator=[1.0], denominator=[1.0, 0.0]).static_gain == np.inf
 
 
+@pytest.mark.slow
 def test_draws_have_the_stated_deviations():
     uncertain = TransferUncertainty(gain=0.02, frequency=0.1, damping=0.2, delay=0.3)
     drawn = uncertain.draw(second_order(10.0, 0.5, delay=0.002), 2000, seed=3)

@@ -77,6 +77,7 @@ def test_each_motion_is_judged_once_when_earthquakes_are_left_out():
         assert not found.judges(Side.LEAD)
 
 
+@pytest.mark.slow
 def test_containment_of_a_large_suite_is_nominal():
     ellipses = lognormal_ellipses(400, 2, 2)
     found = judged(
