@@ -24,6 +24,7 @@ from reliab.assessment.error_of_test import (
 )
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
+from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.measured_specimen import ForceChannel
@@ -33,6 +34,7 @@ from reliab.assessment.plausibility import require_drawable, require_length, req
 from reliab.assessment.rebuilt_error import Part, rebuild
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
+from reliab.assessment.verdict import Verdict
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
@@ -152,12 +154,6 @@ def _examined(
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
-    verdict = doubted_by_entries(
-        verdict_of_error(error, effects, OwnEquation(), ()),
-        error.sizes,
-        error.rebuilt.draws.errors(question.metric),
-        question.threshold,
-    )
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -172,7 +168,7 @@ def _examined(
             else ResponseErrors(each=(), disagreement=None, measured=True)
         ),
         faults=effects,
-        verdict=turning.limit(verdict),
+        verdict=turning.limit(_verdict(error, effects)),
         turning=turning,
         critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
         criterion=criterion,
@@ -181,6 +177,11 @@ def _examined(
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
     return _with_contradictions(assessment, sound)
+
+
+def _verdict(error: ErrorOfTest, effects: tuple[FaultEffect, ...]) -> Verdict:
+    verdict = verdict_of_error(error, effects, OwnEquation(), ())
+    return doubted_by_entries(verdict, error.sizes, error.rebuilt.draws.errors(error.metric), error.threshold)
 
 
 def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
