@@ -125,17 +125,12 @@ def _sweep(
 @compiled
 def _count(error: Array, difference: Array, command: Array, answer: Array, band: Array) -> None:
     """Mean square of x_m − x_I, its peak and that of x_I, and x_m − x_I and its square at each sample."""
-    square, peak, ideal = 0.0, 0.0, 0.0
+    sums = (0.0, 0.0, 0.0)
     last = error.size - 1
     for i in range(error.size):
-        strayed = error[i] - difference[i]
-        square += strayed * strayed
-        peak = max(peak, abs(strayed))
-        ideal = max(ideal, abs(command[i] - error[i]))
-        band[0, i] += strayed
-        band[1, i] += strayed * strayed
-    ends = (error[0] - difference[0]) ** 2 + (error[last] - difference[last]) ** 2
-    answer[0], answer[1], answer[2] = (square - 0.5 * ends) / last, peak, ideal
+        weight = 0.5 if i in (0, last) else 1.0
+        sums = tally(sums, error[i] - difference[i], command[i] - error[i], weight, band, i)
+    answer[0], answer[1], answer[2] = sums[0] / last, sums[1], sums[2]
 
 
 @compiled
