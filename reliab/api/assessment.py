@@ -220,7 +220,8 @@ def assess(
     test_name : str, optional
         Which test, where a file holds several; "all" for all of them.
     channels : str or pathlib.Path, optional
-        File `channels.toml` in which a laboratory states its channels.
+        File `channels.toml` in which a laboratory states its channels. What a test's own file states of skew
+        and scale goes before it, and options before both.
     progress : callable, optional
         Called after each of several tests.
     **former

@@ -36,6 +36,7 @@ from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
+    StatedChannels,
     chunks_of_text,
     rows_as_written,
     rows_at_equal_steps,
@@ -52,6 +53,8 @@ from reliab.structures import CoupledPartition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
+_WHOLE = (1.0, "1")  # shares of the stiffness that nobody has stated
+_BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
 _GLANCE = 0.1  # s of the test between two looks at the alarms
 _CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
 
@@ -152,6 +155,7 @@ def follow_test(
     channels : str or pathlib.Path, optional
         File `channels.toml` in which a laboratory states its channels. Skew, scale and hysteresis of its
         table `calibration` are taken off as `assess` does, but that hysteresis only widens the interval.
+        Options go before skew, scale and share in the header of the test, and these before this file.
     every : float, optional
         Time of the test between two updates [s].
     wait, start_within : float, optional
@@ -194,7 +198,8 @@ def follow_test(
     if mode is not None:
         f, xi, alpha = mode.frequency, mode.damping_ratio, mode.experimental_fraction
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag, mass=mass)
-    stated = {"scale": StatedValue(1.0), **laboratory.of_tests, **of_test}
+    if mode is None and alpha in _WHOLE:
+        del of_test["alpha"]
     rows = rows_as_written(
         chunks_of_text(path, wait, start_within, say),
         name="standard input" if path == "-" else Path(path).name,
@@ -202,7 +207,8 @@ def follow_test(
         also=() if of_force is None else (Part.FORCE,),
     )
     watch = _Watch(
-        stated=stated,
+        stated=of_test,
+        laboratory=laboratory,
         model=updated,
         frame=frame,
         of_force=of_force,
@@ -226,7 +232,7 @@ def model_of(
     stated = {
         "f": f is not None,
         "xi": xi is not None,
-        "alpha": alpha not in (1.0, "1"),
+        "alpha": alpha not in _WHOLE,
         "feedback_lag": feedback_lag not in (0.0, "0"),
     }
     for name, is_stated in stated.items():
@@ -276,7 +282,7 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
 def refuse_beside(name: str, **others: object) -> None:
     """Refuse what a frame or a model states itself."""
     for other, value in others.items():
-        if value is not None and not (other == "alpha" and value in (1.0, "1")):
+        if value is not None and not (other == "alpha" and value in _WHOLE):
             raise unused(other, f"beside `{name}`, which says what the test is of")
 
 
@@ -304,7 +310,8 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
 class _Watch:
     """Follows rows, and says what is known."""
 
-    stated: dict[str, StatedValue]
+    stated: dict[str, StatedValue]  # By options, until the first row came
+    laboratory: StatedChannels
     model: UpdatedModel | None
     frame: FrameUnderTest | None
     of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
@@ -320,8 +327,7 @@ class _Watch:
 
         `rate` [Hz].
         """
-        step, rows = step_of_rows(rows, rate)
-        rows = self._with_header(rows)
+        step, rows = step_of_rows(self._with_header(rows), rate)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
@@ -341,10 +347,12 @@ class _Watch:
         yield self._end(monitor)
 
     def _with_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
-        """Take the skew that the header of a test states, where nothing else states it."""
+        """Take what the file of the test states, where no option does."""
         first = list(islice(rows, 1))
-        if first and first[0].skew is not None:
-            self.stated.setdefault("skew", first[0].skew)
+        header = first[0].stated if first else {}
+        of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
+        self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
+        require_positive(self.stated)
         return chain(first, rows)
 
     def _value(self, name: str) -> float:

@@ -140,6 +140,10 @@ class StatedChannels:
         filters = {} if skew is None else {"filter_delay": StatedValue(0.0, skew.deviation)}
         return {**self.calibration, **filters}
 
+    def beside(self, of_test: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
+        """What is stated of one test: what its own file says goes before what is said of every test."""
+        return {**self.of_tests, **of_test}
+
 
 def read_channels_file(path: str | Path) -> StatedChannels:
     """Read a file `channels.toml`."""

@@ -6,7 +6,7 @@ the file before where it has none.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -42,7 +42,7 @@ class Rows:
     command: Array  # command, measured: x_c and x_m [m], shape (k,)
     measured: Array
     force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
-    skew: StatedValue | None = None  # What the header states of it [ms]
+    stated: Mapping[str, StatedValue] = field(default_factory=dict)  # What the header states of the test
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ class _Layout:
     width: int
     places: Mapping[Part, int]
     channels: Mapping[Part, Channel]
-    skew: StatedValue | None
+    stated: Mapping[str, StatedValue]
 
 
 def rows_as_written(
@@ -202,7 +202,7 @@ def _layout(
         width=width,
         places={part: header.names.index(channel.column) for part, channel in wanted.items()},
         channels=wanted,
-        skew=stated_in(columns).get("skew"),
+        stated=stated_in(columns),
     )
 
 
@@ -233,5 +233,5 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         command=histories[Part.COMMAND],
         measured=histories[Part.MEASURED],
         force=histories.get(Part.FORCE),
-        skew=layout.skew,
+        stated=layout.stated,
     )

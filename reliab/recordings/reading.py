@@ -95,7 +95,7 @@ def read_recording(
     laboratory = stated_by_options(channels, names, units, rate_hz)
     histories = histories_of(table, laboratory, time_units=time_units)
     recording = recording_of(histories)
-    return replace(recording, stated={**laboratory.of_tests, **recording.stated})
+    return replace(recording, stated=laboratory.beside(recording.stated))
 
 
 def read_test(path: str | Path, test: str | None = None, *, delimiter: str | None = None) -> Columns:
