@@ -141,7 +141,7 @@ class StatedChannels:
         return {**self.calibration, **filters}
 
     def beside(self, of_test: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
-        """What is stated of one test: what its own file says goes before what is said of every test."""
+        """Put what the file of a test states before what is stated of every test."""
         return {**self.of_tests, **of_test}
 
 
