@@ -3,7 +3,7 @@
 import numpy as np
 
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 
 def lag(gain, corner):
@@ -55,7 +55,7 @@ def plate():
 
 def described(structure):
     mass, stiffness, interface, specimen, specimen_mass, influence, kinematics = structure()
-    partition = CoupledPartition(
+    partition = Partition(
         mass=mass,
         damping=1.5 * mass + 3e-4 * stiffness,
         stiffness=stiffness,

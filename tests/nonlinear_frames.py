@@ -8,9 +8,8 @@ from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STA
 from reliab.compiled import compiled
 from reliab.recordings import Recording
 from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import Partition, Specimen
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import floor_interface
 
 STEP = 1.0 / 1024.0
 
@@ -80,7 +79,7 @@ def simulate_frame_test(
     of_specimen = draw.uniform(0.3, 0.9) * stiffness[0].sum()  # of the first storey
     whole = Frame(mass=mass, stiffness=stiffness, damping=damping)
     interface = floor_interface(whole, 1)
-    partition = Partition(frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen))
+    partition = Partition.of_frame(frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen))
     numerical = stiffness - of_specimen * np.outer(interface, interface)
     inverse = np.linalg.inv(mass / STEP**2 + damping / (2.0 * STEP))
     load = np.ascontiguousarray(-ground[:, np.newaxis] * mass.sum(axis=1))

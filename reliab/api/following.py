@@ -49,7 +49,7 @@ from reliab.significant import percent, significant
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
-from reliab.structures import CoupledPartition, Structure, whole_structure
+from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
@@ -377,9 +377,7 @@ class _Watch:
             return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
         mass = self.stated.get("mass")
         return MeasuredMonitor(
-            whole_structure(followed)
-            if mass is None
-            else CoupledPartition.of_structure(structure, mass.value),
+            whole_structure(followed) if mass is None else Partition.of_structure(structure, mass.value),
             step,
             StatedForce(
                 mass_deviation=0.0 if mass is None else mass.deviation / mass.value,

@@ -12,7 +12,7 @@ from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
-from reliab.structures import CoupledPartition, Structure
+from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 
 _MILLISECONDS = 1e-3
@@ -162,7 +162,7 @@ class _Structure:
     frame: str | Path | None
     model: str | Path | UpdatedModel | None
 
-    def read(self) -> tuple[CoupledPartition | HybridTest, Array | None]:
+    def read(self) -> tuple[Partition | HybridTest, Array | None]:
         """Return the structure, and interface displacements per unit of each channel of several."""
         if self.frame is not None and self.model is not None:
             raise InputError("A monitor in a loop is of a `structure` or a `model`", remedy="Leave one out")
@@ -176,7 +176,7 @@ class _Structure:
             return updated.test, None
         return self._of_values(), None
 
-    def _of_values(self) -> CoupledPartition:
+    def _of_values(self) -> Partition:
         """Return the structure of one degree of freedom."""
         for name in ("f", "xi"):
             if getattr(self, name) is None:
@@ -186,7 +186,7 @@ class _Structure:
                 )
         stated = stated_values(f=self.f, xi=self.xi, alpha=self.alpha)
         require_positive(stated)
-        return CoupledPartition.of_structure(
+        return Partition.of_structure(
             Structure(
                 frequency=stated["f"].value,
                 damping_ratio=stated["xi"].value,
@@ -195,7 +195,7 @@ class _Structure:
         )
 
 
-def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[CoupledPartition, Array | None]:
+def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
     if isinstance(frame, CoupledFrame):
         return frame.partition, frame.to_interface
@@ -213,7 +213,7 @@ def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[Coupled
             remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
             where=where,
         )
-    return CoupledPartition.of_partition(frame.partition), None
+    return frame.partition, None
 
 
 def _write(content: dict[Path, bytes]) -> None:

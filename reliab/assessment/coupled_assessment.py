@@ -233,7 +233,7 @@ def _modes(assessment: CoupledAssessment) -> list[dict[str, Any]]:
     return [
         {"f_hz": f, "xi": xi, "alpha": alpha}
         for f, xi, alpha in zip(
-            frequency.tolist(), ratio.tolist(), partition.mode_shares.tolist(), strict=True
+            frequency.tolist(), ratio.tolist(), partition.stiffness_shares.tolist(), strict=True
         )
     ]
 

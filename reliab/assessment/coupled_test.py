@@ -33,7 +33,7 @@ from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent, significant
 from reliab.simulation.frames import CoupledFrame
 from reliab.stated_value import StatedValue
-from reliab.structures import CoupledLimit, CoupledPartition, Structure, coupled_limit, is_part
+from reliab.structures import CoupledLimit, Partition, Structure, coupled_limit, is_part
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
@@ -98,7 +98,7 @@ def assess_coupled(
 
 
 def _doubts_of_ground(
-    shown: ShownByGround | None, sizes: Mapping[str, Size], partition: CoupledPartition
+    shown: ShownByGround | None, sizes: Mapping[str, Size], partition: Partition
 ) -> tuple[list[str], list[str]]:
     """Say where the ground motion contradicts the structure, and what to do."""
     if shown is None:
@@ -121,7 +121,7 @@ def _doubts_of_ground(
     return [doubt], ["Correct stiffness or mass of the structure, or state their tolerances."]
 
 
-def _stated_of_frequency(sizes: Mapping[str, Size], partition: CoupledPartition) -> float:
+def _stated_of_frequency(sizes: Mapping[str, Size], partition: Partition) -> float:
     """Relative standard deviation of the lowest natural frequency that follows from what is stated."""
     lowest = float(partition.natural_frequencies[0])
     stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
@@ -138,7 +138,7 @@ class _Limit(TypedDict):
     limit_of_gains: bool
 
 
-def _limit(partition: CoupledPartition, gains: Array) -> _Limit:
+def _limit(partition: Partition, gains: Array) -> _Limit:
     """Where the test becomes unstable with the measured gains; with exact ones where it would be at once."""
     try:
         return {"limit": coupled_limit(partition, gains), "limit_of_gains": True}
@@ -205,7 +205,7 @@ def _lowest_mode(frame: CoupledFrame) -> Structure:
     return Structure(
         frequency=float(frequency[0]),
         damping_ratio=float(ratio[0]),
-        experimental_fraction=float(np.clip(frame.partition.mode_shares[0], _LEAST_SHARE, 1.0)),
+        experimental_fraction=float(np.clip(frame.partition.stiffness_shares[0], _LEAST_SHARE, 1.0)),
     )
 
 

@@ -35,7 +35,7 @@ from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
-from reliab.structures import CoupledPartition, Structure, whole_structure
+from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 if TYPE_CHECKING:
@@ -339,7 +339,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
             where=recording.name,
         )
     mass = question.stated["mass"]
-    whole = CoupledPartition.of_structure(question.structure, mass.value)
+    whole = Partition.of_structure(question.structure, mass.value)
     deviation = mass.deviation / mass.value
     return specimen_from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
 
@@ -348,7 +348,7 @@ def specimen_from_force(
     recording: Recording,
     measured: Array,
     question: Question,
-    whole: CoupledPartition,
+    whole: Partition,
     *,
     sensor_offset: float | None,
     tolerances: Tolerances,

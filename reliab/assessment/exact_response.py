@@ -14,7 +14,7 @@ from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.assessment.rebuilt_error.responses import exact_of_draws
 from reliab.assessment.substructures import Substructures
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _DRAWS = 64
 
@@ -56,18 +56,18 @@ def exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTe
     return _of_one(found.error, (), None, found.stated["mass"].value if unit else 1.0)
 
 
-def _linear(partition: CoupledPartition, at_interface: Array, step: float) -> ExactResponse:
+def _linear(partition: Partition, at_interface: Array, step: float) -> ExactResponse:
     shared = Substructures.of_partition(partition)
     force, felt = shared.force_of_linear(at_interface, step)
     return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=felt)
 
 
-def _of_force(partition: CoupledPartition, at_interface: Array, force: Array) -> ExactResponse:
+def _of_force(partition: Partition, at_interface: Array, force: Array) -> ExactResponse:
     shared = Substructures.of_partition(partition)
     return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=force)
 
 
-def _in_kilograms(partition: CoupledPartition, mass: float) -> CoupledPartition:
+def _in_kilograms(partition: Partition, mass: float) -> Partition:
     """Structure of matrices per unit mass, with a mass [kg]."""
     names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
     return partition.changed(**{name: mass * getattr(partition, name) for name in names})

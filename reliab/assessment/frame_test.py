@@ -43,7 +43,7 @@ from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure, whole_structure
+from reliab.structures import Structure
 from reliab.structures.critical_delay import critical_delay
 from reliab.vocabulary import Metric
 
@@ -140,14 +140,14 @@ def _examined(
 ) -> FrameAssessment:
     mode = question.structure
     require_length(recording, mode.frequency)
-    require_drawable(recording, whole_structure(frame.partition))
+    require_drawable(recording, frame.partition)
     require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
     bridged, *_ = without_spikes(recording)
     faults = find_faults(
         recording,
         track(bridged, draws=_FEW_DRAWS),
         threshold=question.threshold,
-        experimental_fraction=float(whole_structure(frame.partition).shares_at_sensors(np.eye(1))[0]),
+        experimental_fraction=float(frame.partition.shares_at_sensors(np.eye(1))[0]),
     )
     rebuilt = _rebuilding(frame, question)
     error, effects = error_with_faults(recording, faults, rebuilt)
@@ -217,7 +217,7 @@ def _rebuilding(
     frame: FrameUnderTest, question: Question
 ) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
     """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
-    structure, of_structure = whole_structure(frame.partition), sizes_of_structure(frame)
+    structure, of_structure = frame.partition, sizes_of_structure(frame)
 
     def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
         sizes = {**question.sizes(test.time_step), **of_structure, **left}

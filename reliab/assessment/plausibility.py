@@ -10,7 +10,7 @@ from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
 from reliab.signals import correlated
 from reliab.significant import percent, significant
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
@@ -68,7 +68,7 @@ def require_length(recording: Recording, frequency: float) -> None:
         )
 
 
-def require_drawable(recording: Recording, structure: CoupledPartition) -> None:
+def require_drawable(recording: Recording, structure: Partition) -> None:
     """Refuse a test that is too long for the intervals of its error, before anything is computed from it."""
     step = recording.time_step
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)

@@ -15,7 +15,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import march
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.frames import exact_step
 from reliab.threads import one_thread
 
@@ -39,7 +39,7 @@ class Substructures:
     of_specimen: tuple[Array, Array, Array]
 
     @classmethod
-    def of_partition(cls, partition: CoupledPartition) -> "Substructures":
+    def of_partition(cls, partition: Partition) -> "Substructures":
         """Take a frame with its specimen."""
         numerical = partition.without_specimen
         return cls(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error import Recursion, WatchedMode, watched_modes
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,7 +28,7 @@ class LoopCoefficients:
     pushed: tuple[Array, Array]  # F₀ and F₁ of a force at the interface, shape (2n, p) each
 
     @classmethod
-    def of_structure(cls, structure: CoupledPartition, carry: Array, step: float) -> "LoopCoefficients":
+    def of_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
         """Take a structure with interface displacements that the channels are carried to; `step` [s]."""
         whole = structure.with_masses
         recursion, by_force = Recursion.of_displacement(whole, step), Recursion.of_force(whole, step)

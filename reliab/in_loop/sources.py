@@ -47,7 +47,7 @@ from reliab.in_loop.loop_coefficients import LoopCoefficients
 from reliab.recordings import LARGEST_READING
 from reliab.significant import significant
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 TEMPLATES = ("reliab_monitor.h", "reliab_monitor.c", "example.c", "README.md")
@@ -86,7 +86,7 @@ class LoopMonitor:
     """
 
     # The whole structure, specimen included, or a model of it whose specimen is nonlinear
-    structure: CoupledPartition | HybridTest
+    structure: Partition | HybridTest
     time_step: float  # Step of the loop [s]
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
     sensor_scale: float = 1.0  # Scale of the displacement sensor [-]
@@ -110,7 +110,7 @@ class LoopMonitor:
             )
 
     @cached_property
-    def linear(self) -> CoupledPartition:
+    def linear(self) -> Partition:
         """The structure with the linear specimen."""
         return tangent_structure(self.structure) if isinstance(self.structure, HybridTest) else self.structure
 

@@ -1,8 +1,3 @@
-from .coupled_partition import (
-    CoupledPartition as CoupledPartition,
-    condensed as condensed,
-    whole_structure as whole_structure,
-)
 from .coupled_stability import (
     CoupledLimit as CoupledLimit,
     coupled_limit as coupled_limit,
@@ -10,10 +5,8 @@ from .coupled_stability import (
 )
 from .partition import (
     Partition as Partition,
-    Specimen as Specimen,
-    drift_interface as drift_interface,
-    floor_interface as floor_interface,
-    with_specimen as with_specimen,
+    condensed as condensed,
+    whole_structure as whole_structure,
 )
 from .parts_of_structure import (
     PARTS as PARTS,
@@ -23,6 +16,12 @@ from .parts_of_structure import (
     name_of_entries as name_of_entries,
     part_and_number as part_and_number,
     with_parts as with_parts,
+)
+from .specimen import (
+    Specimen as Specimen,
+    drift_interface as drift_interface,
+    floor_interface as floor_interface,
+    with_specimen as with_specimen,
 )
 from .stability import (
     longest_lead as longest_lead,

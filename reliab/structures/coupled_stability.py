@@ -14,7 +14,7 @@ import scipy
 
 from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
-from reliab.structures.coupled_partition import CoupledPartition
+from reliab.structures.partition import Partition
 
 _EVERYWHERE = 3000
 _AROUND_A_MODE = np.sinh(np.linspace(-6.0, 6.0, 161)) * 0.1  # in half-widths of the resonance
@@ -31,7 +31,7 @@ class CoupledLimit:
     direction: Array
 
 
-def coupled_limit(partition: CoupledPartition, gain: Array | None = None) -> CoupledLimit:
+def coupled_limit(partition: Partition, gain: Array | None = None) -> CoupledLimit:
     """Delay of all actuators at which a test becomes unstable.
 
     `gain`: measured over commanded displacement at the interface [-], shape (p, p); the identity by default.
@@ -39,7 +39,7 @@ def coupled_limit(partition: CoupledPartition, gain: Array | None = None) -> Cou
     Two like structures side by side have the critical delay of each, 6.368 ms for 1 Hz and 2 % damping:
 
     >>> w0 = 2.0 * np.pi
-    >>> partition = CoupledPartition(mass=np.eye(2), damping=0.04 * w0 * np.eye(2),
+    >>> partition = Partition(mass=np.eye(2), damping=0.04 * w0 * np.eye(2),
     ...     stiffness=w0**2 * np.eye(2), interface=np.eye(2), specimen_stiffness=w0**2 * np.eye(2))
     >>> round(1000.0 * coupled_limit(partition).delay, 3)
     6.368
@@ -66,15 +66,11 @@ def coupled_limit(partition: CoupledPartition, gain: Array | None = None) -> Cou
     )
 
 
-def _numerical(partition: CoupledPartition) -> tuple[Array, Array, Array]:
-    return (
-        partition.numerical(partition.mass, partition.specimen_mass),
-        partition.numerical(partition.damping, partition.specimen_damping),
-        partition.numerical(partition.stiffness, partition.specimen_stiffness),
-    )
+def _numerical(partition: Partition) -> tuple[Array, Array, Array]:
+    return partition.numerical_mass, partition.numerical_damping, partition.numerical_stiffness
 
 
-def _loop(partition: CoupledPartition, gains: Array, omega: Array) -> Spectrum:
+def _loop(partition: Partition, gains: Array, omega: Array) -> Spectrum:
     """L(iω) at frequencies [rad/s], shape (frequencies, p, p)."""
     s = np.asarray(1j * np.atleast_1d(omega), dtype=np.complex128)
     square = s[:, np.newaxis, np.newaxis]
@@ -83,7 +79,7 @@ def _loop(partition: CoupledPartition, gains: Array, omega: Array) -> Spectrum:
     return np.asarray((partition.interface.T @ moved) @ partition.impedance(s) @ gains)
 
 
-def frequencies_of_loop(partition: CoupledPartition) -> Array:
+def frequencies_of_loop(partition: Partition) -> Array:
     """Frequencies [rad/s] close enough to each other to follow the loop of any actuators, shape (n,)."""
     mass, damping, stiffness = _numerical(partition)
     points = []
@@ -110,12 +106,12 @@ def _tracked(loops: Spectrum) -> Spectrum:
     return np.asarray(values)
 
 
-def _nearest(partition: CoupledPartition, gains: Array, omega: float, near: complex) -> complex:
+def _nearest(partition: Partition, gains: Array, omega: float, near: complex) -> complex:
     values = np.linalg.eigvals(_loop(partition, gains, np.array([omega]))[0])
     return complex(values[np.argmin(np.abs(values - near))])
 
 
-def _refined(partition: CoupledPartition, gains: Array, low: float, high: float, near: complex) -> float:
+def _refined(partition: Partition, gains: Array, low: float, high: float, near: complex) -> float:
     def excess(omega: float) -> float:
         return math.log(abs(_nearest(partition, gains, omega, near)))
 
@@ -124,7 +120,7 @@ def _refined(partition: CoupledPartition, gains: Array, low: float, high: float,
     return float(scipy.optimize.brentq(excess, low, high, xtol=1e-13 * high, rtol=1e-14))
 
 
-def _direction(partition: CoupledPartition, gains: Array, omega: float, delay: float) -> Array:
+def _direction(partition: Partition, gains: Array, omega: float, delay: float) -> Array:
     """Interface displacements of the undamped oscillation at the limit, in phase with the largest."""
     s = 1j * omega
     mass, damping, stiffness = _numerical(partition)
@@ -137,7 +133,7 @@ def _direction(partition: CoupledPartition, gains: Array, omega: float, delay: f
     return np.asarray((shape / largest).real)
 
 
-def _require_stable_without_delay(partition: CoupledPartition, gains: Array) -> None:
+def _require_stable_without_delay(partition: Partition, gains: Array) -> None:
     gamma = partition.interface
     parts = zip(
         _numerical(partition),

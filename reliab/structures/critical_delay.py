@@ -26,7 +26,7 @@ _NEWTON_STEPS = 40
 def open_loop(partition: Partition) -> tuple[Array, Array, Array, float]:
     """Return A, B, C, D of L = Z γᵀ(M_n s² + C_n s + K_n)⁻¹ γ, in modal coordinates of the frame."""
     shapes = partition.frame.modes.shapes
-    gamma = shapes.T @ partition.interface
+    gamma = shapes.T @ partition.direction
     mass, damping, stiffness = (
         shapes.T @ matrix @ shapes
         for matrix in (
@@ -101,7 +101,7 @@ def critical_delay(partition: Partition, gain: float = 1.0) -> tuple[float, floa
 
     >>> from reliab.structures.structure import Structure
     >>> structure = Structure(frequency=1.0, damping_ratio=0.02)
-    >>> delay, frequency = critical_delay(Partition.from_structure(structure))
+    >>> delay, frequency = critical_delay(Partition.of_structure(structure))
     >>> round(1000 * delay, 3), round(frequency, 2)
     (6.368, 1.0)
     """

@@ -1,82 +1,121 @@
-"""A structure divided for hybrid simulation: its specimen and the displacement that drives it."""
+"""A structure whose specimen is driven at one degree of freedom, or at several at once.
+
+The actuators impose the interface displacements y = Γᵀx, and the specimen answers with the forces
+K_e y + C_e y' + M_e y''. They belong to the structure's matrices, so that the computer keeps M − ΓM_eΓᵀ and
+so on. One degree of freedom is the case of a Γ of one column::
+
+    M_n x'' + C_n x' + K_n x = −M ι a_g − Γ f_e
+
+A degree of freedom without mass follows the others by statics: where no actuator drives it, it is condensed
+out (Guyan 1965, AIAA Journal 3, 380), else it takes a mass that moves by itself far above any test.
+"""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import scipy
+from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
-from reliab.structures.frames import Frame
-from reliab.structures.frames.frame import require_positive_definite, require_positive_semidefinite
+from reliab.significant import significant
+from reliab.structures.frames.frame import (
+    Frame,
+    require_positive_definite,
+    require_positive_semidefinite,
+    square_matrix,
+)
+from reliab.structures.parts_of_structure import with_parts
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
-
-@dataclass(frozen=True, kw_only=True)
-class Specimen:
-    """The specimen without further effects: force = k·x + c·v + m·a of the piston's motion.
-
-    >>> Specimen(stiffness=2000.0).damping
-    0.0
-    """
-
-    stiffness: float  # Stiffness k [N/m], not negative
-    damping: float = 0.0  # Damping coefficient c [N·s/m]
-    mass: float = 0.0  # Moving mass m [kg], not negative
-
-    def __post_init__(self) -> None:
-        for name in ("stiffness", "mass"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(
-                    f"The specimen's {name} must be finite and not negative",
-                    value=value,
-                    remedy="Give it in N/m or kg; a softening specimen is an effect",
-                )
-        if not math.isfinite(self.damping):
-            raise InputError("The specimen's damping must be finite", value=self.damping)
+_NO_MASS = 1e-12  # of the largest mass
+_QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
+_SINGULAR = 1e-10  # of the largest singular value
+_SAME_SPECIMEN = 1e-6
+_FEW = 6  # degrees of freedom that are too few to be reduced
+_LEAST_SHARE = 1e-6
+_MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Partition:
-    """A frame of which one specimen stands in the laboratory, driven by one actuator.
+    """A structure of which a specimen of one degree of freedom or several stands in the laboratory.
 
-    The actuator imposes the interface displacement γᵀx: that of a floor, γ = e_j, or a storey's drift,
-    γ = e_j − e_(j−1). The specimen's linear part k_e, c_e, m_e belongs to the frame's matrices, so that the
-    numerical substructure keeps M − m_eγγᵀ, C − c_eγγᵀ and K − k_eγγᵀ::
+    Of one, Γ may be a vector and the specimen's matrices numbers. Two floors of a shear frame, both driven,
+    whose lower storey is the specimen:
 
-        M_n x'' + C_n x' + K_n x = −M ι a_g − γ f_e
-
-    Raises InputError if γ does not fit, or the specimen has more mass, damping or stiffness than the
-    structure can spare.
-
-    A frame of one degree of freedom whose whole spring is tested is the paper's structure:
-
-    >>> frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
-    >>> partition = Partition(frame=frame, interface=[1.0], specimen=Specimen(stiffness=39478.4176))
-    >>> partition.stiffness_shares.round(6)
-    array([1.])
+    >>> stiffness = np.array([[3e6, -1e6], [-1e6, 1e6]])
+    >>> partition = Partition(
+    ...     mass=1000.0 * np.eye(2), damping=1e-4 * stiffness, stiffness=stiffness, interface=np.eye(2),
+    ...     specimen_stiffness=np.diag([2e6, 0.0]), names=("first", "second"))
+    >>> partition.natural_frequencies.round(2)
+    array([3.85, 9.3 ])
     """
 
-    frame: Frame  # The whole structure, specimen included: the reference
-    interface: Array  # γ [-], shape (degrees of freedom,)
-    specimen: Specimen  # Linear part of the specimen
-    # Effects of the specimen beyond its linear part; only effects on the force are allowed
-    effects: tuple[Effect, ...] = ()
+    # mass, damping, stiffness: Symmetric M [kg], C [N·s/m] and K [N/m] of the whole structure, specimen
+    # included, shape (n, n); a degree of freedom may be without mass; rotations have kg·m² and N·m
+    mass: Array
+    damping: Array
+    stiffness: Array
+    interface: Array  # Γ, how the degrees of freedom make up each interface displacement [-], shape (n, p)
+    specimen_stiffness: Array  # K_e [N/m], shape (p, p)
+    specimen_damping: Array = None  # type: ignore[assignment]  # C_e [N·s/m], shape (p, p); none by default
+    specimen_mass: Array = None  # type: ignore[assignment]  # M_e [kg], shape (p, p); none by default
+    influence: Array = None  # type: ignore[assignment]  # ι [-], shape (n,); ones by default
+    names: tuple[str, ...] = ()  # Names of the interface displacements; "1" to "p" by default
+    degrees_of_freedom: tuple[str, ...] = ()  # Names of those of the structure; "1" to "n" by default
+    effects: tuple[Effect, ...] = ()  # What one driven specimen does beyond its matrices, all on its force
 
     def __post_init__(self) -> None:
-        interface = np.array(self.interface, dtype=np.float64)
-        if interface.shape != (self.frame.size,) or not np.isfinite(interface).all() or not interface.any():
+        for field in ("mass", "damping", "stiffness"):
+            object.__setattr__(self, field, square_matrix(getattr(self, field), f"{field} matrix"))
+        size = self.size
+        if self.damping.shape != (size, size) or self.stiffness.shape != (size, size):
             raise InputError(
-                f"The interface needs {self.frame.size} finite numbers that are not all zero",
-                value=interface.tolist(),
-                remedy="Give the weight of each degree of freedom in the displacement of the actuator",
+                "Mass, damping and stiffness matrices must be of one size",
+                value=f"{size}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
+                remedy="Give one row and column for each degree of freedom",
+            )
+        self._check_interface()
+        self._complete()
+        self._check_effects()
+        self._check_substructure()
+
+    def _check_interface(self) -> None:
+        interface = np.array(self.interface, dtype=np.float64)
+        interface = interface[:, np.newaxis] if interface.ndim == 1 else interface
+        rows, degrees = interface.shape
+        if rows != self.size or not np.isfinite(interface).all() or not interface.any(axis=0).all():
+            raise InputError(
+                f"Each displacement of the interface needs {self.size} finite numbers that are not all zero",
+                value=interface.T.tolist(),
+                remedy="Give the weight of each degree of freedom in what an actuator imposes",
+            )
+        sizes = np.linalg.svd(interface, compute_uv=False)
+        if degrees > rows or sizes.min() <= _SINGULAR * sizes.max():
+            raise InputError(
+                "The displacements of an interface must not depend on each other",
+                value=f"{degrees} displacements of rank {int((sizes > _SINGULAR * sizes.max()).sum())}",
+                remedy="Name each driven degree of freedom once",
             )
         interface.setflags(write=False)
         object.__setattr__(self, "interface", interface)
+        self._name("names", degrees, "interface displacements")
+        self._name("degrees_of_freedom", rows, "degrees of freedom")
+
+    def _name(self, field: str, number: int, what: str) -> None:
+        names = tuple(getattr(self, field)) or tuple(str(place + 1) for place in range(number))
+        if len(names) != number or len(set(names)) != number:
+            raise InputError(f"The {number} {what} need as many different names", value=list(names))
+        object.__setattr__(self, field, names)
+
+    def _check_effects(self) -> None:
         for effect in self.effects:
             if effect.role is not Role.FORCE:
                 raise InputError(
@@ -84,151 +123,414 @@ class Partition:
                     value=effect.name,
                     remedy="Put effects of actuators and sensors into the laboratory",
                 )
-        self._check_shares()
 
-    def _check_shares(self) -> None:
-        specimen, frame = self.specimen, self.frame
-        if specimen.mass + abs(specimen.damping) + specimen.stiffness == 0.0 and not self.effects:
+    def _complete(self) -> None:
+        degrees = self.interface.shape[1]
+        for field in ("specimen_stiffness", "specimen_damping", "specimen_mass"):
+            values = getattr(self, field)
+            values = np.zeros((degrees, degrees)) if values is None else np.atleast_2d(values)
+            matrix = square_matrix(values, f"{field.replace('_', ' ')} matrix")
+            if matrix.shape != (degrees, degrees):
+                raise InputError(
+                    f"The {field.replace('_', ' ')} matrix needs a row and a column for each of the "
+                    f"{degrees} degrees of freedom of the specimen",
+                    value=f"shape {matrix.shape}",
+                    remedy="Give the matrix of the driven degrees of freedom, or name as many",
+                )
+            object.__setattr__(self, field, matrix)
+        influence = np.ones(self.size) if self.influence is None else np.array(self.influence, dtype=float)
+        if influence.shape != (self.size,) or not np.isfinite(influence).all() or not influence.any():
+            raise InputError(
+                f"The influence vector needs {self.size} finite numbers that are not all zero",
+                value=influence.tolist(),
+                remedy="Give 1 for each degree of freedom that moves with the ground, else 0",
+            )
+        object.__setattr__(self, "influence", influence)
+
+    def _check_substructure(self) -> None:
+        if not any(matrix.any() for matrix in self._specimen) and not self.effects:
             raise InputError("A specimen needs stiffness, damping or mass", value="none")
-        most_mass = 1.0 / float(self.interface @ np.linalg.solve(frame.mass, self.interface))
-        if specimen.mass >= most_mass:
+        require_positive_semidefinite(self.mass, "mass matrix", "Masses must not be negative")
+        require_positive_definite(
+            self.stiffness, "stiffness matrix", "A structure that can move without a force is not supported"
+        )
+        require_positive_semidefinite(self.damping, "damping matrix", "Damping must not feed energy in")
+        if self.degrees == 1:
+            self._require_mass_left()
+        for name, matrix in (
+            ("mass", self.numerical_mass),
+            ("stiffness", self.numerical_stiffness),
+            ("damping", self.numerical_damping),
+        ):
+            lowest = float(np.linalg.eigvalsh(matrix)[0])
+            if lowest < -_SAME_SPECIMEN * np.abs(getattr(self, name)).max():
+                raise InputError(
+                    f"The specimen must be part of the frame: what is left to the computer must not have a "
+                    f"negative {name}",
+                    value=f"the eigenvalue {significant(lowest)} of its {name} matrix",
+                    remedy="Give the frame's matrices with the specimen in them, or state "
+                    "part_of_structure = false",
+                )
+
+    def _require_mass_left(self) -> None:
+        """Refuse one actuator that drives all of the mass: the computer's part divides by what is left."""
+        whole = self.with_masses
+        most = 1.0 / float(whole.direction @ np.linalg.solve(whole.mass, whole.direction))
+        if self.specimen.mass >= most:
             raise InputError(
                 "The specimen's mass must be smaller than the mass that moves at the interface, "
-                f"which is {most_mass:g} kg",
-                value=f"{specimen.mass:g} kg",
+                f"which is {most:g} kg",
+                value=f"{self.specimen.mass:g} kg",
                 remedy="The frame's mass matrix includes the specimen; raise it or take a lighter specimen",
             )
-        require_positive_definite(self.numerical_mass, "mass matrix that is left to the computer", "")
-        require_positive_semidefinite(
-            self.numerical_stiffness,
-            "stiffness matrix that is left to the computer",
-            "The specimen is stiffer than the frame that contains it: the frame's stiffness includes "
-            "it, and the partition would be unstable",
-        )
-        require_positive_semidefinite(
-            self.numerical_damping,
-            "damping matrix that is left to the computer",
-            "The specimen has more damping than the frame that contains it; add its damping to the frame's",
+
+    @classmethod
+    def of_frame(
+        cls, frame: Frame, interface: Array, specimen: Specimen, effects: tuple[Effect, ...] = ()
+    ) -> "Partition":
+        """Take a frame with a specimen in it that one actuator drives; `interface`: γ [-], shape (n,).
+
+        A frame of one degree of freedom whose whole spring is tested is the paper's structure:
+
+        >>> from reliab.structures.structure import Structure
+        >>> frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
+        >>> partition = Partition.of_frame(frame, np.ones(1), Specimen(stiffness=39478.4176))
+        >>> partition.stiffness_shares.round(6)
+        array([1.])
+        """
+        return cls(
+            mass=frame.mass,
+            damping=frame.damping,
+            stiffness=frame.stiffness,
+            interface=interface,
+            specimen_stiffness=specimen.stiffness,  # type: ignore[arg-type]  # made an array there
+            specimen_damping=specimen.damping,  # type: ignore[arg-type]
+            specimen_mass=specimen.mass,  # type: ignore[arg-type]
+            influence=frame.influence,
+            degrees_of_freedom=frame.names,
+            effects=effects,
         )
 
     @classmethod
-    def from_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
-        """Return the one-mode structure as a partition: its share α of the spring is the specimen."""
-        stiffness = structure.experimental_fraction * structure.circular_frequency**2 * mass
-        return cls(
-            frame=Frame.from_structure(structure, mass),
-            interface=np.ones(1),
-            specimen=Specimen(stiffness=stiffness),
+    def of_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
+        """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
+        if not (math.isfinite(mass) and mass > 0.0):
+            raise InputError("The mass of the structure must be positive", value=f"{mass} kg")
+        w0 = structure.circular_frequency
+        return cls._unchecked(
+            mass=np.array([[mass]]),
+            damping=np.array([[2.0 * structure.damping_ratio * w0 * mass]]),
+            stiffness=np.array([[w0**2 * mass]]),
+            interface=np.ones((1, 1)),
+            specimen_stiffness=np.array([[structure.experimental_fraction * w0**2 * mass]]),
+            specimen_damping=np.zeros((1, 1)),
+            specimen_mass=np.zeros((1, 1)),
+            influence=np.ones(1),
+            names=("1",),
+            degrees_of_freedom=("1",),
+            effects=(),
         )
 
-    def _without(self, matrix: Array, share: float) -> Array:
-        return np.asarray(matrix - share * np.outer(self.interface, self.interface))
+    @classmethod
+    def _unchecked(cls, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
+        """Make one of values that somebody else has checked."""
+        partition = object.__new__(cls)
+        partition.__dict__.update(values)
+        return partition
+
+    def changed(self, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
+        """Return the structure with other matrices, which are not checked: a draw may be what no frame is."""
+        return self._unchecked(**{field.name: getattr(self, field.name) for field in fields(self)} | values)
+
+    @property
+    def size(self) -> int:
+        """Number n of degrees of freedom of the structure."""
+        return int(self.mass.shape[-1])
+
+    @property
+    def degrees(self) -> int:
+        """Number p of interface displacements."""
+        return int(self.interface.shape[1])
+
+    @property
+    def _specimen(self) -> tuple[Array, Array, Array]:
+        return self.specimen_stiffness, self.specimen_damping, self.specimen_mass
+
+    @property
+    def direction(self) -> Array:
+        """γ of the one actuator [-], shape (n,)."""
+        self._require_one()
+        return self.interface[:, 0]
+
+    @property
+    def specimen(self) -> Specimen:
+        """Linear part of the specimen of one actuator."""
+        self._require_one()
+        stiffness, damping, mass = (float(matrix[0, 0]) for matrix in self._specimen)
+        return Specimen(stiffness=stiffness, damping=damping, mass=mass)
+
+    def _require_one(self) -> None:
+        if self.degrees != 1:
+            raise InputError(
+                "The specimen of this frame must be driven at one degree of freedom",
+                value=", ".join(self.names),
+                remedy="Describe one driven degree of freedom",
+            )
 
     @cached_property
+    def frame(self) -> Frame:
+        """The whole structure, of which every degree of freedom has a mass."""
+        return Frame(
+            mass=self.mass,
+            damping=self.damping,
+            stiffness=self.stiffness,
+            influence=self.influence,
+            names=self.degrees_of_freedom,
+        )
+
+    def _without(self, whole: Array, specimen: Array) -> Array:
+        return np.asarray(whole - self.interface @ specimen @ self.interface.T)
+
+    @property
     def numerical_mass(self) -> Array:
         """M_n [kg], shape (n, n)."""
-        return self._without(self.frame.mass, self.specimen.mass)
+        return self._without(self.mass, self.specimen_mass)
 
-    @cached_property
+    @property
     def numerical_damping(self) -> Array:
         """C_n [N·s/m], shape (n, n)."""
-        return self._without(self.frame.damping, self.specimen.damping)
+        return self._without(self.damping, self.specimen_damping)
 
-    @cached_property
+    @property
     def numerical_stiffness(self) -> Array:
         """K_n [N/m], shape (n, n)."""
-        return self._without(self.frame.stiffness, self.specimen.stiffness)
+        return self._without(self.stiffness, self.specimen_stiffness)
+
+    def impedance(self, s: Spectrum) -> Spectrum:
+        """Specimen's forces over its displacements, K_e + C_e s + M_e s² [N/m], shape (…, p, p)."""
+        s = np.asarray(s)[..., np.newaxis, np.newaxis]
+        return np.asarray(self.specimen_stiffness + s * (self.specimen_damping + s * self.specimen_mass))
+
+    @cached_property
+    def with_masses(self) -> "Partition":
+        """The same structure without degrees of freedom that have no mass."""
+        bare = np.abs(self.mass).max(axis=1) <= _NO_MASS * np.abs(self.mass).max()
+        driven = self.interface.any(axis=1)
+        if not bare.any():
+            return self
+        followed = bare & ~driven
+        reduced = self.projected(_static_shapes(self.stiffness, followed)) if followed.any() else self
+        light = (bare & driven)[~followed]
+        added = np.where(light, np.diag(reduced.stiffness) / _QUASI_STATIC**2, 0.0)
+        return reduced.changed(mass=reduced.mass + np.diag(added))
+
+    def projected(self, shapes: Array) -> "Partition":
+        """Confine the structure to shapes of motion, in columns, shape (n, shapes)."""
+        return self.changed(
+            mass=shapes.T @ self.mass @ shapes,
+            damping=shapes.T @ self.damping @ shapes,
+            stiffness=shapes.T @ self.stiffness @ shapes,
+            interface=shapes.T @ self.interface,
+            degrees_of_freedom=(),
+            # ι moves with the ground: M ι is what counts
+            influence=np.asarray(
+                np.linalg.lstsq(
+                    shapes.T @ self.mass @ shapes, shapes.T @ self.mass @ self.influence, rcond=None
+                )[0],
+                dtype=np.float64,
+            ),
+        )
+
+    def below(self, highest: float) -> "Partition":
+        """Reduce the structure by modes above a frequency [Hz], which follow by statics and inertia.
+
+        The shapes that are kept are the modes below and K⁻¹Γ, K⁻¹MK⁻¹Γ, so that statics at the interface
+        and its first correction are exact.
+        """
+        whole = self.with_masses
+        squares, modes = scipy.linalg.eigh(whole.stiffness, whole.mass)
+        slow = modes[:, squares <= (2.0 * math.pi * highest) ** 2]
+        if whole.size <= _FEW or slow.shape[1] + 2 * self.degrees >= whole.size:
+            return whole
+        static = np.linalg.solve(whole.stiffness, whole.interface)
+        inertial = np.linalg.solve(whole.stiffness, whole.mass @ static)
+        return whole.projected(_mass_orthonormal(np.hstack([slow, static, inertial]), whole.mass))
+
+    @cached_property
+    def natural_frequencies(self) -> Array:
+        """Natural frequencies of the undamped structure [Hz], ascending."""
+        whole = self.with_masses
+        squares = scipy.linalg.eigh(whole.stiffness, whole.mass, eigvals_only=True)
+        return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi))
+
+    @cached_property
+    def modes(self) -> tuple[Array, Array, Array]:
+        """Frequency [Hz], damping ratio [-] and interface displacements [1/√kg] of each mode.
+
+        Shapes (modes,), (modes,) and (p, modes).
+        """
+        whole = self.with_masses
+        squares, shapes = scipy.linalg.eigh(whole.stiffness, whole.mass)
+        omega = np.sqrt(np.maximum(squares, 0.0))
+        damping = np.einsum("di,de,ei->i", shapes, whole.damping, shapes)
+        return omega / (2.0 * math.pi), damping / (2.0 * omega), whole.interface.T @ shapes
 
     @property
     def stiffness_shares(self) -> Array:
-        """Modal shares of the specimen in the stiffness, α_i = k_e(γᵀφ_i)²/ω_i² [-], shape (modes,)."""
-        return self.specimen.stiffness * self._squared / self.frame.modes.circular_frequency**2
+        """Specimen's share of the stiffness of each mode, φᵀΓK_eΓᵀφ/ω² [-], shape (modes,)."""
+        frequency, *_ = self.modes
+        return self._in_modes(self.specimen_stiffness) / (2.0 * math.pi * frequency) ** 2
 
     @property
     def damping_shares(self) -> Array:
-        """Modal shares of the specimen in the damping, c_e(γᵀφ_i)²/(2ζ_iω_i) [-]; zero where ζ_i = 0."""
-        whole = 2.0 * self.frame.damping_ratios * self.frame.modes.circular_frequency
+        """Specimen's share of the damping of each mode, φᵀΓC_eΓᵀφ/(2ζω) [-]; zero where ζ = 0."""
+        frequency, ratio, _ = self.modes
+        whole = 4.0 * math.pi * frequency * ratio
         share = np.zeros_like(whole)
-        np.divide(self.specimen.damping * self._squared, whole, out=share, where=whole > 0.0)
+        np.divide(self._in_modes(self.specimen_damping), whole, out=share, where=whole > 0.0)
         return share
 
     @property
     def mass_shares(self) -> Array:
-        """Modal shares of the specimen in the mass, m_e(γᵀφ_i)² [-], shape (modes,)."""
-        return self.specimen.mass * self._squared
+        """Specimen's share of the mass of each mode, φᵀΓM_eΓᵀφ [-], shape (modes,)."""
+        return self._in_modes(self.specimen_mass)
 
     @property
     def impedance_shares(self) -> Spectrum:
-        """Force of the specimen in each mode over that of the mode's spring, Z(iω_i)(γᵀφ_i)²/ω_i² [-].
+        """Force of the specimen in each mode over that of the mode's spring, φᵀΓZ(iω)Γᵀφ/ω² [-].
 
         Its real part holds stiffness and mass, its imaginary part damping; for a spring it is α_i.
         """
-        omega = self.frame.modes.circular_frequency
-        return np.asarray(self.impedance((1j * omega).astype(np.complex128)) * self._squared / omega**2)
+        frequency, _, moved = self.modes
+        omega = 2.0 * math.pi * frequency
+        forces = self.impedance((1j * omega).astype(np.complex128))
+        felt = [moved[:, mode] @ force @ moved[:, mode] for mode, force in enumerate(forces)]
+        return np.asarray(felt / omega**2)
+
+    def _in_modes(self, specimen: Array) -> Array:
+        """φᵀΓ(…)Γᵀφ of a matrix of the specimen, shape (modes,)."""
+        _, _, moved = self.modes
+        return np.asarray(np.einsum("pm,pq,qm->m", moved, specimen, moved))
 
     @property
-    def _squared(self) -> Array:
-        return np.asarray((self.interface @ self.frame.modes.shapes) ** 2)
+    def static_transfer(self) -> Array:
+        """Interface displacements by which a constant x_c − x_m moves the structure, ΓᵀK⁻¹ΓK_e [-]."""
+        moved = np.linalg.solve(self.stiffness, self.interface @ self.specimen_stiffness)
+        return np.asarray(self.interface.T @ moved)
 
-    def impedance(self, s: Spectrum) -> Spectrum:
-        """Force of the linear specimen over its displacement, Z = k_e + c_e s + m_e s² [N/m]."""
-        return np.asarray(
-            self.specimen.stiffness + s * (self.specimen.damping + s * self.specimen.mass), dtype=complex
+    def shares_at_sensors(self, carry: Array) -> Array:
+        """Share by which an offset that the loop feels at each sensor moves its command back [-], shape (p,).
+
+        `carry`: interface displacements per unit at each sensor [-], shape (p, p).
+        """
+        shares = np.diag(np.linalg.solve(carry, self.static_transfer @ carry))
+        return np.asarray(np.clip(shares, _LEAST_SHARE, 1.0))
+
+    def with_parts(self, changes: Mapping[str, float]) -> "Partition":
+        """Structure whose floors, storeys, modes or specimen are off by relative changes."""
+        of_modes = any(name.startswith("mode") for name in changes)
+        whole, more = self.with_masses if of_modes else self, changes.get("specimen_stiffness", 0.0)
+        changed = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
+        return whole.changed(**_matrices(changed, whole._specimen))._with_specimen(1.0 + more)  # noqa: SLF001
+
+    @property
+    def without_specimen(self) -> "Partition":
+        """Numerical substructure: what the computer simulates of the structure."""
+        return self._with_specimen(0.0)
+
+    def _with_specimen(self, factor: float) -> "Partition":
+        """Structure with the specimen multiplied by a factor."""
+        whole = zip((self.mass, self.damping, self.stiffness), reversed(self._specimen), strict=True)
+        return self.changed(
+            **_matrices(
+                [self._without(matrix, (1.0 - factor) * part) for matrix, part in whole],
+                [factor * part for part in self._specimen],
+            )
         )
 
-    def responses(self, s: Spectrum, actuator: Spectrum, output: Array | None = None) -> Spectrum:
-        """Transfer functions from −a_g in the hybrid test, by solving the equations at every s.
+    def scaled(
+        self,
+        *,
+        frequency: float | Array = 1.0,
+        damping_ratio: float | Array = 1.0,
+        share: float | Array = 1.0,
+    ) -> "Partition":
+        """Structure with all frequencies, damping ratios and the specimen multiplied by factors.
 
-        Parameters
-        ----------
-        s : numpy.ndarray
-            Complex frequencies [rad/s], shape (n,).
-        actuator : numpy.ndarray
-            Measured over command displacement σ(s) of the transfer system [-], shape of `s`.
-        output : numpy.ndarray, optional
-            Weights of the degrees of freedom in the response, shape (degrees of freedom,); by default the
-            measured interface displacement σ γᵀx.
-
-        Returns
-        -------
-        numpy.ndarray
-            Response [s²], shape of `s`.
+        Factors of many draws, shape (draws,), give its matrices a first axis of draws.
         """
-        along = np.outer(self.interface, self.interface)
-        extra = (self.impedance(s) * (actuator - 1.0))[:, np.newaxis, np.newaxis]
-        load = self.frame.mass @ self.frame.influence
-        moved = np.linalg.solve(
-            self.frame.dynamic_stiffness(s) + extra * along, load.astype(complex)[:, np.newaxis]
-        )[..., 0]
-        return np.asarray(actuator * (moved @ self.interface) if output is None else moved @ output)
+        f, ratio, part = (
+            np.asarray(one)[..., np.newaxis, np.newaxis] for one in (frequency, damping_ratio, share)
+        )
+        return self.changed(
+            damping=self.damping * (f * ratio),
+            stiffness=self.stiffness * f**2,
+            specimen_stiffness=self.specimen_stiffness * (f**2 * part),
+            specimen_damping=self.specimen_damping * (f * part),
+            specimen_mass=self.specimen_mass * part,
+        )
+
+    @property
+    def first_mode(self) -> Array:
+        """Shape of the lowest undamped mode that moves the interface, at most by one, shape (n,)."""
+        for shape in scipy.linalg.eigh(self.stiffness, self.mass)[1].T:
+            moved = max(self.interface.T @ shape, key=abs)
+            if abs(moved) > _MOVES * np.abs(shape).max():
+                return np.asarray(shape / moved)
+        interface = self.interface[:, 0]
+        return np.asarray(interface / float(interface @ interface))
+
+    @property
+    def shapes_of_interface(self) -> Array:
+        """Shapes in which interface displacements are one, shape (n, p): of one alone, the lowest mode."""
+        if self.degrees == 1:
+            return self.first_mode[:, np.newaxis]
+        moved = np.linalg.solve(self.stiffness, self.interface)
+        return np.asarray(np.linalg.solve((self.interface.T @ moved).T, moved.T).T)
+
+    def error_transfer(self, s: Spectrum) -> Spectrum:
+        """Transfer function from x_c − x_m to the interface's error, Γᵀ(M s² + C s + K)⁻¹Γ Z(s).
+
+        `s` [rad/s]; returns [-], shape (…, p, p).
+        """
+        at = np.asarray(s)[..., np.newaxis, np.newaxis]
+        dynamic = at**2 * self.mass + at * self.damping + self.stiffness
+        return np.asarray(self.interface.T @ np.linalg.solve(dynamic, self.interface @ self.impedance(s)))
 
 
-def floor_interface(frame: Frame, name: str | int) -> Array:
-    """γ of a specimen between the ground and a degree of freedom, shape (n,)."""
-    interface = np.zeros(frame.size)
-    interface[frame.degree_of_freedom(name)] = 1.0
-    return interface
+def _matrices(whole: Iterable[Array], specimen: Iterable[Array]) -> dict[str, Array]:
+    """Name M, C and K of a structure, and K_e, C_e and M_e of its specimen."""
+    of_specimen = ("specimen_stiffness", "specimen_damping", "specimen_mass")
+    names = ("mass", "damping", "stiffness", *of_specimen)
+    return dict(zip(names, (*whole, *specimen), strict=True))
 
 
-def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
-    """γ of a specimen between two degrees of freedom, shape (n,).
-
-    Raises InputError if both are the same.
-    """
-    interface = floor_interface(frame, upper)
-    if frame.degree_of_freedom(lower) == frame.degree_of_freedom(upper):
-        raise InputError("A drift needs two different degrees of freedom", value=str(upper))
-    interface[frame.degree_of_freedom(lower)] = -1.0
-    return interface
+def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> tuple[Array, ...]:
+    """Condense matrices of a specimen statically to its first degrees of freedom."""
+    followed = np.arange(stiffness.shape[0]) >= retained
+    shapes = _static_shapes(stiffness, followed)
+    return tuple(shapes.T @ matrix @ shapes for matrix in matrices)
 
 
-def with_specimen(frame: Frame, interface: Sequence[float] | Array, specimen: Specimen) -> Frame:
-    """Return the frame with a specimen added at an interface: the whole of which it is then a part."""
-    along = np.outer(interface, interface)
-    return Frame(
-        mass=frame.mass + specimen.mass * along,
-        damping=frame.damping + specimen.damping * along,
-        stiffness=frame.stiffness + specimen.stiffness * along,
-        influence=frame.influence,
-        names=frame.names,
+def _static_shapes(stiffness: Array, followed: NDArray[np.bool_]) -> Array:
+    """Shapes of the structure when the remaining degrees of freedom move by one each."""
+    moving = ~followed
+    shapes = np.zeros((stiffness.shape[0], int(moving.sum())))
+    shapes[moving] = np.eye(shapes.shape[1])
+    shapes[followed] = -np.linalg.solve(
+        stiffness[np.ix_(followed, followed)], stiffness[np.ix_(followed, moving)]
     )
+    return shapes
+
+
+def _mass_orthonormal(shapes: Array, mass: Array) -> Array:
+    """Basis of the same motions, of unit mass each, without those that depend on others."""
+    scaled = shapes / np.sqrt(np.einsum("di,de,ei->i", shapes, mass, shapes))
+    values, vectors = np.linalg.eigh(scaled.T @ mass @ scaled)
+    independent = values > _SINGULAR * values.max()
+    return np.asarray(scaled @ vectors[:, independent] / np.sqrt(values[independent]))
+
+
+def whole_structure(structure: Structure | Partition) -> Partition:
+    """Convert any description of a structure with a specimen to its matrices."""
+    return structure if isinstance(structure, Partition) else Partition.of_structure(structure)

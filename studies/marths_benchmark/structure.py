@@ -13,7 +13,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.shipped import shipped
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.frames import modal_damping
 
 RATE: Final = 1024.0
@@ -134,7 +134,7 @@ def _condensed_forces() -> tuple[Array, ...]:
     return tuple(matrix[:3] @ shapes for matrix in matrices)
 
 
-def benchmark_partition() -> CoupledPartition:
+def benchmark_partition() -> Partition:
     """Describe the benchmark as the structure by which `reliab assess` judges a test: interface x and θ.
 
     The specimen is the physical frame with its inner rotations condensed out, and θ = −U of joint 7.
@@ -146,7 +146,7 @@ def benchmark_partition() -> CoupledPartition:
     mass, damping, stiffness = (shapes.T @ matrix @ shapes for matrix in matrices)
     interface = np.zeros((len(parts.mass), 2))
     interface[X[0], 0], interface[THETA[0], 1] = 1.0, -1.0
-    return CoupledPartition(
+    return Partition(
         mass=parts.numerical_mass + interface @ mass @ interface.T,
         damping=parts.numerical_damping + interface @ damping @ interface.T,
         stiffness=parts.numerical_stiffness + interface @ stiffness @ interface.T,

@@ -15,9 +15,10 @@ from reliab.motions import Motion
 from reliab.shipped import shipped
 from reliab.simulation import Excitation
 from reliab.simulation.frames import FrameLoop
+from reliab.simulation.frames.rig_loop import over_frequency
 from reliab.simulation.laboratory import Run
 from reliab.simulation.linear_loop import respond
-from reliab.structures import Partition, Structure, whole_structure
+from reliab.structures import Partition, Structure
 from reliab.sweep import open_ellipses
 
 from .drawing import RATE
@@ -137,11 +138,11 @@ def resolved(run: Run, partition: Partition, motion: Motion) -> float:
         # The force is that of the measured displacement, late by the laboratory's own lag.
         tracked = tracking.transfer(s)
         late = tracked * np.exp(-s * _FORCE_LAG)
-        command = partition.responses(s, late, np.array(partition.interface))
+        command = over_frequency(partition, s, late, partition.direction)
         return np.asarray(tracked * command)
 
     def ideal(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        return partition.responses(s, np.ones_like(s))
+        return over_frequency(partition, s, np.ones_like(s))
 
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     strayed = respond(excitation, measured)[0] - respond(excitation, ideal)[0]
@@ -155,7 +156,7 @@ def rebuilt(run: Run, partition: Partition) -> float:
         run.command[thinned].copy(),
         run.measured[thinned].copy(),
         _THINNED * run.step,
-        whole_structure(partition),
+        partition,
         feedback_lag=_FORCE_LAG,
         draws=_DRAWS,
     )

@@ -76,7 +76,7 @@ def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimension
     }
     if run.lost:
         return row
-    reference = partition.interface @ run.reference
+    reference = partition.direction @ run.reference
     largest = float(np.abs(reference).max())
     tracking = frequency_evaluation(run.command, run.measured, run.step, window="boxcar")
     index = tracking.amplitude, 1e3 * tracking.equivalent_delay

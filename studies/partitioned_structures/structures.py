@@ -20,13 +20,13 @@ def partitioned_structures() -> dict[str, Partition]:
     six = Frame(mass=tall, stiffness=tower, damping=modal_damping(tall, tower, 0.02))
 
     def spring(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
-        return Partition(frame=frame, interface=interface, specimen=specimen)
+        return Partition.of_frame(frame=frame, interface=interface, specimen=specimen)
 
     def beside(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
         return spring(with_specimen(frame, interface, specimen), interface, specimen)
 
     return {
-        "one mass, half of its spring": Partition.from_structure(structure, mass=1000.0),
+        "one mass, half of its spring": Partition.of_structure(structure, mass=1000.0),
         "two storeys, the first one tested": spring(
             two, floor_interface(two, 1), Specimen(stiffness=4e5, mass=100.0)
         ),

@@ -17,7 +17,7 @@ from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation.laboratory import Run, run_laboratory
-from reliab.structures import Partition, whole_structure
+from reliab.structures import Partition
 
 from .benchmark import (
     CASES,
@@ -177,7 +177,7 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
         run.command[thinned].copy(),
         run.measured[thinned].copy(),
         _THINNED * run.step,
-        whole_structure(partition),
+        partition,
         feedback_lag=_FORCE_LAG,
     )
     estimates = {"rms": error.rms, "mte": error.mte}

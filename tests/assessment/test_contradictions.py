@@ -13,8 +13,8 @@ from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.stated_value import StatedValue
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
@@ -107,7 +107,9 @@ def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulat
 def test_a_frame_is_doubted_as_well(simulate):
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e7, 3e7])
     whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
-    partition = Partition(frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e7))
+    partition = Partition.of_frame(
+        frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e7)
+    )
     frame = FrameUnderTest(name="stiff", partition=partition, output=None, error_of="interface")
     found = assess_frame(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
     assert found.error.probability > 0.95

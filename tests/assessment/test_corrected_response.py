@@ -15,7 +15,7 @@ from reliab.cli import run
 from reliab.recordings import CoupledRecording
 from reliab.shipped import shipped
 from reliab.simulation.frames import coupled_response, read_structure
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.frames import Frame, undivided_response
 
 _STEP = 1.0 / 512.0
@@ -24,7 +24,7 @@ _NOISE = np.random.default_rng(4).standard_normal(_TIMES.size)
 _GROUND = np.convolve(_NOISE, np.hanning(40), mode="same") * np.minimum(_TIMES / 4.0, 1.0) / 5.0
 
 
-def _two_storeys() -> tuple[Frame, CoupledPartition]:
+def _two_storeys() -> tuple[Frame, Partition]:
     """A frame of three degrees of freedom, whose first two are driven together with a lever."""
     frame = Frame(
         mass=np.diag([1000.0, 900.0, 800.0]),
@@ -32,7 +32,7 @@ def _two_storeys() -> tuple[Frame, CoupledPartition]:
         stiffness=np.array([[4e5, -2e5, 0.0], [-2e5, 4e5, -2e5], [0.0, -2e5, 2e5]]),
         names=("1", "2", "3"),
     )
-    partition = CoupledPartition(
+    partition = Partition(
         mass=frame.mass,
         damping=frame.damping,
         stiffness=frame.stiffness,

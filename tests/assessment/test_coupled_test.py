@@ -18,7 +18,7 @@ from reliab.shipped import shipped
 from reliab.simulation.frames import CoupledFrame, coupled_response, read_frame, read_structure
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 STEP = 1.0 / 256.0
 FRAME = "frames/two_actuators.toml"
@@ -181,7 +181,7 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
 
 @pytest.mark.slow
 def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_answers():
-    partition = CoupledPartition(
+    partition = Partition(
         mass=np.eye(2),
         damping=np.eye(2),
         stiffness=np.diag([40.0, 60.0]),

@@ -21,7 +21,9 @@ WHOLE = Frame(
 )
 STATED = FrameUnderTest(
     name="two",
-    partition=Partition(frame=WHOLE, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)),
+    partition=Partition.of_frame(
+        frame=WHOLE, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
+    ),
     output=None,
     error_of="interface",
 )

@@ -12,7 +12,7 @@ from reliab.assessment.frame_test import assess_frame
 from reliab.recordings import CoupledRecording, Recording
 from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures import CoupledPartition, Partition, Specimen
+from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
 
 RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
@@ -81,7 +81,9 @@ def simulated(tested):
 def frame(**tolerances):
     """The frame as stated, and how exactly it is known."""
     whole = Frame(mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness)
-    partition = Partition(frame=whole, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5))
+    partition = Partition.of_frame(
+        frame=whole, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
+    )
     return FrameUnderTest(
         name="two",
         partition=partition,
@@ -120,7 +122,7 @@ def test_parts_replace_what_is_assumed_of_the_whole():
 def test_several_actuators_have_the_same_tolerances(case):
     tested, stated, names = CASES[case]
     recording, true = simulated(tested)
-    partition = CoupledPartition(
+    partition = Partition(
         mass=TWO_STOREYS.mass,
         damping=TWO_STOREYS.damping,
         stiffness=TWO_STOREYS.stiffness,

@@ -64,6 +64,6 @@ def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
     with pytest.raises(InputError, match="needs its force"):
         assess_frame(replace(test.recording, force=None), test.frame, measured_specimen=True)
     partition = test.frame.partition
-    heavy = replace(partition, specimen=replace(partition.specimen, mass=10.0))
+    heavy = replace(partition, specimen_mass=np.array([[10.0]]))
     with pytest.raises(InputError, match=r"no mass of its own; found mass_kg = 10"):
         assess_frame(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)

@@ -15,14 +15,14 @@ from reliab.assessment.measured_specimen import MeasuredMonitor, StatedForce, mo
 from reliab.assessment.rebuilt_error import CALM
 from reliab.cli import run
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition, Structure
+from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 
 simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 
 _STEP = 1.0 / 256.0
 _TIMES = np.arange(0.0, 16.0, _STEP)
-_STRUCTURE = CoupledPartition.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
+_STRUCTURE = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.cli import run
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition, Structure
+from reliab.structures import Partition, Structure
 
 simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 
@@ -194,7 +194,7 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
     felt = coefficients @ elements.along(growing, _STEP, _STILL)
-    computed = CoupledPartition.of_structure(Structure(frequency=0.4, damping_ratio=0.04))
+    computed = Partition.of_structure(Structure(frequency=0.4, damping_ratio=0.04))
     numerical = Recursion.of_force(computed, _STEP)
     response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
     assert response == pytest.approx(growing, abs=1e-9)
@@ -202,9 +202,7 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
 
 def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     """The oracle is the recursion of the whole structure from x_c − x_m, which holds no element."""
-    whole = CoupledPartition.of_structure(
-        Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6)
-    )
+    whole = Partition.of_structure(Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6))
     spring = _one(Kind.ELASTIC_PLASTIC, 1e9)
     late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
     stiffness = whole.specimen_stiffness[0]
@@ -217,7 +215,7 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
 
 def test_a_response_that_diverges_ends_at_once() -> None:
     """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
-    whole = CoupledPartition.of_structure(Structure(frequency=0.7, damping_ratio=0.05))
+    whole = Partition.of_structure(Structure(frequency=0.7, damping_ratio=0.05))
     late, numerical = 0.9 * _SINE, Recursion.of_force(whole.without_specimen, _STEP)
     law = _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS)
     response = law.respond(np.array([-1e9]), _SINE, late, _STEP, _STILL, numerical)
@@ -251,13 +249,13 @@ def _simulated(family: str, seed: int, **of_force: float) -> Any:
     return test
 
 
-def _structure(test: Any) -> CoupledPartition:
+def _structure(test: Any) -> Partition:
     stated = Structure(
         frequency=test.loop.frequency,
         damping_ratio=test.loop.damping_ratio,
         experimental_fraction=test.loop.share,
     )
-    return CoupledPartition.of_structure(stated)
+    return Partition.of_structure(stated)
 
 
 def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:

@@ -37,7 +37,7 @@ from reliab.errors import InputError  # noqa: E402
 from reliab.recordings import Recording  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
 from reliab.simulation.frames import CoupledResponse, FrameUnderTest, coupled_response, read_frame  # noqa: E402
-from reliab.structures import CoupledPartition  # noqa: E402
+from reliab.structures import Partition  # noqa: E402
 from reliab.vocabulary import Metric  # noqa: E402
 
 FRAMES = ("benchmark_case_1", "three_storeys")
@@ -52,7 +52,7 @@ def frame_of(name: str) -> FrameUnderTest:
     return replace(frame, output=None, tolerances=type(frame.tolerances)())
 
 
-def simulated(partition: CoupledPartition, ground: np.ndarray, rng: np.random.Generator) -> CoupledResponse:
+def simulated(partition: Partition, ground: np.ndarray, rng: np.random.Generator) -> CoupledResponse:
     """Test another structure than the stated one, with an actuator that leaves it stable."""
     longest = LONGEST_LAG
     while True:
@@ -67,7 +67,7 @@ def judged(name: str, seed: int, records: list[Path], clock: float) -> Iterator[
     """Simulate a test and judge it with ordinary equipment, and as if all were exact."""
     frame, rng = frame_of(name), np.random.default_rng([seed, FRAMES.index(name)])
     ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
-    run = simulated(CoupledPartition.of_partition(frame.partition), ground, rng)
+    run = simulated(frame.partition, ground, rng)
     strayed = run.measured - run.reference
     true = float(np.sqrt(np.mean(strayed**2)) / np.abs(run.reference).max())
     read = read_by_chance(run.measured, rng, clock)[0]

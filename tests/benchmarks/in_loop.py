@@ -19,7 +19,7 @@ from reliab.in_loop import LoopMonitor, monitor_sources
 from reliab.shipped import shipped
 from reliab.simulation.frames import read_structure
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import CoupledPartition, Structure
+from reliab.structures import Partition, Structure
 
 FLAGS = ("-std=c99", "-O2")
 REPEATED = 60
@@ -113,12 +113,12 @@ int main(int n, char **words)
 """
 
 
-def chain(floors: int) -> CoupledPartition:
+def chain(floors: int) -> Partition:
     """A shear frame of equal storeys of about 1 Hz with 2 % damping, its first storey in the laboratory."""
     stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
     stiffness[-1, -1] = 1.0
     stiffness *= (2.0 * np.pi / (2.0 * np.sin(np.pi / (4.0 * floors + 2.0)))) ** 2
-    return CoupledPartition(
+    return Partition(
         mass=np.eye(floors),
         damping=0.04 / (2.0 * np.pi) * stiffness,
         stiffness=stiffness,

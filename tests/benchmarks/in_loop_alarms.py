@@ -33,7 +33,7 @@ from reliab.motions import Motion, resample
 from reliab.motions.synthetic import synthetic_suite
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.structures import CoupledPartition, Structure, coupled_limit
+from reliab.structures import Partition, Structure, coupled_limit
 
 IN_TIME = 0.3  # s
 CHUNK = 0.25  # s, after which Python's monitor is asked
@@ -96,9 +96,9 @@ def alarms_of(case: LoopCase, compiler: str) -> list[float | None]:
     return [(int(word) - 1) * step if int(word) else None for word in said.split()]
 
 
-def as_one_actuator_drives(partition: CoupledPartition) -> CoupledPartition:
+def as_one_actuator_drives(partition: Partition) -> Partition:
     """Frame with one actuator, at the first interface displacement of a partition."""
-    return CoupledPartition(
+    return Partition(
         mass=partition.mass,
         damping=partition.damping,
         stiffness=partition.stiffness,
@@ -112,7 +112,7 @@ def as_one_actuator_drives(partition: CoupledPartition) -> CoupledPartition:
 def alarm_of_python(case: LoopCase) -> float | None:
     """Time of the alarm of the energy of Python's monitor, which follows one actuator [s]."""
     structure, step = case.monitor.structure, case.monitor.time_step
-    if isinstance(structure, CoupledPartition):
+    if isinstance(structure, Partition):
         structure = as_one_actuator_drives(structure)
     elif isinstance(structure, HybridTest):
         structure = UpdatedModel(name="", test=structure)
@@ -162,15 +162,13 @@ def _march(
     return command, measured
 
 
-def loop_of_frame(
-    partition: CoupledPartition, gain: Array, delay: float, ground: Array
-) -> tuple[Array, Array]:
+def loop_of_frame(partition: Partition, gain: Array, delay: float, ground: Array) -> tuple[Array, Array]:
     """Commands and measured displacements at RATE, simulated at FINE."""
     whole, every = partition, round(FINE / RATE)
     arrays = (
         np.linalg.inv(whole.mass),
-        whole.numerical(whole.damping, whole.specimen_damping),
-        whole.numerical(whole.stiffness, whole.specimen_stiffness),
+        whole.numerical_damping,
+        whole.numerical_stiffness,
         whole.mass @ whole.influence,
         whole.interface,
         whole.specimen_stiffness,
@@ -183,7 +181,7 @@ def loop_of_frame(
     return command, measured
 
 
-def drawn_frame(rng: np.random.Generator, degrees: int) -> CoupledPartition:
+def drawn_frame(rng: np.random.Generator, degrees: int) -> Partition:
     """A shear frame, the lower `degrees` floors in the laboratory."""
     floors = int(rng.integers(3, 6))
     stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
@@ -195,7 +193,7 @@ def drawn_frame(rng: np.random.Generator, degrees: int) -> CoupledPartition:
     own, across = stiffness[:degrees, :degrees], stiffness[:degrees, degrees:]
     condensed = own - across @ np.linalg.solve(stiffness[degrees:, degrees:], across.T)
     share = condensed * rng.uniform(0.2, 0.9)
-    return CoupledPartition(
+    return Partition(
         mass=mass,
         damping=2.0 * rng.uniform(0.01, 0.06) / w1 * stiffness,
         stiffness=stiffness,
@@ -325,7 +323,7 @@ def cases(count: int, seed: int, kinds: Sequence[str]) -> Iterator[LoopCase]:
     ):
         if case.kind not in kinds:
             continue
-        monitor = LoopMonitor(structure=CoupledPartition.of_structure(case.structure), time_step=1.0 / RATE)
+        monitor = LoopMonitor(structure=Partition.of_structure(case.structure), time_step=1.0 / RATE)
         offset = float(np.mean(case.measured[:20] - case.command[:20])) if case.facts["offset"] else 0.0
         rows = (np.atleast_2d(values) for values in (case.command, case.measured, case.ideal))
         command, measured, ideal = rows

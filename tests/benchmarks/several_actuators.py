@@ -43,7 +43,7 @@ from reliab.errors import InputError  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
 from reliab.simulation.frames import coupled_response, read_structure  # noqa: E402
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction  # noqa: E402
-from reliab.structures import CoupledPartition, Structure  # noqa: E402
+from reliab.structures import Partition, Structure  # noqa: E402
 
 RATE = 512.0
 CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE
@@ -53,7 +53,7 @@ THRESHOLD = 0.05
 FAR_OFF = 0.015  # of the natural frequency
 
 
-def structures() -> dict[str, tuple[CoupledPartition, np.ndarray]]:
+def structures() -> dict[str, tuple[Partition, np.ndarray]]:
     """Structures and their kinematics."""
     corner = read_structure(shipped("datasets", "frames/two_actuators.toml"))
     found = {"corner": (corner.partition, corner.kinematics)}
@@ -80,7 +80,7 @@ def drawn_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Gener
 
 def tests(
     name: str,
-    partition: CoupledPartition,
+    partition: Partition,
     kinematics: np.ndarray,
     seed: int,
     records: list[Path],
@@ -136,7 +136,7 @@ def tests(
             }
 
 
-def assumptions(partition: CoupledPartition, asked: argparse.Namespace) -> dict[str, Tolerances]:
+def assumptions(partition: Partition, asked: argparse.Namespace) -> dict[str, Tolerances]:
     """What intervals are to hold."""
     lowest = float(partition.natural_frequencies[0])
     mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
@@ -150,9 +150,7 @@ def assumptions(partition: CoupledPartition, asked: argparse.Namespace) -> dict[
     return {"exact": Tolerances()}
 
 
-def off_by_chance(
-    partition: CoupledPartition, rng: np.random.Generator, asked: argparse.Namespace
-) -> CoupledPartition:
+def off_by_chance(partition: Partition, rng: np.random.Generator, asked: argparse.Namespace) -> Partition:
     """Draw the structure that is tested, where another one is stated."""
     if asked.stiffness:
         frequency = np.sqrt(1.0 + asked.stiffness * rng.standard_normal())

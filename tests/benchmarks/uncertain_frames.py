@@ -125,7 +125,7 @@ def matrices(frame: FrameUnderTest) -> Matrices:
         mass=np.array(whole.mass),
         damping=np.array(whole.damping),
         stiffness=np.array(whole.stiffness),
-        interface=np.array(frame.partition.interface),
+        interface=frame.partition.direction,
         influence=np.array(whole.influence),
         specimen=(specimen.stiffness, specimen.damping, specimen.mass),
     )

@@ -10,7 +10,7 @@ from reliab.effects import Role, find_effect, library
 from reliab.in_loop import LoopMonitor
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.structures import CoupledPartition, Structure, coupled_limit
+from reliab.structures import Partition, Structure, coupled_limit
 
 FINE = 4096
 SHIPPED = [name for name, effect in library().items() if effect.role is Role.FORCE]
@@ -71,7 +71,7 @@ def of_one_degree(seed, rate):
     """A linear structure of one degree of freedom, with a delay up to thrice the critical one."""
     structure, command, measured = random_test(seed, rate)
     monitor = LoopMonitor(
-        structure=CoupledPartition.of_structure(structure),
+        structure=Partition.of_structure(structure),
         time_step=1.0 / rate,
         feedback_lag=(0.0, 0.37, 2.6)[seed % 3] / rate,
     )
@@ -98,7 +98,7 @@ def random_partition(seed, degrees=None):
         stiffness[degrees:, degrees:],
     )
     share = (own - across @ np.linalg.solve(rest, across.T)) * rng.uniform(0.2, 0.9)
-    return CoupledPartition(
+    return Partition(
         mass=np.diag(rng.uniform(0.5, 2.0, floors)),
         damping=2e-3 * stiffness,
         stiffness=stiffness,
@@ -113,9 +113,7 @@ def delayed_loop(partition, delay, rate, ground):
     """Interface commands and measured displacements of a loop whose actuators are late by whole samples."""
     whole = partition.with_masses
     gamma, late = whole.interface, round(delay * rate)
-    parts = [whole.mass, whole.damping, whole.stiffness]
-    specimen = [whole.specimen_mass, whole.specimen_damping, whole.specimen_stiffness]
-    mass, damping, stiffness = (whole.numerical(*pair) for pair in zip(parts, specimen, strict=True))
+    mass, damping, stiffness = whole.numerical_mass, whole.numerical_damping, whole.numerical_stiffness
     x, v = np.zeros(whole.size), np.zeros(whole.size)
     moved = np.zeros((ground.size + late, whole.degrees))
     inverse = np.linalg.inv(mass)

@@ -11,7 +11,7 @@ from reliab.errors import InputError
 from reliab.shipped import shipped
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.structures import CoupledPartition, Structure
+from reliab.structures import Structure
 
 pytestmark = needs_compiler
 
@@ -63,14 +63,14 @@ def test_a_frame_is_followed_as_python_does(tmp_path):
     from reliab.simulation.frames import read_frame
 
     path = shipped("datasets", "frames/benchmark_case_1.toml")
-    structure = CoupledPartition.of_partition(read_frame(path).partition)
+    structure = read_frame(path).partition
     rng = np.random.default_rng(5)
     command = np.cumsum(rng.normal(size=6000)) * 1e-4
     measured = 0.98 * command + 1e-4 * rng.normal(size=command.size)
     written = export_monitor(("c", tmp_path), structure=path, rate=1024)
     ours = followed(built(tmp_path), command, measured, (0.0, 0.0))
     theirs = by_python(structure, command, measured, 1024, 0.0, 0.0)
-    assert written.degrees_of_freedom == structure.interface.size > 1
+    assert written.degrees_of_freedom == structure.size > 1
     assert np.abs(ours.error - theirs.error).max() < 1e-12 * np.abs(command).max()
 
 

@@ -8,7 +8,7 @@ import scipy
 
 from reliab.simulation.frames.coupled_tables import damping_of
 from reliab.simulation.frames.frame_tables import DampingTable
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.frames import modal_damping, rayleigh_damping, shear_frame
 
 
@@ -17,7 +17,7 @@ def tall(stories=60):
     mass, stiffness = shear_frame(np.linspace(3e3, 2e3, stories).tolist(), [4e7] * stories)
     interface = np.zeros((stories, 2))
     interface[2, 0] = interface[39, 1] = 1.0
-    return CoupledPartition(
+    return Partition(
         mass=mass,
         damping=modal_damping(mass, stiffness, 0.03),
         stiffness=stiffness,
@@ -46,7 +46,7 @@ def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
 def test_a_small_structure_or_one_that_is_wanted_whole_is_not_reduced():
     small, whole = tall(41), tall()
     assert whole.below(2.0 * whole.natural_frequencies[-1]) is whole
-    few = CoupledPartition(
+    few = Partition(
         mass=np.diag([4.0, 3.0, 2.0]),
         damping=0.1 * np.eye(3),
         stiffness=np.diag([90.0, 80.0, 70.0]),

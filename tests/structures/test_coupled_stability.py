@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition, Partition, Structure, coupled_limit
+from reliab.structures import Partition, Structure, coupled_limit
 from reliab.structures.critical_delay import critical_delay
 
 
@@ -14,7 +14,7 @@ def coupled_corner(specimen_damping=0.0):
     interface = np.eye(3)[:, :2]
     specimen = np.array([[1.4e6, -3e5], [-3e5, 4e5]])
     damping = 0.9 * mass + 4e-4 * stiffness
-    return CoupledPartition(
+    return Partition(
         mass=mass,
         damping=damping,
         stiffness=stiffness,
@@ -63,8 +63,8 @@ def test_critical_delay_is_where_a_root_crosses(specimen_damping, gains):
 
 def test_one_actuator_has_its_own_critical_delay():
     structure = Structure(frequency=1.3, damping_ratio=0.04, experimental_fraction=0.6)
-    partition = Partition.from_structure(structure, 2000.0)
-    limit = coupled_limit(CoupledPartition.of_partition(partition))
+    partition = Partition.of_structure(structure, 2000.0)
+    limit = coupled_limit(partition)
     delay, frequency = critical_delay(partition)
     assert limit.delay == pytest.approx(delay, rel=1e-10)
     assert limit.frequency == pytest.approx(frequency, rel=1e-10)
@@ -72,7 +72,7 @@ def test_one_actuator_has_its_own_critical_delay():
 
 def test_a_specimen_must_be_part_of_the_frame():
     with pytest.raises(InputError, match="must be part of the frame"):
-        CoupledPartition(
+        Partition(
             mass=np.eye(2),
             damping=0.1 * np.eye(2),
             stiffness=np.eye(2),
@@ -83,7 +83,7 @@ def test_a_specimen_must_be_part_of_the_frame():
 
 def test_degrees_without_mass_follow_by_statics():
     stiffness = np.array([[3.0, -1.0, -1.0], [-1.0, 2.0, 0.0], [-1.0, 0.0, 1.5]]) * 1e4
-    partition = CoupledPartition(
+    partition = Partition(
         mass=np.diag([10.0, 0.0, 5.0]),
         damping=1e-3 * stiffness,
         stiffness=stiffness,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.structures import CoupledPartition, is_part, part_and_number, with_parts
+from reliab.structures import Partition, is_part, part_and_number, with_parts
 from reliab.structures.frames import modal_damping, shear_frame
 
 MASSES, STOREYS, RATIOS = [1200.0, 1000.0, 700.0], [9e5, 7e5, 5e5], [0.02, 0.03, 0.05]
@@ -68,7 +68,7 @@ def test_what_is_not_named_stays():
 
 def test_a_stronger_specimen_leaves_what_the_computer_has():
     interface = np.array([-1.0, 1.0, 0.0])
-    whole = CoupledPartition(
+    whole = Partition(
         mass=MASS,
         damping=DAMPING,
         stiffness=STIFFNESS,

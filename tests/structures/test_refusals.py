@@ -9,11 +9,11 @@ import pytest
 from reliab.effects import find_effect
 from reliab.effects.effect import Parameter, Scales
 from reliab.errors import InputError
-from reliab.structures.partition import Partition, Specimen
+from reliab.structures import Partition, Specimen
 from reliab.structures.structure import Structure
 
 SOUND = Structure(frequency=1.0, damping_ratio=0.05)
-PARTITION = Partition.from_structure(SOUND, mass=10.0)
+PARTITION = Partition.of_structure(SOUND, mass=10.0)
 FRICTION = partial(find_effect("coulomb_friction"), regularisation_velocity_m_per_s=1e-3)
 FORCE = FRICTION(force_n=1.0)
 READING = find_effect("sensor_bias")(bias_m=0.001)
@@ -26,8 +26,8 @@ def parameter(**changed):
 
 
 def partition(**changed):
-    parts = {"frame": PARTITION.frame, "interface": PARTITION.interface, "specimen": PARTITION.specimen}
-    return Partition(**{**parts, **changed})
+    parts = {"frame": PARTITION.frame, "interface": PARTITION.direction, "specimen": PARTITION.specimen}
+    return Partition.of_frame(**{**parts, **changed})
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ def sizes_of_structure(frame: "FrameUnderTest | CoupledFrame") -> dict[str, Size
     Where parts of the structure are stated, nothing is assumed of the whole beside them.
     """
     tolerances = frame.tolerances
-    parts = tolerances.of_parts(frame.partition.interface.shape[0])
+    parts = tolerances.of_parts(frame.partition.size)
     deviations = {
         "frequency": tolerances.of_frequency,
         "damping_ratio": tolerances.damping_ratio,

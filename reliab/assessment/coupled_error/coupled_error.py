@@ -15,7 +15,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
@@ -93,8 +93,8 @@ class CoupledError:
 
     time_step: float  # s
     degrees: tuple[DegreeError, ...]  # In the order of the interface displacements
-    partition: CoupledPartition  # As stated
-    structure: CoupledPartition  # With which it was rebuilt: no modes far above the motion
+    partition: Partition  # As stated
+    structure: Partition  # With which it was rebuilt: no modes far above the motion
     noises: tuple[SensorNoise, ...]  # Of each sensor
     starts: tuple[Start, ...]  # How each channel begins
     unknown: Unknowns
@@ -102,7 +102,7 @@ class CoupledError:
     histories: CoupledHistories
     every: int  # Number of samples of which one was drawn
     # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
-    exact: Callable[[], Iterator[tuple[CoupledPartition, Array]]]
+    exact: Callable[[], Iterator[tuple[Partition, Array]]]
 
     @property
     def judged(self) -> tuple[DegreeError, ...]:
@@ -152,8 +152,8 @@ class CoupledError:
 
 def conclude(
     *,
-    partition: CoupledPartition,
-    structure: CoupledPartition,
+    partition: Partition,
+    structure: Partition,
     histories: CoupledHistories,
     noises: tuple[SensorNoise, ...],
     starts: tuple[Start, ...],
@@ -163,7 +163,7 @@ def conclude(
     raw: Array,
     loose: Array,
     every: int,
-    exact: Callable[[], Iterator[tuple[CoupledPartition, Array]]],
+    exact: Callable[[], Iterator[tuple[Partition, Array]]],
 ) -> CoupledError:
     """Combine histories and draws into errors of every interface displacement."""
     response = histories.respond(histories.recursion, histories.fed_back)

@@ -18,7 +18,7 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.simulation.frames import ideal_response
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 FEWEST_PERIODS = 10.0
 """Periods of the structure below which a test does not show it."""
@@ -55,7 +55,7 @@ class ShownByGround:
 
 
 def compare_with_ground(
-    histories: CoupledHistories, structure: CoupledPartition, ground: Array
+    histories: CoupledHistories, structure: Partition, ground: Array
 ) -> ShownByGround | None:
     """Fit the structure to the recorded ground acceleration [m/s²]; None where the test is too short."""
     periods = float(structure.natural_frequencies[0]) * histories.time_step * ground.size
@@ -72,7 +72,7 @@ def compare_with_ground(
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Fit:
     histories: CoupledHistories
-    structure: CoupledPartition
+    structure: Partition
     ground: Array  # [m/s²], shape (n,)
     periods: float  # Of the lowest mode in the test
 

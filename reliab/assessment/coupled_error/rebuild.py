@@ -33,7 +33,7 @@ from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures import CoupledPartition, is_part
+from reliab.structures import Partition, is_part
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -91,7 +91,7 @@ def rebuild_coupled(
     command: Array,
     measured: Array,
     time_step: float,
-    partition: CoupledPartition,
+    partition: Partition,
     *,
     to_interface: Array | None = None,
     feedback_lag: float = 0.0,
@@ -109,7 +109,7 @@ def rebuild_coupled(
     Two actuators of which one moves 1 % too little:
 
     >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)
-    >>> partition = CoupledPartition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
+    >>> partition = Partition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
     ...                              interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
     >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
     >>> error = rebuild_coupled(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
@@ -154,9 +154,7 @@ def rebuild_coupled(
     )
 
 
-def _learned(
-    histories: CoupledHistories, structure: CoupledPartition, deviation: float
-) -> OwnFrequency | None:
+def _learned(histories: CoupledHistories, structure: Partition, deviation: float) -> OwnFrequency | None:
     """Learn the natural frequency beside a stated one of a relative deviation."""
     return learn_frequency(
         histories.carry @ histories.command,
@@ -175,8 +173,8 @@ class _Sweep:
     """Errors of many draws of what is not known."""
 
     histories: CoupledHistories
-    partition: CoupledPartition  # As stated
-    structure: CoupledPartition  # Without modes above the highest frequency [Hz]
+    partition: Partition  # As stated
+    structure: Partition  # Without modes above the highest frequency [Hz]
     highest: float
     every: int
     seed: int
@@ -207,7 +205,7 @@ class _Sweep:
 
     def _structures(
         self, drawn: dict[str, Array], draws: int
-    ) -> Iterator[tuple[NDArray[np.int64], CoupledPartition]]:
+    ) -> Iterator[tuple[NDArray[np.int64], Partition]]:
         """Structures of draws, with the places of these draws: together what is left of as many modes."""
         parts = {name: values for name, values in drawn.items() if is_part(name)}
         if not parts:
@@ -227,7 +225,7 @@ class _Sweep:
             yield places, together.scaled(frequency=f, damping_ratio=ratio, share=share)
 
     def _swept(
-        self, structure: CoupledPartition, drawn: dict[str, Array], differences: Array
+        self, structure: Partition, drawn: dict[str, Array], differences: Array
     ) -> tuple[Array, Array]:
         """Statistics and sums over draws of structures of one size."""
         recursion, states, (inputs, shifts), (late, rate) = self._driven(
@@ -237,7 +235,7 @@ class _Sweep:
         lags = drawn["feedback_lag"]
         return sweep_draws(recursion, states, command, differences, inputs, shifts, late, rate, lags)
 
-    def exact(self, unknown: Unknowns, differences: Array) -> Iterator[tuple[CoupledPartition, Array]]:
+    def exact(self, unknown: Unknowns, differences: Array) -> Iterator[tuple[Partition, Array]]:
         """Structures and exact responses at the interface [m], draw by draw."""
         draws, carried = differences.shape[0], self.histories.carry @ differences
         command = self.histories.carry @ self.histories.command[:, :: self.every]
@@ -252,7 +250,7 @@ class _Sweep:
                 of_draw = {name: values[row : row + 1] for name, values in chosen.items()}
                 yield self._whole(of_draw), command - response
 
-    def _whole(self, drawn: dict[str, Array]) -> CoupledPartition:
+    def _whole(self, drawn: dict[str, Array]) -> Partition:
         """Give the structure of one draw with all of its modes."""
         parts = {name: float(values[0]) for name, values in drawn.items() if is_part(name)}
         f, ratio, share = (float(factor[0]) for factor in factors_of_draws(drawn))
@@ -261,7 +259,7 @@ class _Sweep:
         return whole.scaled(frequency=f, damping_ratio=ratio, share=share)
 
     def _driven(
-        self, structure: CoupledPartition, drawn: dict[str, Array], draws: int
+        self, structure: Partition, drawn: dict[str, Array], draws: int
     ) -> tuple[Recursion, Array, tuple[Array, Array], tuple[Array, Array]]:
         """Recursion and states of draws, what sensors add and how much of it, and what a late force adds."""
         histories, every = self.histories, self.every
@@ -313,9 +311,7 @@ def _statistics(strayed: Array, ideal: Array) -> Array:
     return np.stack([np.array(squares), np.abs(strayed).max(axis=1), np.abs(ideal).max(axis=1)])
 
 
-def _checked(
-    command: Array, measured: Array, step: float, partition: CoupledPartition
-) -> tuple[Array, Array]:
+def _checked(command: Array, measured: Array, step: float, partition: Partition) -> tuple[Array, Array]:
     command, measured = (np.array(values, dtype=np.float64, order="C") for values in (command, measured))
     if command.ndim != 2 or command.shape != measured.shape or command.shape[1] < _FEWEST_SAMPLES:  # noqa: PLR2004
         raise InputError(
@@ -355,9 +351,7 @@ def _require_fitting(command: Array, every: int) -> None:
         )
 
 
-def _examined(
-    command: Array, measured: Array, step: float, partition: CoupledPartition, carry: Array
-) -> Channels:
+def _examined(command: Array, measured: Array, step: float, partition: Partition, carry: Array) -> Channels:
     """Estimate noise and offset of each sensor; the offsets are taken away."""
     shares = partition.shares_at_sensors(carry)
     lowest = float(partition.natural_frequencies[0])
@@ -382,7 +376,7 @@ def _examined(
     )
 
 
-def _band(noises: Sequence[SensorNoise], measured: Array, partition: CoupledPartition) -> float:
+def _band(noises: Sequence[SensorNoise], measured: Array, partition: Partition) -> float:
     """Band of the motion [Hz], one for all channels, with the modes that may ring below the noise.
 
     A channel without noise shows any band, and tells only where none has noise.
@@ -405,7 +399,7 @@ def _noise_at_rest(measured: Array, step: float) -> SensorNoise:
     return estimate_noise(still, measured - measured.mean(), step)
 
 
-def _of_starts(channels: Channels, structure: CoupledPartition, carry: Array) -> Array:
+def _of_starts(channels: Channels, structure: Partition, carry: Array) -> Array:
     """Deviations of offsets at the sensors and of the errors at the first sample at the interface [m]."""
     offsets = np.array([start.offset_deviation for start in channels.starts])
     if all(start.at_rest for start in channels.starts):
@@ -418,7 +412,7 @@ def _of_starts(channels: Channels, structure: CoupledPartition, carry: Array) ->
     return np.stack([offsets, spread * np.abs(moved)])
 
 
-def _draw(channels: Channels, structure: CoupledPartition, every: int, draws: int, seed: int) -> Array:
+def _draw(channels: Channels, structure: Partition, every: int, draws: int, seed: int) -> Array:
     """Draw histories of x_c − x_m at the sensors that the noise leaves open [m], shape (draws, p, m)."""
     moves = _moves(channels.command, channels.measured)
     smooth = channels.command - channels.smoothed
@@ -446,7 +440,7 @@ def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ shown))
 
 
-def _samples_in_step(structure: CoupledPartition, band: float, step: float, samples: int) -> int:
+def _samples_in_step(structure: Partition, band: float, step: float, samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept."""
     governing = _governing_modes(structure, _NEAR_BAND * band)
     fastest = float(governing.max()) if governing.size else float(structure.natural_frequencies[0])
@@ -455,7 +449,7 @@ def _samples_in_step(structure: CoupledPartition, band: float, step: float, samp
     return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
 
 
-def _governing_modes(partition: CoupledPartition, highest: float) -> Array:
+def _governing_modes(partition: Partition, highest: float) -> Array:
     """Natural frequencies [Hz] up to the highest of those with a share in the answer at rest."""
     frequency, _, moved = partition.modes
     share = np.diag(partition.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2

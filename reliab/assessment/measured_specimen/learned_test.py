@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_un
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
@@ -41,7 +41,7 @@ class _Draw:
     measured: Array  # Displacement of the specimen [m], shape (n,)
     response: Array  # What a perfect actuator would have given [m], shape (n,)
     specimen: LearnedSpecimen
-    structure: CoupledPartition
+    structure: Partition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +50,7 @@ class LearnedTest:
 
     thin: Histories
     path: MeasuredPath
-    whole: CoupledPartition  # The structure with its specimen as stated [kg, N·s/m, N/m]
+    whole: Partition  # The structure with its specimen as stated [kg, N·s/m, N/m]
     mass_deviation: float  # Of the mass, over the mass [-]
     feedback_lag: float  # Time by which the force was fed back late [s]
     channel: ForceChannel
@@ -76,7 +76,7 @@ class LearnedTest:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
         return Recursion.of_force(self._scaled(relative).without_specimen, self.thin.time_step)
 
-    def _scaled(self, relative: list[float]) -> CoupledPartition:
+    def _scaled(self, relative: list[float]) -> Partition:
         """Structure with relative changes of each stated value."""
         frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
         most = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
@@ -203,7 +203,7 @@ class LearnedTest:
 
     def exact_of_draws(
         self, differences: Array, unknown: Unknown, seed: int
-    ) -> Iterator[tuple[CoupledPartition, Array, Array]]:
+    ) -> Iterator[tuple[Partition, Array, Array]]:
         """Structures, exact responses [m] and forces along them [N], draw by draw, both shape (1, n).
 
         Each force is off by what its family misses of held-out parts.

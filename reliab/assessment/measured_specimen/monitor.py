@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error import (
     require_readings,
 )
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has not shown enough
 
@@ -45,7 +45,7 @@ class MeasuredMonitor(RunningTest):
 
     growth: ClassVar[float] = 0.25
 
-    def __init__(self, structure: CoupledPartition, time_step: float, stated: StatedForce) -> None:
+    def __init__(self, structure: Partition, time_step: float, stated: StatedForce) -> None:
         super().__init__(structure, time_step)
         self._stated = stated
         self._parts: list[Array] = []

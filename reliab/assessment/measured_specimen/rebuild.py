@@ -44,7 +44,7 @@ from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_ste
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.threads import one_thread
 from reliab.vocabulary import Metric
 
@@ -160,7 +160,7 @@ def rebuild_with_force(
     measured: Array,
     force: Array,
     time_step: float,
-    whole: CoupledPartition,
+    whole: Partition,
     *,
     mass_deviation: float = 0.0,
     feedback_lag: float = 0.0,
@@ -207,7 +207,7 @@ def rebuild_with_force(
         return _concluded(test, histories, read, every, noise, start, tolerances or Tolerances(), seed)
 
 
-def _samples_in_step(whole: CoupledPartition, time_step: float) -> int:
+def _samples_in_step(whole: Partition, time_step: float) -> int:
     """Give the number of samples of which one is simulated: the specimen's force is foreseen for a step."""
     lowest = float(whole.natural_frequencies[0])
     every = samples_in_step_of_simulation(lowest, time_step, least_rate=_LEAST_RATE, per_period=_PER_PERIOD)
@@ -226,7 +226,7 @@ def _path(
     of_specimen: Array,
     every: int,
     noise: SensorNoise,
-    whole: CoupledPartition,
+    whole: Partition,
 ) -> MeasuredPath:
     """Put together what the test shows of the specimen; `force` as recorded, `of_specimen` thinned [N]."""
     thin = histories.thinned(every)

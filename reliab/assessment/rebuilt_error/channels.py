@@ -9,7 +9,7 @@ from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 FEWEST_SAMPLES = 64
 """Smallest number of samples from which an error is rebuilt."""
@@ -18,7 +18,7 @@ _FEWEST_PER_PERIOD = 10.0
 
 
 def checked_histories(
-    command: Array, measured: Array, step: float, structure: CoupledPartition
+    command: Array, measured: Array, step: float, structure: Partition
 ) -> tuple[Array, Array]:
     """Check command and measured displacement.
 
@@ -52,7 +52,7 @@ def stated_start(
     command: Array,
     measured: Array,
     time_step: float,
-    structure: CoupledPartition,
+    structure: Partition,
     noise: SensorNoise,
     sensor_offset: float | None,
 ) -> Start:

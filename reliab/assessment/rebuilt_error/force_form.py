@@ -18,7 +18,7 @@ from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.spectral import filtered
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _TINY = 1e-12
 
@@ -31,13 +31,13 @@ class Form(StrEnum):
     COMBINED = "combined"
 
 
-def felt_displacement(force: Array, structure: CoupledPartition, time_step: float) -> Array:
+def felt_displacement(force: Array, structure: Partition, time_step: float) -> Array:
     """Displacement under which the linear specimen gives a force, f/Z.
 
     `time_step` [s]; returns [m].
 
     >>> from reliab.structures.structure import Structure
-    >>> whole = CoupledPartition.of_structure(Structure(frequency=1.0, damping_ratio=0.02))
+    >>> whole = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.02))
     >>> force = 39.4784176 * np.sin(np.arange(0.0, 3.0, 0.01))
     >>> round(float(felt_displacement(force, whole, 0.01)[100]), 6) == round(float(np.sin(1.0)), 6)
     True

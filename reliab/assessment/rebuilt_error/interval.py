@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import sobol_points
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import CoupledPartition, is_part
+from reliab.structures import Partition, is_part
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
@@ -87,7 +87,7 @@ class Histories:
 
 def sweep(
     histories: Histories,
-    structure: CoupledPartition,
+    structure: Partition,
     unknown: Unknown,
     differences: Array,
     every: int,
@@ -136,7 +136,7 @@ def sweep(
     return stretch if before is None else before.first(draws).joined(stretch)
 
 
-def samples_in_step(structure: CoupledPartition, noise: SensorNoise, samples: int) -> int:
+def samples_in_step(structure: Partition, noise: SensorNoise, samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept."""
     of_structure = samples_in_step_of_structure(structure, noise.time_step)
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
@@ -186,7 +186,7 @@ def normal_points(dimensions: int, draws: int, seed: int) -> Array:
     return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
-def _fine_statistics(histories: Histories, structure: CoupledPartition, state: Array) -> Array:
+def _fine_statistics(histories: Histories, structure: Partition, state: Array) -> Array:
     """Statistics of all samples; the state moves to the last one, in place."""
     recursion = Recursion.of_displacement(structure, histories.time_step).of_draws(1)
     exact = {"feedback_lag": np.zeros(1)}
@@ -194,7 +194,7 @@ def _fine_statistics(histories: Histories, structure: CoupledPartition, state: A
 
 
 def states_at_first_sample(
-    structure: CoupledPartition,
+    structure: Partition,
     recursion: Recursion,
     displaced: Array,
     moving: Array,
@@ -277,7 +277,7 @@ def factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
     return [f, ratio / f if "damping" in drawn else ratio, share]
 
 
-def structures_of_draws(structure: CoupledPartition, drawn: Mapping[str, Array]) -> CoupledPartition:
+def structures_of_draws(structure: Partition, drawn: Mapping[str, Array]) -> Partition:
     """Structures of the draws, as one whose matrices have a first axis of draws where they differ."""
     f, ratio, share = factors_of_draws(drawn)
     parts = {name: values for name, values in drawn.items() if is_part(name)}

@@ -30,7 +30,7 @@ from reliab.assessment.rebuilt_error.stretches import (
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import UpdatedModel
-from reliab.structures import CoupledPartition, Partition, Structure, whole_structure
+from reliab.structures import Partition, Structure, whole_structure
 
 DRAWS = 64
 """Draws behind the intervals of a running test."""
@@ -54,7 +54,7 @@ class Monitor(RunningTest):
 
     def __init__(
         self,
-        structure: Structure | Partition | CoupledPartition | UpdatedModel,
+        structure: Structure | Partition | UpdatedModel,
         time_step: float,
         *,
         feedback_lag: float = 0.0,

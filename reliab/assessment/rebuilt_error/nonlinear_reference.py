@@ -38,7 +38,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
@@ -116,7 +116,7 @@ def rebuild_with_specimen(
     )
 
 
-def tangent_structure(test: HybridTest) -> CoupledPartition:
+def tangent_structure(test: HybridTest) -> Partition:
     """Whole structure per unit mass with the linear specimen of a model."""
     specimen = test.specimen
     if test.structure is None or specimen is None:
@@ -126,7 +126,7 @@ def tangent_structure(test: HybridTest) -> CoupledPartition:
         )
     numerical = test.substructure
     k, c, m = (value / test.mass for value in (specimen.stiffness, specimen.damping, specimen.mass))
-    return CoupledPartition.of_structure(test.structure).changed(
+    return Partition.of_structure(test.structure).changed(
         mass=np.array([[1.0 + m]]),
         damping=np.array([[numerical.damping + c]]),
         stiffness=np.array([[numerical.stiffness + k]]),

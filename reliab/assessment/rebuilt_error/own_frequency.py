@@ -30,7 +30,7 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.signals import CubicPath
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _PER_PERIOD = 48.0  # samples in a period
 _PERIODS_OF_HOP = 4.0
@@ -121,7 +121,7 @@ def learn_frequency(
     fed_back: Array,
     difference: Array,
     time_step: float,
-    structure: CoupledPartition,
+    structure: Partition,
     deviation: float,
     *,
     standing: Array,
@@ -213,7 +213,7 @@ def _resonance(w0: float, twice: float, frequency: Array) -> float:
     return float(np.log((w0**2 - turned**2) ** 2 + (twice * turned) ** 2).mean(axis=1).sum())
 
 
-def _lowest(structure: CoupledPartition) -> tuple[float, float]:
+def _lowest(structure: Partition) -> tuple[float, float]:
     """ω₀ [rad/s] and 2ξω₀ [1/s] of the lowest mode."""
     shape = structure.first_mode
     mass, damping, stiffness = (

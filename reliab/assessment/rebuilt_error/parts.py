@@ -18,7 +18,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 AMPLITUDE = "amplitude"
 DELAY = "delay"
@@ -70,7 +70,7 @@ class Parts:
         return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
 
 
-def divide(histories: Histories, structure: CoupledPartition) -> Parts:
+def divide(histories: Histories, structure: Partition) -> Parts:
     """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
     recursion = Recursion.of_displacement(structure, step)
@@ -112,7 +112,7 @@ def parts_of(gain: float, delay: float, pieces: dict[str, Array], ideal_peak: fl
     )
 
 
-def part_of_tracking(histories: Histories, structure: CoupledPartition, followed: Array) -> Part:
+def part_of_tracking(histories: Histories, structure: Partition, followed: Array) -> Part:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
     `followed` [m].

@@ -27,7 +27,7 @@ from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_ste
 from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition, Partition, Structure, whole_structure
+from reliab.structures import Partition, Structure, whole_structure
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -37,7 +37,7 @@ def rebuild(
     command: Array,
     measured: Array,
     time_step: float,
-    structure: Structure | Partition | CoupledPartition,
+    structure: Structure | Partition,
     *,
     force: Array | None = None,
     form: Form = Form.DISPLACEMENT,
@@ -105,7 +105,7 @@ def _felt(
     read: Array,
     force: Array | None,
     form: Form,
-    structure: CoupledPartition,
+    structure: Partition,
     time_step: float,
 ) -> Array:
     """Displacement of the specimen by the chosen form."""

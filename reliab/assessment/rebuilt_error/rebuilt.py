@@ -11,7 +11,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 _WIDENING_DRAWS = 128
@@ -22,7 +22,7 @@ class RebuiltError:
     """The error of a test with its uncertainty."""
 
     time_step: float  # Step between samples [s]
-    structure: CoupledPartition  # The structure with which it was rebuilt
+    structure: Partition  # The structure with which it was rebuilt
     error: Array  # x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,)
     smooth_error: Array  # The same without the sensor's noise above the band of the motion [m], shape (n,)
     reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
@@ -79,7 +79,7 @@ def conclude(
     read: Array,
     reference: Array,
     *,
-    structure: CoupledPartition,
+    structure: Partition,
     noise: SensorNoise,
     as_stated: Spread,
     spread: Spread,

@@ -26,7 +26,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.threads import one_thread
 
 
@@ -50,7 +50,7 @@ class Recursion:
     @classmethod
     def of_displacement(
         cls,
-        structure: CoupledPartition,
+        structure: Partition,
         time_step: float,
         *,
         floors: bool = False,
@@ -76,7 +76,7 @@ class Recursion:
         return cls._held(structure, by_rate, by_size, time_step, rows, feed_through, smooth=smooth)
 
     @classmethod
-    def of_force(cls, structure: CoupledPartition, time_step: float, *, floors: bool = False) -> "Recursion":
+    def of_force(cls, structure: Partition, time_step: float, *, floors: bool = False) -> "Recursion":
         """Recursion from a wrong force at the interface to the error, M e'' + C e' + K e = Γ u.
 
         Parameters and result as for `of_displacement`.
@@ -86,7 +86,7 @@ class Recursion:
         return cls._of_load(structure, gamma, time_step, rows)
 
     @classmethod
-    def of_ground(cls, structure: CoupledPartition, influence: Array, time_step: float) -> "Recursion":
+    def of_ground(cls, structure: Partition, influence: Array, time_step: float) -> "Recursion":
         """Recursion from a ground acceleration to all displacements of the undisturbed structure.
 
         M x'' + C x' + K x = −M ι a_g; `influence`: ι [-], shape (n,); `time_step` [s].
@@ -95,14 +95,14 @@ class Recursion:
         return cls._of_load(structure, load[..., np.newaxis], time_step, np.eye(structure.size))
 
     @classmethod
-    def _of_load(cls, structure: CoupledPartition, load: Array, step: float, rows: Array) -> "Recursion":
+    def _of_load(cls, structure: Partition, load: Array, step: float, rows: Array) -> "Recursion":
         none = np.zeros((len(rows), load.shape[-1]))
         return cls._held(structure, np.zeros_like(load), load, step, rows, none)
 
     @classmethod
     def _held(
         cls,
-        structure: CoupledPartition,
+        structure: Partition,
         by_rate: Array,
         by_size: Array,
         step: float,
@@ -171,7 +171,7 @@ class Recursion:
 _MATRICES = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
 
 
-def structure_of_draw(structures: CoupledPartition, draw: int) -> CoupledPartition:
+def structure_of_draw(structures: Partition, draw: int) -> Partition:
     """Structure of one of many draws; matrices that are not drawn are those of each."""
     drawn = {name: getattr(structures, name) for name in _MATRICES}
     return structures.changed(
@@ -179,13 +179,13 @@ def structure_of_draw(structures: CoupledPartition, draw: int) -> CoupledPartiti
     )
 
 
-def stacked(structures: Sequence[CoupledPartition]) -> CoupledPartition:
+def stacked(structures: Sequence[Partition]) -> Partition:
     """Structures of one size as one whose matrices have a first axis of draws."""
     matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in _MATRICES}
     return structures[0].changed(**matrices)
 
 
-def states_in_motion(structure: CoupledPartition, shapes: Array) -> Array:
+def states_in_motion(structure: Partition, shapes: Array) -> Array:
     """States in which the structure moves in shapes, by their displacements and velocities, (2, 2n, shapes).
 
     `shapes` [-], shape (n, shapes).
@@ -215,7 +215,7 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> recursion = Recursion.of_displacement(CoupledPartition.of_structure(half), 0.01)
+    >>> recursion = Recursion.of_displacement(Partition.of_structure(half), 0.01)
     >>> round(float(respond(recursion, np.ones(2000))[0, -1]), 6)
     0.5
     """

@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.interval import (
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _DRAWS = 128
 _OF_SCALED_PEAKS = 0.01  # that peaks are off which are scaled to the interface's, where modes differ
@@ -45,7 +45,7 @@ class Ground:
         """Steps in that of the ground motion."""
         return max(int(np.ceil(self.time_step * _RATE)), 1)
 
-    def recursion(self, structure: CoupledPartition) -> Recursion:
+    def recursion(self, structure: Partition) -> Recursion:
         """Recursion to the undisturbed responses of all degrees of freedom."""
         return Recursion.of_ground(structure, self.influence, self.time_step / self._finer)
 
@@ -118,7 +118,7 @@ def _strayed_draws(
     rebuilt: RebuiltError,
     thin: Histories,
     rows: Array,
-    structures: CoupledPartition,
+    structures: Partition,
     drawn: dict[str, Array],
     phase: Array,
 ) -> Array:
@@ -131,7 +131,7 @@ def _strayed_draws(
     return np.array(strayed)
 
 
-def exact_of_draws(rebuilt: RebuiltError, number: int) -> Iterator[tuple[CoupledPartition, Array]]:
+def exact_of_draws(rebuilt: RebuiltError, number: int) -> Iterator[tuple[Partition, Array]]:
     """Structures and responses at the interface without actuator errors [m], draw by draw, shape (1, m)."""
     thin = rebuilt.histories.thinned(rebuilt.every)
     drawn, phase = draw_unknown(rebuilt.unknown, number, rebuilt.seed)

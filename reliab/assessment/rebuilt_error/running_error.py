@@ -15,7 +15,7 @@ from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
 from reliab.compiled import compiled
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _ROWS = 6  # command, measured, error, response to a constant, decay from equilibrium, nonlinear share
 _CAPACITY = 4096
@@ -34,7 +34,7 @@ class RunningError:
 
     def __init__(
         self,
-        structure: CoupledPartition,
+        structure: Partition,
         time_step: float,
         feedback_lag: float,
         offset: float,

@@ -23,7 +23,7 @@ from reliab.assessment.rebuilt_error.stretches import ErrorSoFar
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
@@ -62,7 +62,7 @@ class RunningTest(ABC):
     periods_between: ClassVar[float] = 4.0
     """Periods of the structure by which it must grow at least."""
 
-    def __init__(self, structure: CoupledPartition, time_step: float) -> None:
+    def __init__(self, structure: Partition, time_step: float) -> None:
         if not (np.isfinite(time_step) and time_step > 0.0):
             raise InputError("The time step must be positive", value=f"{time_step} s")
         self.structure, self.time_step = structure, time_step

@@ -2,7 +2,7 @@
 
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
@@ -13,7 +13,7 @@ _SIMULATED_PER_PERIOD = 80.0
 _HOUR = 3600.0
 
 
-def samples_in_step_of_structure(structure: CoupledPartition, time_step: float) -> int:
+def samples_in_step_of_structure(structure: Partition, time_step: float) -> int:
     """Return the number of samples of which one resolves the highest mode.
 
     `time_step` [s].

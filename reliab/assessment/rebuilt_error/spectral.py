@@ -16,21 +16,21 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform
 
 
-def respond_spectrally(structure: CoupledPartition, difference: Array, time_step: float) -> Array:
+def respond_spectrally(structure: Partition, difference: Array, time_step: float) -> Array:
     """Error of the interface from x_c − x_m, from rest.
 
     `difference` [m]; `time_step` [s]; returns [m].
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> error = respond_spectrally(CoupledPartition.of_structure(half), np.ones(2000), 0.01)
+    >>> error = respond_spectrally(Partition.of_structure(half), np.ones(2000), 0.01)
     >>> round(float(error[-1]), 4)
     0.5
     """

@@ -34,7 +34,7 @@ from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 _STANDS = 1e-9  # share of the largest response up to which a command counts as standing still
@@ -46,7 +46,7 @@ _SAMPLES = 1 << 19  # of a stretch, before they are thinned
 class Stated:
     """What is stated of a test."""
 
-    structure: CoupledPartition  # The whole structure
+    structure: Partition  # The whole structure
     time_step: float  # Step between samples [s]
     feedback_lag: float  # Time by which the force is fed back late [s]
     sensor_offset: float | None  # Offset of the displacement sensor [m]; None to read it from rest
@@ -213,7 +213,7 @@ def error_of_stretch(
     )[0]
 
 
-def samples_in_stretch(structure: CoupledPartition, time_step: float) -> int:
+def samples_in_stretch(structure: Partition, time_step: float) -> int:
     """Return the number of samples after which a stretch of a running test is judged and forgotten.
 
     `time_step` [s].

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from reliab.arrays import Array
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 MEMORY = 3.0
 """Periods of a mode after which its window has forgotten all but 1/e."""
@@ -95,7 +95,7 @@ class WatchedMode:
         return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole)
 
 
-def watched_modes(structure: CoupledPartition, time_step: float) -> tuple[WatchedMode, ...]:
+def watched_modes(structure: Partition, time_step: float) -> tuple[WatchedMode, ...]:
     """Return the modes to watch, the one with the shortest critical delay first; `time_step` [s]."""
     interface, specimen = structure.interface, structure.specimen_stiffness
     squares, shapes = scipy.linalg.eigh(structure.stiffness, structure.mass)

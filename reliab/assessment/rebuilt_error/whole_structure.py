@@ -1,6 +1,6 @@
 """The former name of the structure whose test is rebuilt."""
 
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
-WholeStructure = CoupledPartition
-"""Former name of :class:`~reliab.structures.CoupledPartition`, which ends with version 0.4."""
+WholeStructure = Partition
+"""Former name of :class:`~reliab.structures.Partition`, which ends with version 0.4."""

@@ -13,7 +13,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown, sweep
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 _HALVINGS = 12
@@ -34,7 +34,7 @@ class Widening:
 
 def widenings(
     histories: Histories,
-    structure: CoupledPartition,
+    structure: Partition,
     unknown: Unknown,
     differences: Array,
     every: int,

@@ -29,7 +29,7 @@ from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 _CORRECTIONS = 2
 
@@ -50,7 +50,7 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
 def sweep_yielding(
     specimens: Sequence[Hysteresis],
     histories: Histories,
-    structure: CoupledPartition,
+    structure: Partition,
     unknown: Unknown,
     differences: Array,
     every: int,
@@ -81,7 +81,7 @@ def sweep_yielding(
 
 
 def errors_with_specimens(
-    specimens: Sequence[SteppedEffect], histories: Histories, structure: CoupledPartition
+    specimens: Sequence[SteppedEffect], histories: Histories, structure: Partition
 ) -> Array:
     """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated.
 
@@ -97,7 +97,7 @@ def errors_with_specimens(
 def _swept(
     specimens: Sequence[SteppedEffect],
     thin: Histories,
-    structure: CoupledPartition,
+    structure: Partition,
     drawn: dict[str, Array],
     velocity: Array,
     differences: Array,

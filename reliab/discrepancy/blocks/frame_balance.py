@@ -36,7 +36,7 @@ class InnerMotion:
     """
 
     def __init__(self, partition: Partition, step: float) -> None:
-        gamma = partition.interface
+        gamma = partition.direction
         basis = np.column_stack([gamma / (gamma @ gamma), null_space(gamma[np.newaxis])])
         mass, damping, stiffness = (
             basis.T @ matrix @ basis

@@ -25,7 +25,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_loop import longest_step
 from reliab.simulation.linear_loop import TransformLine
 from reliab.simulation.transfer_systems import ActuatorMatrix
-from reliab.structures import CoupledPartition, Structure, frequencies_of_loop, longest_lead
+from reliab.structures import Partition, Structure, frequencies_of_loop, longest_lead
 
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged
 _LEAST_SHARE, _LEAST_RATIO, _LARGEST_RATIO = 1e-3, 1e-4, 0.5
@@ -54,7 +54,7 @@ class CoupledLoop:
     that hardly strain the specimen under this motion are not judged.
 
     >>> w0 = 2.0 * np.pi
-    >>> partition = CoupledPartition(mass=np.eye(2), damping=0.04 * w0 * np.eye(2),
+    >>> partition = Partition(mass=np.eye(2), damping=0.04 * w0 * np.eye(2),
     ...     stiffness=w0**2 * np.eye(2), interface=np.eye(2), specimen_stiffness=w0**2 * np.eye(2))
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> loop = CoupledLoop(excitation=Excitation(acceleration=record, time_step=0.01), partition=partition,
@@ -65,7 +65,7 @@ class CoupledLoop:
     """
 
     excitation: Excitation  # Record and window
-    partition: CoupledPartition
+    partition: Partition
     kinematics: Array  # T, displacements of the actuators per interface displacement, shape (p, p)
     # Place of the one that errs; None where all err alike; of two places the first moves with the command of
     # the second as well, by the gain less one
@@ -204,7 +204,7 @@ class CoupledLoop:
         return float((squares / peaks**2).max()), float((largest / peaks).max())
 
 
-def stable_with_several(partition: CoupledPartition, actuators: ActuatorMatrix) -> bool:
+def stable_with_several(partition: Partition, actuators: ActuatorMatrix) -> bool:
     """Whether a test with several actuators is stable, by the winding number of det(I + R Z E)."""
     whole = partition.with_masses
     s = np.asarray(1j * frequencies_of_loop(whole), dtype=np.complex128)
@@ -213,7 +213,7 @@ def stable_with_several(partition: CoupledPartition, actuators: ActuatorMatrix) 
     return not _winds(np.linalg.det(loop))
 
 
-def _moved(whole: CoupledPartition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
+def _moved(whole: Partition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
     """Interface displacements per −a_g [s²] and per interface force [m/N], shapes (n, p) and (n, p, p)."""
     at = s[:, np.newaxis, np.newaxis]
     dynamic = at**2 * whole.mass + at * whole.damping + whole.stiffness

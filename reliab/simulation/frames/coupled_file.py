@@ -49,7 +49,7 @@ from reliab.simulation.frames.frame_file import (
 from reliab.simulation.frames.frame_tables import TransferTable
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, invertible
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,7 +57,7 @@ class CoupledFrame:
     """A frame whose specimen is driven at several degrees of freedom."""
 
     name: str  # Name given in the file
-    partition: CoupledPartition
+    partition: Partition
     kinematics: Array  # T, displacements of the actuators per interface displacement, shape (p, p)
     channels_at_interface: bool  # Whether a test's channels are interface displacements
     transfer_system: ActuatorMatrix | None = None  # The rig; None where the file describes none
@@ -110,7 +110,7 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
     )
 
 
-def _partition(description: CoupledDescription) -> tuple[CoupledPartition, tuple[str, ...]]:
+def _partition(description: CoupledDescription) -> tuple[Partition, tuple[str, ...]]:
     """Whole structure and specimen, which is added to matrices that do not hold it, and names of degrees."""
     table, specimen = description.frame, description.specimen
     mass, stiffness = table.matrices
@@ -132,7 +132,7 @@ def _partition(description: CoupledDescription) -> tuple[CoupledPartition, tuple
             whole + interface @ added @ interface.T
             for whole, added in ((mass, m), (damping, c), (stiffness, k))
         )
-    partition = CoupledPartition(
+    partition = Partition(
         mass=mass,
         damping=damping,
         stiffness=stiffness,

@@ -15,7 +15,7 @@ import numpy as np
 from reliab.arrays import Array, Spectrum
 from reliab.errors import InputError
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, gain_and_delay
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.frames import exact_step, follow_load
 
 _WELL_POSED = 1e12
@@ -32,7 +32,7 @@ class CoupledResponse:
 
 
 def coupled_response(
-    partition: CoupledPartition, actuators: ActuatorMatrix, ground: Array, time_step: float
+    partition: Partition, actuators: ActuatorMatrix, ground: Array, time_step: float
 ) -> CoupledResponse:
     """Simulate a test from rest.
 
@@ -55,7 +55,7 @@ def coupled_response(
     )
 
 
-def ideal_response(partition: CoupledPartition, ground: Array, time_step: float) -> Array:
+def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
     """Interface displacements of the undivided structure from rest [m], shape (p, n).
 
     `ground` [m/s²], shape (n,); `time_step` [s].
@@ -65,26 +65,17 @@ def ideal_response(partition: CoupledPartition, ground: Array, time_step: float)
     return _followed(dynamics, load, command, ground, time_step)
 
 
-def hybrid_system(
-    partition: CoupledPartition, actuators: ActuatorMatrix
-) -> tuple[Array, Array, Array, Array]:
+def hybrid_system(partition: Partition, actuators: ActuatorMatrix) -> tuple[Array, Array, Array, Array]:
     """Dynamics, load of a unit ground acceleration, and rows of command and measured displacement."""
     a, b, c, d = actuators.state_space()
     gamma, size, order = partition.interface, partition.size, a.shape[0]
     k, damping, m = partition.specimen_stiffness, partition.specimen_damping, partition.specimen_mass
-    mass, viscous, stiffness = (
-        partition.numerical(whole, part)
-        for whole, part in (
-            (partition.mass, m),
-            (partition.damping, damping),
-            (partition.stiffness, k),
-        )
-    )
+    viscous, stiffness = partition.numerical_damping, partition.numerical_stiffness
     # y_m = C z + D y, y_m' = CA z + CB y + D y', y_m'' = CA² z + CAB y + CB y' + D y''
     of_state = k @ c + damping @ c @ a + m @ c @ a @ a
     of_size = k @ d + damping @ c @ b + m @ c @ a @ b
     of_rate = damping @ d + m @ c @ b
-    inertia = mass + gamma @ (m @ d) @ gamma.T
+    inertia = partition.numerical_mass + gamma @ (m @ d) @ gamma.T
     if not np.linalg.cond(inertia) < _WELL_POSED:
         raise InputError(
             "The test must have a mass at every degree of freedom",
@@ -107,22 +98,19 @@ def hybrid_system(
 
 
 def responses_over_frequency(
-    partition: CoupledPartition, actuators: ActuatorMatrix, s: Spectrum
+    partition: Partition, actuators: ActuatorMatrix, s: Spectrum
 ) -> tuple[Spectrum, Spectrum]:
     """Command and measured displacement per ground acceleration at s [rad/s], shape (…, p) each [s²]."""
     gamma = partition.interface
-    numerical = [
-        partition.numerical(whole, part)
-        for whole, part in (
-            (partition.mass, partition.specimen_mass),
-            (partition.damping, partition.specimen_damping),
-            (partition.stiffness, partition.specimen_stiffness),
-        )
-    ]
+    mass, damping, stiffness = (
+        partition.numerical_mass,
+        partition.numerical_damping,
+        partition.numerical_stiffness,
+    )
     square = np.asarray(s, dtype=np.complex128)[..., np.newaxis, np.newaxis]
     actuator = actuators.at_interface(s)
     force = gamma @ (partition.impedance(s) @ actuator) @ gamma.T
-    dynamic = square**2 * numerical[0] + square * numerical[1] + numerical[2] + force
+    dynamic = square**2 * mass + square * damping + stiffness + force
     load = -(partition.mass @ partition.influence).astype(complex)
     moved = np.linalg.solve(dynamic, np.broadcast_to(load[:, np.newaxis], (*dynamic.shape[:-1], 1)))
     command = gamma.T @ moved

@@ -165,7 +165,7 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
         if interface.shape != (frame.size,):
             raise InputError(f"The direction needs {frame.size} numbers", value=interface.size)
         frame = with_specimen(frame, interface, specimen)
-    partition = Partition(
+    partition = Partition.of_frame(
         frame=frame,
         interface=interface,
         specimen=specimen,

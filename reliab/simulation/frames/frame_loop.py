@@ -154,7 +154,7 @@ class FrameLoop:
         """Place of the mode whose share of the output suffers most from an error of the actuator."""
         frame, modes = partition.frame, partition.frame.modes
         share = np.abs(partition.impedance_shares)
-        seen = partition.interface if output is None else output
+        seen = partition.direction if output is None else output
         moved = np.abs(seen @ modes.shapes) * np.abs(modes.shapes.T @ frame.mass @ frame.influence)
         # The response of a mode to a given ground acceleration goes with 1/ω², its sensitivity with α/ξ.
         sensitivity = share / np.maximum(frame.damping_ratios, 1e-4) * moved / modes.circular_frequency**2
@@ -186,7 +186,7 @@ class FrameLoop:
     def ideal(self) -> Array:
         """Exact response of the output [m] at the steps."""
         floors = undivided_response(self.partition.frame, self._sampled[0], self.step)
-        seen = self.partition.interface if self.output is None else self.output
+        seen = self.partition.direction if self.output is None else self.output
         return np.ascontiguousarray(seen @ floors)
 
     @property

@@ -106,8 +106,8 @@ def _receptance(partition: Partition, pole: complex) -> tuple[complex, Spectrum,
     matrix = partition.frame.state_matrix
     n = partition.frame.size
     eigenvalues, right = np.linalg.eig(matrix)
-    driven = np.concatenate([np.zeros(n), np.linalg.solve(partition.frame.mass, partition.interface)])
-    residues = (partition.interface @ right[:n]) * np.linalg.solve(right, driven.astype(complex))
+    driven = np.concatenate([np.zeros(n), np.linalg.solve(partition.frame.mass, partition.direction)])
+    residues = (partition.direction @ right[:n]) * np.linalg.solve(right, driven.astype(complex))
     place = int(np.argmin(np.abs(eigenvalues - pole)))
     others = np.arange(2 * n) != place
     return (
@@ -122,12 +122,12 @@ def _residues(
     partition: Partition, poles: Spectrum, gain: Array, delay: Array, output: Array | None
 ) -> Spectrum:
     """Residues of the output at each pole, shape (modes, cells)."""
-    frame, gamma = partition.frame, partition.interface
+    frame, gamma = partition.frame, partition.direction
     load = frame.mass @ frame.influence
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
     s = np.nan_to_num(poles, nan=1.0)
     sigma = gain * np.exp(-s * delay)
-    force = partition.impedance(s) * (sigma - 1.0)
+    force = partition.impedance(s)[..., 0, 0] * (sigma - 1.0)
     force_slope = (c + 2.0 * s * m) * (sigma - 1.0) - (k + s * (c + s * m)) * delay * sigma
     at = s[..., np.newaxis, np.newaxis]
     along = np.outer(gamma, gamma)
@@ -167,12 +167,12 @@ def transfer(
 
     `s` [rad/s].
     """
-    frame, gamma = partition.frame, partition.interface
+    frame, gamma = partition.frame, partition.direction
     loads = np.column_stack([frame.mass @ frame.influence, gamma]).astype(complex)
     solved = np.linalg.solve(frame.dynamic_stiffness(s), loads[np.newaxis])
     to_command, receptance = (solved[..., 0] @ gamma)[:, np.newaxis], (solved[..., 1] @ gamma)[:, np.newaxis]
     sigma = gain * np.exp(-np.asarray(s)[:, np.newaxis] * delay)
-    force = partition.impedance(s)[:, np.newaxis] * (sigma - 1.0)
+    force = partition.impedance(s)[..., 0] * (sigma - 1.0)
     command = to_command / (1.0 + force * receptance)
     if output is None:
         return np.asarray(sigma * command)

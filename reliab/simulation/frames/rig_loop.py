@@ -40,19 +40,19 @@ def rig_response(
     excitation: Excitation, partition: Partition, transfer_system: TransferSystem, output: Array | None = None
 ) -> RigResponse:
     """Solve a test with a transfer system exactly, in the frequency domain."""
-    interface = np.array(partition.interface)
+    interface = partition.direction
 
     def command(s: Spectrum) -> Spectrum:
-        return partition.responses(s, transfer_system.transfer(s, partition.specimen), interface)
+        return over_frequency(partition, s, transfer_system.transfer(s, partition.specimen), interface)
 
     def measured(s: Spectrum) -> Spectrum:
-        return partition.responses(s, transfer_system.transfer(s, partition.specimen))
+        return over_frequency(partition, s, transfer_system.transfer(s, partition.specimen))
 
     def counted(s: Spectrum) -> Spectrum:
-        return partition.responses(s, transfer_system.transfer(s, partition.specimen), output)
+        return over_frequency(partition, s, transfer_system.transfer(s, partition.specimen), output)
 
     def ideal(s: Spectrum) -> Spectrum:
-        return partition.responses(s, np.ones_like(s), output)
+        return over_frequency(partition, s, np.ones_like(s), output)
 
     sent, step = respond(excitation, command)
     moved = respond(excitation, measured)[0]
@@ -63,6 +63,22 @@ def rig_response(
         ideal=respond(excitation, ideal)[0],
         step=step,
     )
+
+
+def over_frequency(
+    partition: Partition, s: Spectrum, actuator: Spectrum, output: Array | None = None
+) -> Spectrum:
+    """Response of a test over −a_g [s²] at s [rad/s], by solving its equations at every s.
+
+    `actuator`: σ at s; `output`: weights of the degrees of freedom, shape (degrees of freedom,), by default
+    those of the measured interface displacement, σγ.
+    """
+    gamma = partition.direction
+    extra = (partition.impedance(s)[..., 0, 0] * (actuator - 1.0))[:, np.newaxis, np.newaxis]
+    load = (partition.mass @ partition.influence).astype(complex)
+    dynamic = partition.frame.dynamic_stiffness(s) + extra * np.outer(gamma, gamma)
+    moved = np.linalg.solve(dynamic, load[:, np.newaxis])[..., 0]
+    return np.asarray(actuator * (moved @ gamma) if output is None else moved @ output)
 
 
 def stable_with(partition: Partition, transfer_system: TransferSystem) -> bool:
@@ -76,12 +92,12 @@ def stable_with(partition: Partition, transfer_system: TransferSystem) -> bool:
     [True, False]
     """
     s = (2j * np.pi * _frequencies(partition)).astype(np.complex128)
-    strayed = partition.impedance(s) * (transfer_system.transfer(s, partition.specimen) - 1.0)
+    strayed = partition.impedance(s)[..., 0, 0] * (transfer_system.transfer(s, partition.specimen) - 1.0)
     interface = np.broadcast_to(
-        partition.interface.astype(complex)[:, np.newaxis], (s.size, partition.frame.size, 1)
+        partition.direction.astype(complex)[:, np.newaxis], (s.size, partition.frame.size, 1)
     )
     flexibility = (
-        np.linalg.solve(partition.frame.dynamic_stiffness(s), interface)[..., 0] @ partition.interface
+        np.linalg.solve(partition.frame.dynamic_stiffness(s), interface)[..., 0] @ partition.direction
     )
     turned = np.unwrap(np.angle(1.0 + strayed * flexibility))
     return bool(abs(turned[-1] - turned[0]) < np.pi)

@@ -103,7 +103,7 @@ def run_laboratory(
     >>> from reliab.structures.partition import Partition
     >>> from reliab.simulation.transfer_systems import first_order_lag
     >>> shaken = np.sin(2 * np.pi * np.arange(0.0, 10.0, 0.01))
-    >>> partition = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+    >>> partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
     >>> run = run_laboratory(partition, Rig(transfer_system=first_order_lag(0.001)), shaken, 0.01)
     >>> run.lost, run.measured.size
     (False, 40920)
@@ -116,7 +116,7 @@ def run_laboratory(
     reference = undivided_response(partition.frame, shaken, h)
     plant = rig.transfer_system.plant(partition.specimen)
     _check(partition, rig, plant, seed, emulate_differences)
-    largest = float(np.abs(partition.interface @ reference).max())
+    largest = float(np.abs(partition.direction @ reference).max())
     setting = Setting(step=h, stiffness=partition.specimen.stiffness)
     floors, signals, run_to = march(
         shaken,
@@ -136,7 +136,7 @@ def run_laboratory(
         step=h,
         floors=floors[:, inside],
         reference=reference[:, inside],
-        command=partition.interface @ floors[:, inside],
+        command=partition.direction @ floors[:, inside],
         sent=signals[0, inside],
         piston=signals[1, inside],
         measured=signals[2, inside],
@@ -173,20 +173,20 @@ def _numerical_step(partition: Partition, h: float, emulate: bool) -> NumericalS
     loads = np.zeros((2 * n, 2))
     # The whole mass shakes; what the specimen's own mass lacks, the ground term brings.
     loads[n:, 0] = -np.linalg.solve(mass, partition.frame.mass @ partition.frame.influence)
-    loads[n:, 1] = -np.linalg.solve(mass, partition.interface)
+    loads[n:, 1] = -np.linalg.solve(mass, partition.direction)
     if emulate:
         transition, early, middle, late = _runge_kutta_step(dynamics, loads, h)
     else:
         transition, early, late = exact_step(dynamics, loads, h)
         middle = np.zeros_like(early)
-    accelerated = partition.interface @ dynamics[n:], partition.interface @ loads[n:]
+    accelerated = partition.direction @ dynamics[n:], partition.direction @ loads[n:]
     return NumericalStep(
         transition=np.ascontiguousarray(transition),
         early=early[:, 0].copy(),
         middle=middle[:, 0].copy(),
         late=late[:, 0].copy(),
         force=(early + middle + late)[:, 1].copy(),
-        interface=np.array(partition.interface),
+        interface=np.array(partition.direction),
         accelerated=np.concatenate(accelerated),
     )
 

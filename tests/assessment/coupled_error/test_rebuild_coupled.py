@@ -9,7 +9,7 @@ from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.shipped import shipped
 from reliab.simulation.frames import coupled_response, read_structure
 from reliab.simulation.transfer_systems import ActuatorMatrix
-from reliab.structures import CoupledPartition, Partition, Structure
+from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 
 STEP = 1.0 / 256.0
@@ -114,7 +114,7 @@ def test_a_degree_that_does_not_move_is_not_judged(run):
     command, measured = run.command.copy(), run.measured.copy()
     command[1], measured[1] = 0.0, 1e-9 * np.random.default_rng(0).normal(size=command.shape[1])
     scarcely = np.diag([1.0, 1.0])
-    partition = CoupledPartition(
+    partition = Partition(
         mass=np.diag([4000.0, 40.0]),
         damping=np.diag([4000.0, 100.0]),
         stiffness=np.diag([2e6, 9e5]),
@@ -129,7 +129,7 @@ def test_a_degree_that_does_not_move_is_not_judged(run):
 
 def test_one_interface_displacement_is_the_case_of_one_actuator():
     structure = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.8)
-    partition = CoupledPartition.of_partition(Partition.from_structure(structure, 1000.0))
+    partition = Partition.of_structure(structure, 1000.0)
     time = np.arange(0.0, 20.0, STEP)
     command = np.sin(2.0 * np.pi * time) * np.minimum(time / 5.0, 1.0) ** 3
     measured = np.interp(time - 0.003, time, 0.99 * command)

@@ -14,16 +14,14 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.spectral import respond_spectrally
 from reliab.assessment.rebuilt_error.widenings import _for_half, widenings
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(2048)
 W0, XI, SHARE = 2.0 * np.pi * 1.5, 0.05, 0.6
-STRUCTURE = CoupledPartition.of_structure(
-    Structure(frequency=1.5, damping_ratio=XI, experimental_fraction=SHARE)
-)
+STRUCTURE = Partition.of_structure(Structure(frequency=1.5, damping_ratio=XI, experimental_fraction=SHARE))
 DRAWS = 128
 
 
@@ -172,7 +170,7 @@ def test_what_lies_between_swept_samples_counts(histories, every):
 
 def test_a_step_of_the_sweep_resolves_structure_and_motion():
     """64 samples in a period of the structure; a quarter of the motion's period for up to 4096 samples."""
-    stiff = CoupledPartition.of_structure(Structure(frequency=0.5, damping_ratio=0.05))
+    stiff = Partition.of_structure(Structure(frequency=0.5, damping_ratio=0.05))
     noise = SensorNoise(time_step=1.0 / 1024.0, weights=np.zeros(6), band=32.0)
     assert samples_in_step(stiff, noise, 20_000) == 8
     assert samples_in_step(stiff, replace(noise, band=128.0), 4096) == 2

@@ -23,7 +23,7 @@ from rebuilt_error.laboratory import (
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.spectral import respond_spectrally
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
@@ -74,7 +74,7 @@ def test_forgetting_that_the_force_was_late_hides_an_error():
 
 @pytest.mark.parametrize("mass", [0.0, 0.2])
 def test_recursion_and_transform_agree(mass):
-    two = CoupledPartition(
+    two = Partition(
         mass=np.diag([1.0, 1.5]),
         damping=np.array([[0.3, -0.1], [-0.1, 0.1]]),
         stiffness=np.array([[200.0, -100.0], [-100.0, 100.0]]),
@@ -91,9 +91,7 @@ def test_recursion_and_transform_agree(mass):
 
 
 def test_recursion_is_exact_for_straight_lines_between_samples():
-    whole = CoupledPartition.of_structure(
-        Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7)
-    )
+    whole = Partition.of_structure(Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7))
     nodes = np.random.default_rng(2).normal(size=12)
     w0 = 2.0 * np.pi * 0.8
 
@@ -131,7 +129,7 @@ def three_storeys(time_constant: float, ground):
         k4 = slope(state + STEP * k3, b)
         state = state + STEP / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         rows.append(state)
-    whole = CoupledPartition(
+    whole = Partition(
         mass=mass * np.eye(3),
         damping=damping,
         stiffness=spring * shape,
@@ -156,7 +154,7 @@ def test_three_storeys_of_which_one_is_tested():
 
 @pytest.mark.parametrize("floors", [False, True])
 def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says(floors):
-    two = CoupledPartition(
+    two = Partition(
         mass=np.diag([1.0, 1.5]),
         damping=np.array([[12.0, -4.0], [-4.0, 6.0]]),
         stiffness=np.array([[200.0, -100.0], [-100.0, 100.0]]),

@@ -6,11 +6,11 @@ import scipy.signal
 
 from reliab.assessment.rebuilt_error import Monitor, watched_modes
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 STEP = 1.0 / 512.0
 STIFFNESS = (2.0 * np.pi * 2.0) ** 2 * np.array([[2.0, -1.0], [-1.0, 1.0]])
-FRAME = CoupledPartition(
+FRAME = Partition(
     mass=np.eye(2),
     damping=np.eye(2) * 0.4,  # the second mode is damped less than the first one, and diverges first
     stiffness=STIFFNESS,

@@ -6,7 +6,7 @@ import pytest
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency, learn_frequency
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
@@ -17,9 +17,7 @@ def simulated(seed, f=1.3, xi=0.04, duration=30.0):
 
 
 def shown_by(outcome, f, xi=0.04, deviation=0.02):
-    structure = CoupledPartition.of_structure(
-        Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8)
-    )
+    structure = Partition.of_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8))
     return learned(outcome.command, outcome.command - outcome.measured, structure, deviation)
 
 
@@ -31,7 +29,7 @@ def learned(command, difference, structure, deviation):
 def of_two_storeys(factor):
     """Two storeys whose stiffness is off by a factor, the lower one tested."""
     stiffness = 250.0 * factor * np.array([[2.0, -1.0], [-1.0, 1.0]])
-    return CoupledPartition(
+    return Partition(
         mass=np.eye(2),
         damping=0.002 * stiffness + 0.2 * np.eye(2),
         stiffness=stiffness,

@@ -10,7 +10,7 @@ from reliab.assessment.rebuilt_error import Monitor, Tolerances, rebuild
 from reliab.assessment.rebuilt_error.stability_indicator import EnergyAlarm, Sums, net_damping
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
 
@@ -18,7 +18,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-(MODE,) = watched_modes(CoupledPartition.of_structure(STRUCTURE), STEP)
+(MODE,) = watched_modes(Partition.of_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 
@@ -136,7 +136,7 @@ def frame_of(share):
     """Two storeys of which the lower one is in the laboratory, by a share."""
     stiffness = 400.0 * np.array([[2.0, -1.0], [-1.0, 1.0]])
     damping = 0.02 * stiffness / 12.0
-    return CoupledPartition(
+    return Partition(
         mass=np.eye(2),
         damping=damping,
         stiffness=stiffness,
@@ -165,7 +165,7 @@ def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
 
 def test_the_mode_with_the_shortest_critical_delay_comes_first_and_no_more_than_three_are_watched():
     stiffness = 400.0 * (2.0 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1))
-    structure = CoupledPartition(
+    structure = Partition(
         mass=np.eye(8),
         damping=0.01 * stiffness,
         stiffness=stiffness,

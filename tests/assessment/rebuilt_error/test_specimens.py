@@ -16,8 +16,8 @@ from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_s
 from reliab.effects import find_effect
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import CoupledPartition, Specimen, whole_structure
-from reliab.structures.partition import Partition
+from reliab.structures import Partition, Specimen, whole_structure
+from reliab.structures.frames import Frame
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
@@ -104,7 +104,7 @@ def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
 
 
 def test_a_force_gives_the_displacement_of_spring_dashpot_and_mass():
-    whole = CoupledPartition(
+    whole = Partition(
         mass=np.array([[3.0]]),
         damping=np.array([[5.0]]),
         stiffness=np.array([[200.0]]),
@@ -200,12 +200,12 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
 )
 def test_what_is_no_structure_is_refused(changes, rule):
     with pytest.raises(InputError, match=rule):
-        replace(CoupledPartition.of_structure(STRUCTURE), **changes)
+        replace(Partition.of_structure(STRUCTURE), **changes)
 
 
 def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
     """With an interface that nothing moves there is no mode to find: the interface itself is the shape."""
-    two = CoupledPartition(
+    two = Partition(
         mass=np.eye(2),
         damping=np.zeros((2, 2)),
         stiffness=np.diag([1.0, 4.0]),
@@ -215,9 +215,10 @@ def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
     assert two.first_mode @ two.interface[:, 0] == pytest.approx(1.0)
 
 
-def test_a_partition_is_the_structure_of_its_frame():
-    partition = Partition.from_structure(STRUCTURE, mass=5.0)
-    whole, single = whole_structure(partition), CoupledPartition.of_structure(STRUCTURE)
+def test_a_frame_of_one_degree_of_freedom_is_its_structure():
+    spring = Specimen(stiffness=5.0 * STRUCTURE.experimental_fraction * STRUCTURE.circular_frequency**2)
+    whole = Partition.of_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)
+    single = Partition.of_structure(STRUCTURE)
     assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
     s = np.array([1.0 + 3.0j, 20.0j])
     assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))

@@ -6,7 +6,7 @@ import pytest
 from reliab.assessment.rebuilt_error.channels import checked_histories
 from reliab.assessment.rebuilt_error.initial import _Answer, _felt, _stands, examine_start
 from reliab.errors import InputError
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 
 STEP = 1.0 / 256.0
 FREQUENCY = 1.0
@@ -129,7 +129,7 @@ def test_a_test_in_motion_keeps_its_constant_as_uncertainty_unless_the_loop_felt
 
 
 def test_a_period_of_ten_samples_is_enough():
-    whole = CoupledPartition(
+    whole = Partition(
         mass=np.eye(1),
         damping=np.zeros((1, 1)),
         stiffness=np.array([[(2.0 * np.pi) ** 2]]),

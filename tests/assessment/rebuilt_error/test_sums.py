@@ -9,7 +9,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
-from reliab.structures import CoupledPartition, whole_structure
+from reliab.structures import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0
@@ -81,7 +81,7 @@ def test_mean_square_is_that_of_straight_lines_between_squares():
 
 def heavy(mass, frequency, ratio, share):
     w0 = 2.0 * np.pi * frequency
-    return CoupledPartition(
+    return Partition(
         mass=np.array([[mass]]),
         damping=np.array([[2.0 * ratio * w0 * mass]]),
         stiffness=np.array([[w0**2 * mass]]),
@@ -101,7 +101,7 @@ def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
 
 
 def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
-    still = CoupledPartition(
+    still = Partition(
         mass=np.diag([2.0, 1.0]),
         damping=np.zeros((2, 2)),
         stiffness=np.diag([2.0, 100.0]),

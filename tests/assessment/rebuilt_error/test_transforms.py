@@ -13,7 +13,7 @@ from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.size import fits, require_fitting, samples_in_step_of_structure
 from reliab.errors import InputError
 from reliab.signals import binned
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.structures.structure import Structure
 
 
@@ -114,7 +114,7 @@ def test_a_kernel_reaches_eight_samples_at_least():
 
 
 def test_the_highest_mode_is_swept_at_64_samples_a_period():
-    whole = CoupledPartition(
+    whole = Partition(
         mass=np.eye(2),
         damping=np.zeros((2, 2)),
         stiffness=np.diag([(2.0 * np.pi) ** 2, (8.0 * np.pi) ** 2]),
@@ -124,9 +124,7 @@ def test_the_highest_mode_is_swept_at_64_samples_a_period():
     assert samples_in_step_of_structure(whole, 1.0 / 1280.0) == 5
     assert samples_in_step_of_structure(whole, 1.0 / 1279.0) == 4
     assert (
-        samples_in_step_of_structure(
-            CoupledPartition.of_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1
-        )
+        samples_in_step_of_structure(Partition.of_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1)
         == 1
     )
 

@@ -10,14 +10,14 @@ from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.yielding_sweep import sweep_yielding, yielding_specimen
 from reliab.assessment.yielding import draw_yielding, errors_of_ductilities
-from reliab.structures import CoupledPartition
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(round(8.0 / STEP))
 INTERFACE, INFLUENCE, GAIN = np.array([1.0, 0.0]), np.ones(2), 0.95
 STIFFNESS, DAMPING, YIELD, HARDENING, SHARPNESS = 120.0, 0.9, 0.004, 0.03, 8.0
-FRAME = CoupledPartition(
+FRAME = Partition(
     mass=np.eye(2),
     damping=np.array([[1.6, -0.6], [-0.6, 0.6]]),
     stiffness=np.array([[250.0, -100.0], [-100.0, 100.0]]),

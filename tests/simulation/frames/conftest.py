@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, Specimen, floor_interface
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def random_partition():
             damping=float(rng.uniform(5, 20)) * mass,
             mass=float(rng.uniform(5, 60)) * mass,
         )
-        return Partition(frame=frame, interface=floor_interface(frame, floor + 1), specimen=specimen)
+        return Partition.of_frame(frame=frame, interface=floor_interface(frame, floor + 1), specimen=specimen)
 
     return build
 

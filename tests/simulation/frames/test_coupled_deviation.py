@@ -15,7 +15,7 @@ from reliab.simulation.frames import (
     stable_with_several,
 )
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, gain_and_delay
-from reliab.structures import CoupledPartition, coupled_limit
+from reliab.structures import Partition, coupled_limit
 
 STEP = 0.01
 
@@ -39,7 +39,7 @@ def errors(deviation):
 def test_one_actuator_strays_as_in_a_frame():
     frame = read_frame(shipped("datasets", "frames/benchmark_case_1.toml"))
     one = FrameLoop(excitation=Excitation(acceleration=ground(), time_step=STEP), partition=frame.partition)
-    several = loop_of(CoupledPartition.of_partition(frame.partition), np.eye(1))
+    several = loop_of(frame.partition, np.eye(1))
     actuators = {"gain": [1.0, 1.0, 0.98, 1.02], "delay": [0.001, -0.002, 0.002, 0.0]}
     found, expected = (errors(loop.deviation(loop.cells(**actuators))) for loop in (several, one))
     np.testing.assert_allclose(found, expected, rtol=1e-4)
@@ -101,7 +101,7 @@ def test_two_like_structures_side_by_side_err_as_one_does():
     w0 = 2.0 * np.pi * 1.3
 
     def partition(count, damping):
-        return CoupledPartition(
+        return Partition(
             mass=np.eye(count),
             damping=damping * w0 * np.eye(count),
             stiffness=w0**2 * np.eye(count),
@@ -118,7 +118,7 @@ def test_two_like_structures_side_by_side_err_as_one_does():
 
 
 def test_a_displacement_that_hardly_moves_is_not_judged():
-    partition = CoupledPartition(
+    partition = Partition(
         mass=np.eye(2),
         damping=0.2 * np.eye(2),
         stiffness=40.0 * np.eye(2),

@@ -12,14 +12,14 @@ from reliab.errors import InputError
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.structures.partition import Partition, Specimen
 from reliab.structures.structure import Structure
 
 
 def by_method_of_steps(partition, ground, step, gain, delay, end):
     """Command over time by an adaptive integrator, one delay after the other, with dense history."""
-    n, gamma = partition.frame.size, partition.interface
+    n, gamma = partition.frame.size, partition.direction
     stiffness, damping = partition.specimen.stiffness, partition.specimen.damping
     mass = partition.frame.mass @ partition.frame.influence
     inverse = np.linalg.inv(partition.numerical_mass)
@@ -82,7 +82,7 @@ def test_one_degree_of_freedom_is_the_one_mode_loop(shaken):
     structure = Structure(frequency=1.3, damping_ratio=0.03, experimental_fraction=0.7)
     excitation = Excitation(acceleration=shaken, time_step=0.02, window=(2.0, 11.0))
     one = Loop(excitation=excitation, structure=structure)
-    frame = FrameLoop(excitation=excitation, partition=Partition.from_structure(structure, mass=30.0))
+    frame = FrameLoop(excitation=excitation, partition=Partition.of_structure(structure, mass=30.0))
     actuators = {"gain": [1.0, 0.98, 1.01, 1.0], "delay": [1e-3, 0.0, 2e-3, 0.03]}
     expected, found = one.deviation(one.cells(**actuators)), frame.deviation(frame.cells(**actuators))
     np.testing.assert_allclose(found.mean_square, expected.mean_square, rtol=1e-3)
@@ -98,7 +98,7 @@ def one_mode_partition(mode=0):
     share = 0.6 * frame.modes.circular_frequency[mode] ** 2
     influence = frame.modes.shapes[:, mode]  # the ground excites this mode only
     frame = Frame(mass=mass, stiffness=stiffness, damping=frame.damping, influence=influence)
-    return Partition(frame=frame, interface=along, specimen=Specimen(stiffness=share))
+    return Partition.of_frame(frame=frame, interface=along, specimen=Specimen(stiffness=share))
 
 
 @pytest.mark.parametrize("mode", [0, 1])
@@ -136,7 +136,7 @@ def braced_first_storey(share, output=(0.0, 0.0, 1.0)):
     mass, stiffness = shear_frame([2000.0, 2000.0, 1500.0], [1.2e6, 1.0e6, 8.0e5])
     frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.02))
     specimen = Specimen(stiffness=share * 1.2e6)
-    partition = Partition(frame=frame, interface=[1.0, 0.0, 0.0], specimen=specimen)
+    partition = Partition.of_frame(frame=frame, interface=[1.0, 0.0, 0.0], specimen=specimen)
     return partition, None if output is None else np.array(output)
 
 
@@ -203,9 +203,9 @@ def test_what_a_frame_cannot_be_asked_is_refused(shaken, benchmark_partition):
     with pytest.raises(InputError, match="gains must be positive"):
         FrameLoop(excitation=excitation, partition=partition).cells(gain=-1.0, delay=0.0)
     friction = find_effect("cubic_stiffness")(cubic_n_per_m3=1e9)
-    rough = Partition(
+    rough = Partition.of_frame(
         frame=partition.frame,
-        interface=partition.interface,
+        interface=partition.direction,
         specimen=partition.specimen,
         effects=(friction,),
     )

@@ -59,7 +59,7 @@ def test_a_specimen_beside_the_structure_is_added_to_it():
     inside = frame_of().partition
     beside = frame_of(specimen=SPECIMEN | {"part_of_structure": False}).partition
     added = beside.frame.stiffness - inside.frame.stiffness
-    assert added == pytest.approx(120.0 * np.outer(inside.interface, inside.interface))
+    assert added == pytest.approx(120.0 * np.outer(inside.direction, inside.direction))
 
 
 def test_the_place_of_a_specimen_is_a_floor_a_drift_or_a_direction():
@@ -71,7 +71,7 @@ def test_the_place_of_a_specimen_is_a_floor_a_drift_or_a_direction():
     }
     for expected, place in places.items():
         found = frame_of(frame=FRAME | names, specimen=place | {"stiffness_n_per_m": 90.0})
-        assert found.partition.interface == pytest.approx(expected)
+        assert found.partition.direction == pytest.approx(expected)
 
 
 def test_a_damping_ratio_of_the_specimen_is_that_of_its_own_oscillator():

@@ -10,9 +10,9 @@ from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.integrators import CentralDifference, ChenRicles
 from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems import gain_and_delay
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.critical_delay import critical_delay
 from reliab.structures.frames import Frame
-from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.stability import critical_delay as critical_delay_of_one_mode
 from reliab.structures.structure import Structure
 
@@ -28,7 +28,7 @@ def test_benchmark_critical_delays(case, milliseconds, benchmark_partition):
 @pytest.mark.parametrize("gain", [0.9, 1.0, 1.1])
 def test_one_mode_is_the_closed_form(alpha, gain):
     structure = Structure(frequency=1.7, damping_ratio=0.03, experimental_fraction=alpha)
-    found, _ = critical_delay(Partition.from_structure(structure, mass=12.0), gain)
+    found, _ = critical_delay(Partition.of_structure(structure, mass=12.0), gain)
     assert found == pytest.approx(float(critical_delay_of_one_mode(structure, gain)), rel=1e-9)
 
 
@@ -111,7 +111,7 @@ def test_the_least_damped_discrete_pole_is_the_growth_of_the_integrated_test(int
 
 def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():
     frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=100.0)
-    heavy = Partition(
+    heavy = Partition.of_frame(
         frame=frame, interface=floor_interface(frame, 1), specimen=Specimen(stiffness=100.0, mass=60.0)
     )
     assert critical_delay(heavy)[0] == 0.0
@@ -120,4 +120,4 @@ def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():
 def test_partitions_that_are_unstable_without_delay_are_refused():
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     with pytest.raises(InputError, match="unstable partition"):
-        critical_delay(Partition.from_structure(structure), gain=-1.0)
+        critical_delay(Partition.of_structure(structure), gain=-1.0)

@@ -16,7 +16,7 @@ from reliab.simulation.transfer_systems import (
     second_order,
     transfer_function_of,
 )
-from reliab.structures.partition import Specimen
+from reliab.structures import Specimen
 
 SPRING = Specimen(stiffness=1e6)
 

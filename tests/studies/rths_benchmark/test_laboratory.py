@@ -24,8 +24,8 @@ from reliab.simulation.compensators import compensators, find_compensator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, _runge_kutta_step, run_laboratory
 from reliab.simulation.transfer_systems import ServoHydraulic, gain_and_delay, second_order
+from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, undivided_response
-from reliab.structures.partition import Partition, Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 
@@ -150,7 +150,7 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
     ground = np.sin(2 * np.pi * 1.1 * t) * np.exp(-t / 4)
     rate, delay = 4096.0, 0.006
     run = run_laboratory(
-        Partition.from_structure(structure, mass=50.0),
+        Partition.of_structure(structure, mass=50.0),
         Rig(transfer_system=gain_and_delay(0.99, delay)),
         ground,
         0.01,
@@ -166,7 +166,7 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
 def test_a_nonlinear_specimen_before_a_servo_is_a_fine_integration():
     cubic, specimen = 5e8, Specimen(stiffness=2e5, damping=100.0, mass=20.0)
     frame = Frame(mass=[[1000.0]], damping=[[12000.0]], stiffness=[[8e5]])
-    partition = Partition(
+    partition = Partition.of_frame(
         frame=frame,
         interface=floor_interface(frame, 1),
         specimen=specimen,
@@ -220,7 +220,7 @@ def test_sensors_have_the_noise_and_resolution_that_they_are_given():
         transfer_system=second_order(40.0, 0.8),
         sensors=Sensors(displacement_noise=1e-5, displacement_step=2e-6, force_step=3.0),
     )
-    partition = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+    partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
     ground = np.sin(2 * np.pi * np.arange(0, 8, 0.01))
     run = run_laboratory(partition, rig, ground, 0.01, rate=2048.0, seed=4)
     assert np.std(run.measured - run.piston) == pytest.approx(1e-5, rel=0.03)
@@ -248,7 +248,7 @@ def test_bad_laboratories_are_refused():
         run_laboratory(partition, benchmark_rig("inverse", plant), ground, 0.01)
     with pytest.raises(InputError, match="emulated for a servo"):
         run_laboratory(
-            Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05)),
+            Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05)),
             Rig(transfer_system=gain_and_delay()),
             ground,
             0.01,
@@ -256,7 +256,7 @@ def test_bad_laboratories_are_refused():
         )
     with pytest.raises(InputError, match="A force is limited where"):
         run_laboratory(
-            Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05)),
+            Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05)),
             Rig(transfer_system=gain_and_delay(), limits=Limits(force=1.0)),
             ground,
             0.01,

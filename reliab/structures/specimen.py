@@ -1,0 +1,67 @@
+"""A specimen of one degree of freedom, and the interface at which it is attached to a frame."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.errors import InputError
+from reliab.structures.frames import Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class Specimen:
+    """The specimen without further effects: force = k·x + c·v + m·a of the piston's motion.
+
+    >>> Specimen(stiffness=2000.0).damping
+    0.0
+    """
+
+    stiffness: float  # Stiffness k [N/m], not negative
+    damping: float = 0.0  # Damping coefficient c [N·s/m]
+    mass: float = 0.0  # Moving mass m [kg], not negative
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "mass"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(
+                    f"The specimen's {name} must be finite and not negative",
+                    value=value,
+                    remedy="Give it in N/m or kg; a softening specimen is an effect",
+                )
+        if not math.isfinite(self.damping):
+            raise InputError("The specimen's damping must be finite", value=self.damping)
+
+
+def floor_interface(frame: Frame, name: str | int) -> Array:
+    """γ of a specimen between the ground and a degree of freedom, shape (n,)."""
+    interface = np.zeros(frame.size)
+    interface[frame.degree_of_freedom(name)] = 1.0
+    return interface
+
+
+def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
+    """γ of a specimen between two degrees of freedom, shape (n,).
+
+    Raises InputError if both are the same.
+    """
+    interface = floor_interface(frame, upper)
+    if frame.degree_of_freedom(lower) == frame.degree_of_freedom(upper):
+        raise InputError("A drift needs two different degrees of freedom", value=str(upper))
+    interface[frame.degree_of_freedom(lower)] = -1.0
+    return interface
+
+
+def with_specimen(frame: Frame, interface: Sequence[float] | Array, specimen: Specimen) -> Frame:
+    """Return the frame with a specimen added at an interface: the whole of which it is then a part."""
+    along = np.outer(interface, interface)
+    return Frame(
+        mass=frame.mass + specimen.mass * along,
+        damping=frame.damping + specimen.damping * along,
+        stiffness=frame.stiffness + specimen.stiffness * along,
+        influence=frame.influence,
+        names=frame.names,
+    )
