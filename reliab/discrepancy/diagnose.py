@@ -22,7 +22,7 @@ from reliab.discrepancy.fitting.clocks import fit_beside_clocks, fitted_with_clo
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import BESIDE, Search
-from reliab.discrepancy.locating.noise_test import is_model_error
+from reliab.discrepancy.locating.noise_test import is_model_error, is_noise
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
@@ -142,7 +142,7 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
     """Search a block in `_STEPS` steps; `advance` is called after each."""
-    search = Search(_problem(block, campaign, campaign.training))
+    search = begun(block, campaign)
     advance()
     search.whole()
     advance()
@@ -151,8 +151,7 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
         searched = _where_informed(block, campaign, searched)
     advance()
     searched = _judged(searched)
-    null = searched.null
-    if isinstance(block, SpecimenBlock) and _STATED in null.space.on_bounds(null.coordinates):
+    if isinstance(block, SpecimenBlock | LoopBlock) and _beyond_what_is_stated(searched):
         searched = _with_open_stiffness(block, campaign, searched)
     searched = _refined(searched)
     advance()
@@ -165,6 +164,23 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
     advance()
     return diagnosed
+
+
+def begun(block: ObservedBlock, campaign: Campaign) -> Search:
+    """Calibrate a block: with a stiffness of any value where that leaves noise, and the stated one does not.
+
+    What is stated is then contradicted, and no effect needs to make up for it.
+    """
+    search = Search(_problem(block, campaign, campaign.training))
+    if not (isinstance(block, SpecimenBlock | LoopBlock) and _beyond_what_is_stated(search)):
+        return search
+    opened = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
+    return opened if is_noise(opened.problem, opened.null) else search
+
+
+def _beyond_what_is_stated(search: Search) -> bool:
+    """Whether the calibrated stiffness lies on a bound, within which a stated one is taken to be."""
+    return _STATED in search.null.space.on_bounds(search.null.coordinates)
 
 
 def _judged(search: Search) -> Search:
@@ -198,7 +214,7 @@ def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stret
     return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, every))
 
 
-def _with_open_stiffness(block: SpecimenBlock, campaign: Campaign, stated: Search) -> Search:
+def _with_open_stiffness(block: SpecimenBlock | LoopBlock, campaign: Campaign, stated: Search) -> Search:
     """Search with a stiffness that may have any value.
 
     It is believed where fewer parameters say more with it, or where left-out tests are predicted far better.

@@ -7,6 +7,9 @@ import pytest
 from scipy import fft
 
 from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.blocks.loop import LoopBlock
+from reliab.discrepancy.diagnose import begun
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 RATE = 610.0
 FREQUENCY, DAMPING_RATIO = 68.0, 0.047
@@ -91,6 +94,30 @@ def test_a_linear_oscillator_is_calibrated(campaign):
     assert found["verdict"] == "no_missing_effect"
     assert found["gap"]["nrmse_after"] < 0.006
     assert not any("stated wrongly" in remark for remark in found["remarks"])
+
+
+@pytest.mark.parametrize(("stated", "opened"), [(66.0, False), (60.0, True)])
+def test_a_frequency_beyond_what_is_calibrated_leaves_noise_with_a_stiffness_of_any_value(
+    campaign, stated, opened
+):
+    measured, _ = campaign(0.0)
+    measured = replace(measured, structure=replace(measured.structure, frequency=stated))
+    motions = motions_of(measured)
+    block = LoopBlock(measured, scales_of(measured, motions), motions)
+    null = begun(block, measured).null
+    values = dict(
+        zip([p.name for p in null.space.parameters], null.space.values(null.coordinates), strict=True)
+    )
+    assert (null.space.block is not block) is opened
+    assert values["stiffness"] == pytest.approx((FREQUENCY / stated) ** 2, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_frequency_beyond_what_is_calibrated_is_told_and_no_effect_named_for_it(campaign):
+    measured, _ = campaign(0.0)
+    found = diagnose(replace(measured, structure=replace(measured.structure, frequency=60.0)))
+    assert found.verdict == "no_missing_effect"
+    assert found.statement.startswith("The tests did not run with what was stated (stiffness")
 
 
 @pytest.mark.slow

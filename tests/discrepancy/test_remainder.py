@@ -1,5 +1,6 @@
-"""An error of the balanced force is a missing effect only at frequencies at which models are judged."""
+"""What remains: of a balanced force only where models are judged, and how much where effects are named."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,14 +8,12 @@ import pytest
 
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.naming import unexplained
+from reliab.discrepancy.result.gap import Gap
+from reliab.effects import CubicStiffness
 from reliab.vocabulary import Block
 
-PROVED = SimpleNamespace(
-    by_kind=(SimpleNamespace(unexplained_share=0.99, model_error=0.16, after=0.16, noise=0.0),),
-    after=0.16,
-    model_error=0.16,
-)
-MODEL = SimpleNamespace(space=SimpleNamespace(effects=("any",)), coordinates=None)
+PROVED = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
+MODEL = SimpleNamespace(space=SimpleNamespace(effects=(CubicStiffness,)), coordinates=None)
 
 
 def problem(block, error):
@@ -29,9 +28,42 @@ def problem(block, error):
 
 
 @pytest.mark.parametrize(
-    ("block", "error", "unknown"),
+    ("block", "error", "large"),
     [(Block.NUMERICAL, 0.01, False), (Block.NUMERICAL, 0.15, True), (Block.SPECIMEN, 0.01, True)],
 )
-def test_a_rough_command_is_no_missing_effect(block, error, unknown):
-    stated = unexplained._remainder(problem(block, error), MODEL, PROVED)  # noqa: SLF001 - what is tested
-    assert (stated is not None) is unknown
+def test_a_rough_command_is_no_missing_effect(block, error, large):
+    found = unexplained._is_large(problem(block, error), MODEL, PROVED)  # noqa: SLF001 - what is tested
+    assert found is large
+
+
+def shown(error, *, noise_like=()):
+    """A gap of two kinds of held-out test, of which the effects leave 0.1 and an error of the signal."""
+    return Gap(
+        held_out=("sine", "sweep"), channel="force_n", before=1.0, after=error, floors={},
+        tests_before={"sine": 1.0, "sweep": 1.0}, tests_after={"sine": 0.1, "sweep": error},
+        kinds={"sine": "sine", "sweep": "sweep"}, noise_like=frozenset(noise_like),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3])
+@pytest.mark.parametrize(("error", "enough"), [(0.2**0.5 - 0.01, True), (0.2**0.5 + 0.01, False)])
+def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, error, enough, size):
+    for other in ("_interrupted", "_disturbance"):
+        monkeypatch.setattr(unexplained, other, lambda *_: None)
+    gap = shown(error)
+    gap = replace(
+        gap,
+        tests_before={file: size * value for file, value in gap.tests_before.items()},
+        tests_after={file: size * value for file, value in gap.tests_after.items()},
+    )
+    judged = problem(Block.NUMERICAL, 0.0), MODEL
+    for remaining in (None, ()):
+        found = unexplained.unexplained(judged, MODEL, gap, remaining, named=True)
+        assert (found is None) is enough
+        assert (gap.worst_unexplained_share <= unexplained.LARGEST_REMAINDER) is enough
+
+
+def test_what_is_spread_as_noise_is_explained_up_to_twice_the_floor():
+    for floor, enough in ((0.5, True), (0.2, False)):
+        gap = replace(shown(0.9, noise_like=["sweep"]), floors={"rest": floor})
+        assert unexplained.explains_enough(gap) is enough

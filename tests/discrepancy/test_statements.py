@@ -127,8 +127,7 @@ def test_three_times_the_noise_is_something_missing(times, missing):
     )
     problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
     model = SimpleNamespace(space=SimpleNamespace(effects=()))
-    found = unexplained._remainder(problem, model, gap)  # noqa: SLF001 - what is tested
-    assert (found is not None) is missing
+    assert unexplained._is_large(problem, model, gap) is missing  # noqa: SLF001 - what is tested
 
 
 def a_gap(**errors):
@@ -166,19 +165,15 @@ def test_a_floor_is_a_larger_share_of_a_weaker_test():
 def test_effects_are_the_answer_where_they_explain_four_fifths_of_every_kind_of_test(after, named):
     """An earthquake stands at 0.21 or 0.24 of the signal, of 0.5, where sines are explained wholly."""
     gap = a_gap(a=("sine", 0.5, 0.01), b=("sine", 0.5, 0.01), c=("irregular motion", 0.5, after))
-    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
-    assert (unexplained._remainder(problem, model, gap) is None) is named  # noqa: SLF001 - what is tested
+    assert unexplained.explains_enough(gap) is named
 
 
-@pytest.mark.parametrize(("floor", "named"), [(0.0055, True), (0.0045, False), (None, True)])
+@pytest.mark.parametrize(("floor", "named"), [(0.0055, True), (0.0045, False), (None, False)])
 def test_a_small_gap_of_which_much_remains_is_named_only_near_the_noise(floor, named):
-    """From 0.02 to 0.01 of the signal: a fifth or more of the energy remains, twice the noise or less."""
+    """From 0.02 to 0.01 of the signal: with a floor of 0.0055 a fifth of the energy above it remains."""
     floors = {} if floor is None else {"repeated tests": floor}
     gap = replace(a_gap(a=("sine", 0.02, 0.01)), before=0.02, after=0.01, floors=floors)
-    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
-    assert (unexplained._remainder(problem, model, gap) is None) is named  # noqa: SLF001 - what is tested
+    assert unexplained.explains_enough(gap) is named
 
 
 def test_a_remainder_is_described_by_what_it_looks_like():
@@ -188,8 +183,7 @@ def test_a_remainder_is_described_by_what_it_looks_like():
     ]
     gap = a_gap(a=("sine", 0.5, 0.4))
     problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    model = SimpleNamespace(space=SimpleNamespace(effects=("any",)))
-    found = unexplained._remainder(problem, model, gap, left)  # noqa: SLF001 - what is tested
+    found = unexplained._remainder(problem, gap, left)  # noqa: SLF001 - what is tested
     assert found.description.endswith("; 42 % of it: In force_n of the specimen Y")
 
 

@@ -146,12 +146,12 @@ def structure_frequency() -> Calibration:
     )  # fmt: skip
 
 
-def structure_damping() -> Calibration:
+def structure_damping(spread: float = 0.1, reach: float = 0.5) -> Calibration:
     """Damping ratio of the controller's structure over its nominal value."""
     return Calibration(
         parameter=Parameter(
             name="structure_damping", units="-", meaning="damping ratio over its nominal value",
-            signed=True, neutral=1.0, typical=0.1, lower=0.5, upper=1.5, starts=(1.0,),
+            signed=True, neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0,
         apply=lambda model, value: _with_structure(model, damping=value),

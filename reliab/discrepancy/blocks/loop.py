@@ -10,7 +10,16 @@ import numpy as np
 from scipy import signal
 
 from reliab.arrays import Array
-from reliab.discrepancy.blocks.calibration import damping, delay, gain, scale_of_excitation, stiffness
+from reliab.discrepancy.blocks.calibration import (
+    Calibration,
+    damping,
+    delay,
+    gain,
+    open_stiffness,
+    scale_of_excitation,
+    stiffness,
+    structure_damping,
+)
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.terms import StatedDamping, outside_terms, with_damping
@@ -36,6 +45,8 @@ _DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
 _SKETCHED = 0.25  # of the rate of integration, for derivatives
 _FEWEST_SKETCHED = 30.0  # of their steps in a natural period
 _LOOSE = 0.2  # spread of a gain that no channel shows by itself
+_DAMPING = 0.025  # spread of 2ξω₀m with a frequency and a mass as they are stated
+_MOST_OF_DAMPING = 0.1  # a larger deviation is an effect
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
@@ -73,11 +84,27 @@ class LoopBlock(ObservedBlock):
         terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
         self.integrate_at(_rate_of_integration(campaign))
+        self.calibrations: tuple[Calibration, ...]
         if rig:
-            self.calibrations = (gain(self.nominal, _LOOSE), delay(self.nominal), stiffness(self.nominal))
+            of_structure = structure_damping(_DAMPING, _MOST_OF_DAMPING)
+            self.calibrations = (
+                gain(self.nominal, _LOOSE), delay(self.nominal), stiffness(self.nominal), of_structure
+            )  # fmt: skip
         else:
             scale = scale_of_excitation(self._scale())
             self.calibrations = (stiffness(self.nominal), damping(self.nominal), scale)
+
+    def with_open_stiffness(self) -> "LoopBlock":
+        """Return the same block, whose stiffness may be any multiple of the stated one."""
+        opened = copy(self)
+        opened.__dict__.pop("sketch", None)
+        bounded, free = stiffness(self.nominal).parameter.name, open_stiffness(self.nominal)
+        opened.calibrations = tuple(
+            free if calibration.parameter.name == bounded else calibration
+            for calibration in self.calibrations
+        )
+        opened.integrate_at(self._wanted)
+        return opened
 
     def integrate_at(self, rate: float) -> None:
         """Integrate at a rate near a wanted one [Hz]."""

@@ -44,22 +44,33 @@ def is_noise(problem: Problem, fitted: Fit) -> bool:
 
 
 def noise_like_tests(problem: Problem, fitted: Fit) -> frozenset[int]:
-    """Find the tests in each of which what a model leaves, whitened by its noise, is spread as noise is."""
+    """Find the tests in each of which what a model leaves, whitened by its noise, is spread as noise is.
+
+    Or it stays within a step of the converter, whose own error follows the motion.
+    """
     residual = problem.whitened(fitted.space, fitted.coordinates, fitted.noise)
     spectra = _spectra(problem, residual)
+    stepped = _tests_within_steps(problem, fitted)
     return frozenset(
         test
         for test, of_test in spectra.items()
-        if max(_share([of_test], size) for size in _BANDS) <= LARGEST_STRUCTURED_SHARE
+        if test in stepped or max(_share([of_test], size) for size in _BANDS) <= LARGEST_STRUCTURED_SHARE
     )
 
 
 def _within_steps(problem: Problem, fitted: Fit) -> bool:
     """Whether what a model leaves stays within a step of the converter in every test."""
-    if not all(step > 0.0 for step in problem.steps.values()):
-        return False
+    return len(_tests_within_steps(problem, fitted)) == len(problem.steps)
+
+
+def _tests_within_steps(problem: Problem, fitted: Fit) -> frozenset[int]:
+    """Find the tests in which what a model leaves stays within a step of the converter."""
+    if not any(step > 0.0 for step in problem.steps.values()):
+        return frozenset()
     residual = problem.residuals(fitted.space, fitted.coordinates)
-    return all(float(np.std(values)) < _STEPS * problem.steps[test] for test, values in residual.items())
+    return frozenset(
+        test for test, values in residual.items() if float(np.std(values)) < _STEPS * problem.steps[test]
+    )
 
 
 def _spectra(problem: Problem, residual: Array) -> dict[int, list[Spectrum]]:

@@ -57,11 +57,15 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     biases = [shift for shift in shifts if shift.probability >= SURE]
     before = residuals(proof, search.plain(), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
-    proved = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     inside = [kind for kind in best.space.effects if not is_outside(kind)]
+    shown = gap(proof, before, after, noise_like_tests(proof, judged[1]))
+    proved = replace(shown, missing=bool(best.space.effects or biases))
     sure = [effect for kind in inside if kind in sure_effects for effect in naming.members(kind)]
     doubted = [effect for kind in inside if kind in doubtful for effect in naming.members(kind)]
-    unknown = unexplained(judged, best, proved, None if noise else _located(problem, best, judged))
+    named = (*(effect for effect in sure if effect.probability >= SURE), *biases)
+    unsettled = (*(effect for effect in sure if effect.probability < SURE), *doubted)
+    remaining = None if noise else _located(problem, best, judged)
+    unknown = unexplained(judged, best, proved, remaining, named=bool(named) and not unsettled)
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -69,14 +73,14 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibrated=calibrated,
         best=best,
         ranked=ranked,
-        effects=(*(effect for effect in sure if effect.probability >= SURE), *biases),
-        doubtful=(*(effect for effect in sure if effect.probability < SURE), *doubted),
+        effects=named,
+        doubtful=unsettled,
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unknown,
         findings=_located(problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
-        gap=replace(proved, missing=bool(inside or biases or unknown)),
+        gap=replace(proved, missing=bool(proved.missing or unknown)),
         structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best),

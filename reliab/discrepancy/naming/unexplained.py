@@ -11,7 +11,7 @@ from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.locate import Finding
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import ABOVE_FLOOR, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
 from reliab.discrepancy.terms import OutsideTerm
@@ -26,14 +26,6 @@ held-out test of which they explain least.
 
 What remains is then at most half of what the effects explain, in RMS. Beyond it the verdict is
 `unknown_effect`."""
-
-SMALLEST_REMAINDER = 0.03
-"""RMS of a remainder beside named effects, over that of the signal, below which it is no effect where the
-noise floor is not known."""
-
-_ABOVE_FLOOR = 2.0
-"""Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
-noise."""
 
 SMALLEST_GAP = 0.1
 """RMS of a remainder over that of the signal from which it is called an effect where no effect was found."""
@@ -51,11 +43,17 @@ _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
 def unexplained(
-    judged: tuple[Problem, Fit], best: Fit, proved: Gap, remaining: Sequence[Finding] | None
+    judged: tuple[Problem, Fit],
+    best: Fit,
+    proved: Gap,
+    remaining: Sequence[Finding] | None,
+    *,
+    named: bool,
 ) -> Unknown | None:
-    """Return an effect outside the library, or a remainder that is too large beside the found effects.
+    """Return an effect outside the library, or a remainder that is too large.
 
-    `remaining` holds what the remainder varies with; None where it is noise.
+    `remaining` holds what the remainder varies with; None where it is noise. Where effects would be `named`
+    they must explain enough of every kind of held-out test, however small the remainder is.
     """
     problem = judged[0]
     outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
@@ -67,27 +65,33 @@ def unexplained(
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    return None if remaining is None else _remainder(judged[0], best, proved, remaining)
+    if named:
+        large = not explains_enough(proved)
+    else:
+        large = remaining is not None and _is_large(problem, best, proved)
+    return _remainder(problem, proved, remaining or ()) if large else None
 
 
-def _remainder(problem: Problem, best: Fit, proved: Gap, remaining: Sequence[Finding] = ()) -> Unknown | None:
-    """Return an error of the model that is large beside the found effects, or beside the signal.
+def explains_enough(proved: Gap) -> bool:
+    """Whether what was found may be `named`: it explains the kind of held-out test that it explains least."""
+    share = proved.worst_unexplained_share
+    return share is None or share <= LARGEST_REMAINDER
+
+
+def _is_large(problem: Problem, best: Fit, proved: Gap) -> bool:
+    """Whether the error of a model is large beside the signal, or beside the noise floor.
 
     The force that balances a command is computed from derivatives of the command. Where these are rough, at
     frequencies above those that are judged, the error is one of this computation.
     """
     if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
-        return None
-    worst = next(iter(proved.by_kind), None)
-    if best.space.effects and worst is not None:
-        share = worst.unexplained_share or 0.0
-        above_noise = worst.after > _ABOVE_FLOOR * worst.noise > 0.0
-        large = share > LARGEST_REMAINDER and (worst.model_error > SMALLEST_REMAINDER or above_noise)
-    else:
-        large = proved.model_error > SMALLEST_GAP
-        large = large or (proved.floor is not None and proved.after > _ABOVE_FLOOR * proved.floor)
-    if not large:
-        return None
+        return False
+    above_floor = proved.floor is not None and proved.after > ABOVE_FLOOR * proved.floor
+    return proved.model_error > SMALLEST_GAP or above_floor
+
+
+def _remainder(problem: Problem, proved: Gap, remaining: Sequence[Finding]) -> Unknown:
+    """Describe an error of the model that no effect explains."""
     return Unknown(
         block=str(problem.block.block),
         expression="",

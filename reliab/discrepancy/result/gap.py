@@ -13,6 +13,10 @@ from reliab.significant import percent
 _FLOOR_UNCERTAINTY = 0.2
 """Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""
 
+ABOVE_FLOOR = 2.0
+"""Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
+noise."""
+
 _WHOLE = 0.999
 """Largest share of a gap that is said to be closed where what remains stands above the noise."""
 
@@ -50,7 +54,7 @@ class Gap:
         Kind of motion of each held-out test ("sine"), by file; one kind unless given.
     noise_like : set of str, optional
         Held-out tests, by file, in which what the model with the effects leaves is spread over time and
-        frequency as noise is. Where no floor is known, it is taken for noise.
+        frequency as noise is: it is taken for noise, unless a known floor is far below it.
     missing : bool, optional
         Whether anything was found to be missing, so that there is a gap to explain.
     """
@@ -189,12 +193,15 @@ class Gap:
         )
 
     def _noise_in(self, file: str) -> float:
-        """RMS of the noise in a test over that of its signal; in a weak one a floor is a larger share."""
-        after = self.tests_after[file]
+        """RMS of the noise in a test over that of its signal; in a weak one a floor is a larger share.
+
+        What is spread as noise may be above a floor: noise of the motion adds to that of the channel.
+        """
+        after, noise_like = self.tests_after[file], file in self.noise_like
         if self.floor is None:
-            return after if file in self.noise_like else 0.0
+            return after if noise_like else 0.0
         floor = self.floor / max(self.sizes.get(file, 1.0), 1e-300)
-        return after if after <= (1.0 + _FLOOR_UNCERTAINTY) * floor else floor
+        return after if after <= (ABOVE_FLOOR if noise_like else 1.0 + _FLOOR_UNCERTAINTY) * floor else floor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
