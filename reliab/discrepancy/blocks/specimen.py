@@ -18,7 +18,7 @@ from reliab.discrepancy.blocks.calibration import (
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import ClockOffset, SoftenedSpring, outside_terms, with_clock
+from reliab.discrepancy.terms import ClockOffset, ElasticStops, SoftenedSpring, outside_terms, with_clock
 from reliab.effects import (
     AddedMass,
     Effect,
@@ -69,7 +69,7 @@ class SpecimenBlock(ObservedBlock):
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
         self.candidates = (*in_force, *of_sensor, ClockOffset)
-        self.outside = (*outside_terms(self.block), SoftenedSpring)
+        self.outside = (*outside_terms(self.block), SoftenedSpring, ElasticStops)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
         self.move(pistons)

@@ -203,6 +203,50 @@ class SoftenedSpring(OutsideTerm):
         return np.array([*self.values, setting.moved_before])
 
 
+def _stopped(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    # What the stops add: k·g·(|x|/g − 1)ᵖ beyond the clearance g, against the displacement.
+    beyond = abs(motion[0]) / coefficients[1] - 1.0
+    if beyond <= 0.0:
+        return 0.0
+    force = coefficients[0] * coefficients[1] * beyond ** coefficients[2]
+    return force if motion[0] > 0.0 else -force
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticStops(OutsideTerm):
+    """A force k·g·sgn(x)·(|x|/g − 1)ᵖ beyond a clearance g on both sides.
+
+    Flat stops are linear, p = 1; contact of rounded bodies has p = 1.5 (Hertz 1882, Journal für die reine und
+    angewandte Mathematik 92, 156).
+    """
+
+    expression: ClassVar[str] = "g sgn(x) (|x|/g − 1)^p beyond |x| = g"
+    name = "elastic stops"
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "the specimen runs into elastic stops on both sides"
+    parameters = (
+        Parameter(
+            name="stiffness_n_per_m", units="N/m", meaning="force at twice the clearance, over it",
+            scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.5, lower=0.0, upper=100.0,
+            starts=(0.1, 0.1, 0.1, 0.1),
+        ),
+        Parameter(
+            name="clearance_m", units="m", meaning="displacement at which the stops are touched",
+            scale=(("displacement", 1.0),), typical=0.3, lower=0.02, upper=1.0, starts=(0.1, 0.25, 0.4, 0.6),
+        ),
+        Parameter(
+            name="power", units="-", meaning="power with which the force grows",
+            typical=1.5, spread=0.3, lower=1.0, upper=3.0, starts=(1.5, 1.5, 1.5, 1.5),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_stopped)
+
+    stiffness_n_per_m: float  # k [N/m]
+    clearance_m: float  # g [m]
+    power: float  # p [-]
+
+
 def _delay(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
     # State: the envelope e, T·e' + e = |x|.
     state[0] += (abs(motion[0]) - state[0]) * step / (coefficients[1] + step)
