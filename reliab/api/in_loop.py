@@ -198,6 +198,14 @@ class _Structure:
 def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
     if isinstance(frame, CoupledFrame):
+        if frame.geometry is not None and not frame.channels_at_interface:
+            raise InputError(
+                "A monitor in a loop carries actuators to the interface by a matrix",
+                value="[kinematics.geometry]",
+                remedy=f"Give matrix = {frame.kinematics.round(6).tolist()} if rotations are small, or take "
+                'channels at the "interface"',
+                where=where,
+            )
         return frame.partition, frame.to_interface
     if frame.output is not None:
         raise InputError(

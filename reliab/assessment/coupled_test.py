@@ -61,6 +61,11 @@ def assess_coupled(
     if "scale" in stated:
         recording = replace(recording, measured=recording.measured / stated["scale"].value)
     recording, faults = _without_faults(recording, frame, threshold)
+    recording = replace(
+        recording,
+        command=frame.straightened(recording.command),
+        measured=frame.straightened(recording.measured),
+    )
     sizes = {
         **sizes_of_unknown(stated, _lowest_mode(frame), equipment, recording.time_step),
         **sizes_of_structure(frame),

@@ -16,6 +16,9 @@ Beside the tables of a frame with one actuator (see `frame_file.py`)::
 
     [kinematics]                              # optional
     matrix = [[1.0, 0.127], [1.0, -0.127]]    # actuators by rows, degrees of freedom by columns
+    # or [kinematics.geometry], exact where rotations are not small, with motions = ["x", "rotation"],
+    #   pins_m = [[0.27, -0.127], [0.27, 0.127]] and directions = [[1, 0], [1, 0]] of the actuators at rest,
+    #   lengths_m = [2.0, 2.0] between their pins where they are not long
     channels = "actuators"                    # what command_1, measured_1, … are; or "interface"
 
     [transfer_system]                         # optional
@@ -47,6 +50,7 @@ from reliab.simulation.frames.frame_file import (
     names_several,
 )
 from reliab.simulation.frames.frame_tables import TransferTable
+from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, invertible
 from reliab.structures import Partition
@@ -63,6 +67,7 @@ class CoupledFrame:
     transfer_system: ActuatorMatrix | None = None  # The rig; None where the file describes none
     tolerances: TolerancesTable = EXACT  # How exactly the structure is known
     degrees_of_freedom: tuple[str, ...] = ()  # Names of all of them, in the order of the matrices
+    geometry: PlanarGeometry | None = None  # Of the actuators, of which T is the part that is linear
 
     @property
     def to_interface(self) -> Array:
@@ -70,6 +75,12 @@ class CoupledFrame:
         if self.channels_at_interface:
             return np.eye(self.partition.degrees)
         return np.asarray(np.linalg.inv(self.kinematics), dtype=np.float64)
+
+    def straightened(self, channels: Array) -> Array:
+        """Displacements that T would have given for what channels show, shape (p, n)."""
+        if self.geometry is None or self.channels_at_interface:
+            return channels
+        return self.geometry.as_small(channels)
 
 
 def read_structure(path: str | Path) -> FrameUnderTest | CoupledFrame:
@@ -95,18 +106,20 @@ def _build(description: CoupledDescription, folder: Path) -> CoupledFrame:
             remedy="Leave [error] out",
         )
     partition, names = _partition(description)
-    rows = description.kinematics
-    kinematics = np.eye(partition.degrees) if rows is None else _kinematics(rows.matrix, partition.degrees)
+    table = description.kinematics
+    matrix, geometry = (np.eye(partition.degrees), None) if table is None else table.described
+    kinematics = _kinematics(matrix, partition.degrees)
     return CoupledFrame(
         name=description.name,
         partition=partition,
         kinematics=kinematics,
-        channels_at_interface=rows is None or rows.channels == "interface",
+        channels_at_interface=table is None or table.channels == "interface",
         transfer_system=_actuators(description.transfer_system, kinematics, folder),
         tolerances=description.tolerances.of_structure(
             names, partition.mass, partition.damping, partition.stiffness
         ),
         degrees_of_freedom=names,
+        geometry=geometry,
     )
 
 
@@ -146,14 +159,13 @@ def _partition(description: CoupledDescription) -> tuple[Partition, tuple[str, .
     return partition, names
 
 
-def _kinematics(rows: tuple[tuple[float, ...], ...], degrees: int) -> Array:
-    if {len(row) for row in rows} != {degrees}:
+def _kinematics(matrix: Array, degrees: int) -> Array:
+    if matrix.shape[1] != degrees:
         raise InputError(
-            f"Each row of the kinematics needs {degrees} numbers, one for each degree of freedom of the "
-            "specimen",
-            value=f"rows of {sorted({len(row) for row in rows})}",
+            f"The kinematics need {degrees} columns, one for each degree of freedom of the specimen",
+            value=matrix.shape[1],
         )
-    return invertible(np.array(rows, dtype=np.float64))
+    return invertible(matrix)
 
 
 def _actuators(

@@ -16,6 +16,7 @@ from reliab.simulation.frames.frame_tables import (
     TransferTable,
     matrix_of_rows,
 )
+from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
 from reliab.structures import condensed
 from reliab.structures.frames import rayleigh_damping
@@ -98,18 +99,61 @@ class CoupledSpecimenTable(DescribedTable):
         return stiffness, damping, mass
 
 
-class KinematicsTable(DescribedTable):
-    """How the actuators move the degrees of freedom of the specimen."""
+class GeometryTable(DescribedTable):
+    """Actuators that are pinned to a rigid body in a plane, exact for any rotation."""
 
-    matrix: Matrix = Field(
+    motions: tuple[Literal["x", "y", "rotation"], ...] = Field(
+        description="What each degree of freedom of the specimen is: of the node along x or y, or a turn "
+        "from x to y"
+    )
+    pins_m: Matrix = Field(description="Pin of each actuator on the body, as seen from its node: x, y")
+    directions: Matrix = Field(description="Direction in which each actuator extends, at rest: x, y")
+    lengths_m: Row | None = Field(
+        default=None, description="Distance of the pins of each actuator at rest; long by default"
+    )
+
+    @property
+    def geometry(self) -> PlanarGeometry:
+        """Pins and directions."""
+        return PlanarGeometry(
+            motions=self.motions,
+            pins=matrix_of_rows(self.pins_m),
+            directions=matrix_of_rows(self.directions),
+            lengths=None if self.lengths_m is None else np.array(self.lengths_m),
+        )
+
+
+class KinematicsTable(DescribedTable):
+    """How the actuators move the degrees of freedom of the specimen: a matrix or a geometry."""
+
+    matrix: Matrix | None = Field(
+        default=None,
         description="Displacement of each actuator, one per row, for a unit of each degree of freedom of "
-        "the specimen; rows of numbers, or their file"
+        "the specimen; rows of numbers, or their file",
+    )
+    geometry: GeometryTable | None = Field(
+        default=None, description="Where the actuators are pinned, in place of `matrix`"
     )
     channels: Literal["actuators", "interface"] = Field(
         default="actuators",
         description="Whether command_1, measured_1, … of a test are displacements of the actuators or of "
         "the interface",
     )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.matrix is None) == (self.geometry is None):
+            message = "give matrix or geometry"
+            raise ValueError(message)
+        return self
+
+    @property
+    def described(self) -> tuple[Array, PlanarGeometry | None]:
+        """T, and the geometry of which it is the linear part."""
+        if self.geometry is None:
+            return matrix_of_rows(self.matrix), None
+        geometry = self.geometry.geometry
+        return geometry.matrix, geometry
 
 
 class TransferMatrixTable(DescribedTable):

@@ -1,0 +1,116 @@
+"""Actuators pinned to a body in a plane: exact extensions, their inverse, and what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reliab_studies.marths_benchmark.structure import ANGLE, ARM, to_node
+
+from reliab.errors import InputError
+from reliab.simulation.frames.coupled_file import structure_of_tables
+from reliab.simulation.frames.planar_geometry import PlanarGeometry
+
+BENCHMARK: dict[str, Any] = {
+    "motions": ("x", "rotation"),
+    "pins": ARM * np.array([[np.cos(ANGLE), -np.sin(ANGLE)], [np.cos(ANGLE), np.sin(ANGLE)]]),
+    "directions": np.array([[1.0, 0.0], [1.0, 0.0]]),
+}
+PLATE: dict[str, Any] = {
+    "motions": ("x", "y", "rotation"),
+    "pins": np.array([[0.5, 0.3], [-0.5, 0.3], [0.5, -0.4]]),
+    "directions": np.array([[1.0, 0.2], [0.0, 1.0], [0.6, 0.8]]),
+    "lengths": np.array([1.5, 2.0, 0.9]),
+}
+
+
+def wandering(motions, size):
+    return size * np.random.default_rng(4).uniform(-1.0, 1.0, (motions, 40))
+
+
+def test_the_benchmark_has_its_printed_inverse():
+    geometry, moved = PlanarGeometry(**BENCHMARK), wandering(2, 0.2)
+    np.testing.assert_allclose(to_node(1e3 * geometry.extensions(moved)), moved, atol=1e-12)
+
+
+def test_extensions_are_changes_of_the_distance_between_pins():
+    geometry, moved = PlanarGeometry(**PLATE), wandering(3, 0.2)
+    unit = PLATE["directions"] / np.linalg.norm(PLATE["directions"], axis=1)[:, np.newaxis]
+    ground = PLATE["pins"] - PLATE["lengths"][:, np.newaxis] * unit
+    for (x, y, angle), found in zip(moved.T, geometry.extensions(moved).T, strict=True):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        distance = np.linalg.norm(np.array([x, y]) + PLATE["pins"] @ turn.T - ground, axis=1)
+        np.testing.assert_allclose(found, distance - PLATE["lengths"], atol=1e-14)
+
+
+@pytest.mark.parametrize("described", [BENCHMARK, PLATE])
+def test_motions_follow_from_extensions_and_small_ones_by_the_matrix(described):
+    geometry = PlanarGeometry(**described)
+    moved, little = wandering(len(described["motions"]), 0.2), wandering(len(described["motions"]), 1e-7)
+    np.testing.assert_allclose(geometry.displacements(geometry.extensions(moved)), moved, atol=1e-12)
+    np.testing.assert_allclose(
+        geometry.as_small(geometry.extensions(moved)), geometry.matrix @ moved, atol=1e-12
+    )
+    np.testing.assert_allclose(geometry.extensions(little), geometry.matrix @ little, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "rule"),
+    [
+        ({"motions": ("x", "x")}, "each once"),
+        ({"pins": np.ones((3, 2))}, "one for each motion"),
+        ({"directions": np.zeros((2, 2))}, "directions not zero"),
+        ({"lengths": np.array([1.0, -1.0])}, "lengths positive"),
+    ],
+)
+def test_geometries_that_cannot_be_are_refused(changed, rule):
+    with pytest.raises(InputError, match=rule):
+        PlanarGeometry(**BENCHMARK | changed)
+
+
+def test_extensions_that_cannot_be_are_refused():
+    with pytest.raises(InputError, match="must be possible with their geometry"):
+        PlanarGeometry(**BENCHMARK).displacements(np.array([[1.0], [-1.0]]))
+
+
+TABLES = {
+    "frame": {
+        "mass_matrix_kg": [[9.0, 0.0], [0.0, 2.0]],
+        "stiffness_matrix_n_per_m": [[9e3, 0.0], [0.0, 5e3]],
+    },
+    "damping": {"ratio": 0.05},
+    "specimen": {
+        "degrees_of_freedom": ["1", "2"],
+        "stiffness_matrix_n_per_m": [[4e3, 0.0], [0.0, 2e3]],
+    },
+}
+
+
+def frame_of(**kinematics):
+    return structure_of_tables(TABLES | {"kinematics": kinematics}, "frame.toml")
+
+
+def test_a_file_describes_pins_and_directions():
+    described = {"motions": ["x", "rotation"], "pins_m": [[1, -2], [1, 2]], "directions": [[1, 0], [1, 0]]}
+    frame = frame_of(geometry=described)
+    np.testing.assert_allclose(frame.kinematics, [[1.0, 2.0], [1.0, -2.0]])
+    moved = np.array([[0.1], [0.3]])
+    extended = frame.geometry.extensions(moved)
+    np.testing.assert_allclose(frame.to_interface @ frame.straightened(extended), moved)
+    at_interface = frame_of(geometry=described, channels="interface")
+    assert at_interface.straightened(extended) is extended
+
+
+@pytest.mark.parametrize(
+    ("kinematics", "rule"),
+    [
+        ({}, "give matrix or geometry"),
+        (
+            {"geometry": {"motions": ["x", "y"], "pins_m": [[1, 2], [1, 2]], "directions": [[1, 0], [1, 0]]}},
+            "must not be singular",
+        ),
+        ({"matrix": [[1.0], [2.0]]}, "need 2 columns"),
+    ],
+)
+def test_kinematics_that_drive_nothing_are_refused(kinematics, rule):
+    with pytest.raises(InputError, match=rule):
+        frame_of(**kinematics)
