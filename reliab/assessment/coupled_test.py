@@ -61,11 +61,6 @@ def assess_coupled(
     if "scale" in stated:
         recording = replace(recording, measured=recording.measured / stated["scale"].value)
     recording, faults = _without_faults(recording, frame, threshold)
-    recording = replace(
-        recording,
-        command=frame.straightened(recording.command),
-        measured=frame.straightened(recording.measured),
-    )
     sizes = {
         **sizes_of_unknown(stated, _lowest_mode(frame), equipment, recording.time_step),
         **sizes_of_structure(frame),
@@ -201,6 +196,7 @@ def _without_faults(
         sound = repaired(one, [fault for fault in of_channel if fault.in_loop is False])
         command[place], measured[place] = sound.command, sound.measured
         faults += [(number, fault) for fault in of_channel]
+    command, measured = frame.straightened(command), frame.straightened(measured)
     return replace(recording, command=command, measured=measured), tuple(faults)
 
 

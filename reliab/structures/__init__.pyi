@@ -1,3 +1,4 @@
+from .condensation import condensed as condensed
 from .coupled_stability import (
     CoupledLimit as CoupledLimit,
     coupled_limit as coupled_limit,
@@ -5,7 +6,6 @@ from .coupled_stability import (
 )
 from .partition import (
     Partition as Partition,
-    condensed as condensed,
     whole_structure as whole_structure,
 )
 from .parts_of_structure import (

@@ -18,12 +18,12 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.significant import significant
+from reliab.structures.condensation import mass_orthonormal, static_shapes
 from reliab.structures.frames.frame import (
     Frame,
     require_positive_definite,
@@ -319,7 +319,7 @@ class Partition:
         if not bare.any():
             return self
         followed = bare & ~driven
-        reduced = self.projected(_static_shapes(self.stiffness, followed)) if followed.any() else self
+        reduced = self.projected(static_shapes(self.stiffness, followed)) if followed.any() else self
         light = (bare & driven)[~followed]
         added = np.where(light, np.diag(reduced.stiffness) / _QUASI_STATIC**2, 0.0)
         return reduced.changed(mass=reduced.mass + np.diag(added))
@@ -354,7 +354,7 @@ class Partition:
             return whole
         static = np.linalg.solve(whole.stiffness, whole.interface)
         inertial = np.linalg.solve(whole.stiffness, whole.mass @ static)
-        return whole.projected(_mass_orthonormal(np.hstack([slow, static, inertial]), whole.mass))
+        return whole.projected(mass_orthonormal(np.hstack([slow, static, inertial]), whole.mass))
 
     @cached_property
     def natural_frequencies(self) -> Array:
@@ -378,39 +378,22 @@ class Partition:
     @property
     def stiffness_shares(self) -> Array:
         """Specimen's share of the stiffness of each mode, φᵀΓK_eΓᵀφ/ω² [-], shape (modes,)."""
-        frequency, *_ = self.modes
-        return self._in_modes(self.specimen_stiffness) / (2.0 * math.pi * frequency) ** 2
-
-    @property
-    def damping_shares(self) -> Array:
-        """Specimen's share of the damping of each mode, φᵀΓC_eΓᵀφ/(2ζω) [-]; zero where ζ = 0."""
-        frequency, ratio, _ = self.modes
-        whole = 4.0 * math.pi * frequency * ratio
-        share = np.zeros_like(whole)
-        np.divide(self._in_modes(self.specimen_damping), whole, out=share, where=whole > 0.0)
-        return share
-
-    @property
-    def mass_shares(self) -> Array:
-        """Specimen's share of the mass of each mode, φᵀΓM_eΓᵀφ [-], shape (modes,)."""
-        return self._in_modes(self.specimen_mass)
+        frequency, _, moved = self.modes
+        stiffness = np.einsum("pm,pq,qm->m", moved, self.specimen_stiffness, moved)
+        return np.asarray(stiffness / (2.0 * math.pi * frequency) ** 2)
 
     @property
     def impedance_shares(self) -> Spectrum:
         """Force of the specimen in each mode over that of the mode's spring, φᵀΓZ(iω)Γᵀφ/ω² [-].
 
-        Its real part holds stiffness and mass, its imaginary part damping; for a spring it is α_i.
+        Its real part is the share of the stiffness less that of the mass, its imaginary part 2ζ times that
+        of the damping; for a spring it is α_i.
         """
         frequency, _, moved = self.modes
         omega = 2.0 * math.pi * frequency
         forces = self.impedance((1j * omega).astype(np.complex128))
         felt = [moved[:, mode] @ force @ moved[:, mode] for mode, force in enumerate(forces)]
         return np.asarray(felt / omega**2)
-
-    def _in_modes(self, specimen: Array) -> Array:
-        """φᵀΓ(…)Γᵀφ of a matrix of the specimen, shape (modes,)."""
-        _, _, moved = self.modes
-        return np.asarray(np.einsum("pm,pq,qm->m", moved, specimen, moved))
 
     @property
     def static_transfer(self) -> Array:
@@ -503,32 +486,6 @@ def _matrices(whole: Iterable[Array], specimen: Iterable[Array]) -> dict[str, Ar
     of_specimen = ("specimen_stiffness", "specimen_damping", "specimen_mass")
     names = ("mass", "damping", "stiffness", *of_specimen)
     return dict(zip(names, (*whole, *specimen), strict=True))
-
-
-def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> tuple[Array, ...]:
-    """Condense matrices of a specimen statically to its first degrees of freedom."""
-    followed = np.arange(stiffness.shape[0]) >= retained
-    shapes = _static_shapes(stiffness, followed)
-    return tuple(shapes.T @ matrix @ shapes for matrix in matrices)
-
-
-def _static_shapes(stiffness: Array, followed: NDArray[np.bool_]) -> Array:
-    """Shapes of the structure when the remaining degrees of freedom move by one each."""
-    moving = ~followed
-    shapes = np.zeros((stiffness.shape[0], int(moving.sum())))
-    shapes[moving] = np.eye(shapes.shape[1])
-    shapes[followed] = -np.linalg.solve(
-        stiffness[np.ix_(followed, followed)], stiffness[np.ix_(followed, moving)]
-    )
-    return shapes
-
-
-def _mass_orthonormal(shapes: Array, mass: Array) -> Array:
-    """Basis of the same motions, of unit mass each, without those that depend on others."""
-    scaled = shapes / np.sqrt(np.einsum("di,de,ei->i", shapes, mass, shapes))
-    values, vectors = np.linalg.eigh(scaled.T @ mass @ scaled)
-    independent = values > _SINGULAR * values.max()
-    return np.asarray(scaled @ vectors[:, independent] / np.sqrt(values[independent]))
 
 
 def whole_structure(structure: Structure | Partition) -> Partition:

@@ -60,16 +60,18 @@ def shares_of_structures() -> pd.DataFrame:
     rows = []
     for name, partition in partitioned_structures().items():
         limit, _ = critical_delay(partition)
+        ratios, alphas = partition.frame.damping_ratios, partition.stiffness_shares
+        felt = partition.impedance_shares
         for mode, frequency in enumerate(partition.frame.modes.frequency):
             rows.append(
                 {
                     "structure": name,
                     "mode": mode + 1,
                     "f": float(frequency),
-                    "xi": float(partition.frame.damping_ratios[mode]),
-                    "alpha": float(partition.stiffness_shares[mode]),
-                    "mass": float(partition.mass_shares[mode]),
-                    "damping": float(partition.damping_shares[mode]),
+                    "xi": float(ratios[mode]),
+                    "alpha": float(alphas[mode]),
+                    "mass": float(alphas[mode] - felt[mode].real),
+                    "damping": float(felt[mode].imag / (2.0 * ratios[mode])),
                     "critical_delay_ms": 1e3 * limit,
                 }
             )

@@ -35,8 +35,9 @@ def test_shares_in_every_matrix_are_by_their_definition(frame):
     assert (np.abs(omega - 1.0) > 10.0).all()
     modal = (shapes.T @ frame.damping @ shapes).diagonal()
     np.testing.assert_allclose(partition.stiffness_shares, 1e5 * shapes[0] ** 2 / omega**2)
-    np.testing.assert_allclose(partition.damping_shares, 300.0 * shapes[0] ** 2 / modal)
-    np.testing.assert_allclose(partition.mass_shares, 50.0 * shapes[0] ** 2)
+    felt, ratios = partition.impedance_shares, frame.damping_ratios
+    np.testing.assert_allclose(felt.imag / (2.0 * ratios), 300.0 * shapes[0] ** 2 / modal)
+    np.testing.assert_allclose(partition.stiffness_shares - felt.real, 50.0 * shapes[0] ** 2)
 
 
 def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
