@@ -5,6 +5,7 @@ import json
 import os
 import sys
 import unicodedata
+from collections import defaultdict
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -57,12 +58,27 @@ def pytest_collection(session):
         from reliab.study import folders  # noqa: F401
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest takes out what `-m` does not name
 def pytest_collection_modifyitems(items):
-    """Skip what needs the studies where the folder was taken away: the product does without it."""
+    """Make slow tests of cases that do not run by default; skip what needs studies that were taken away."""
+    for item in _cases_beyond_the_default(items):
+        item.add_marker(pytest.mark.slow)
     if not shipped_folder("studies").is_dir():
         for item in items:
             if item.get_closest_marker("of_studies"):
                 item.add_marker(pytest.mark.skip(reason="the studies were taken away"))
+
+
+def _cases_beyond_the_default(items):
+    """Cases of tests marked `default_cases(N)` but for N of them, spread evenly from the first one."""
+    cases = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("default_cases"):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for group in cases.values():
+        number = group[0].get_closest_marker("default_cases").args[0]
+        run = {rank * len(group) // number for rank in range(number)}
+        yield from (item for rank, item in enumerate(group) if rank not in run)
 
 
 def pytest_xdist_auto_num_workers(config):

@@ -28,6 +28,7 @@ print(compiled_callback(types.float64(types.float64), half).ctypes(3.0))
 """
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("source", [KERNEL, CALLED_BY_ADDRESS])
 def test_kernels_need_no_folder_for_their_cache(tmp_path, source):
     (tmp_path / "kernel.py").write_text(source)
@@ -44,6 +45,7 @@ def test_kernels_need_no_folder_for_their_cache(tmp_path, source):
     assert done.stderr.count("Compiled code cannot be kept") == 1
 
 
+@pytest.mark.slow
 def test_numba_is_told_to_compile_in_one_place_only():
     elsewhere = {
         str(path.relative_to(PACKAGE))

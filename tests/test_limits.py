@@ -60,6 +60,7 @@ def test_a_test_whose_draws_would_fill_the_memory_is_refused_before_they_are_mad
     assert memory < 20 * histories[0].nbytes  # of 256 draws and their copies
 
 
+@pytest.mark.slow
 def test_draws_of_a_test_take_little_more_than_their_own_memory():
     time = np.arange(30_000) * STEP
     command = np.sin(6.0 * time) * np.exp(-0.01 * time)
@@ -136,6 +137,7 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rest", [pytest.param(0, marks=pytest.mark.slow), 10_000])
 def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
     stretch, seconds = 2048, 80

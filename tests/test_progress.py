@@ -185,6 +185,7 @@ PASSED_ON = {  # by a case of the function that calls it
 ELSEWHERE = {"diagnose": "discrepancy/test_progress.py"}
 
 
+@pytest.mark.default_cases(8)
 @pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
 @pytest.mark.parametrize("name", CASES)
 def test_every_piece_is_reported_once_and_the_last_is_the_total(name, request):

@@ -19,6 +19,7 @@ def answer(assessment):
     return {**assessment.to_dict(), "stated": None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "former",
     [

@@ -37,6 +37,7 @@ def test_index_and_probability_are_those_of_the_criterion(simulate):
     assert found.reliable
 
 
+@pytest.mark.slow
 def test_worse_rig_is_less_probable_and_rejected(simulate):
     better, worse = (assess(simulate(delay=delay), ONE_HERTZ) for delay in (0.0005, 0.004))
     assert better.probability > 0.97
@@ -46,6 +47,7 @@ def test_worse_rig_is_less_probable_and_rejected(simulate):
     assert worse.verdict.word == "not_reliable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, ground_motions, motion):
     for delay in (0.0008, 0.003):
@@ -55,6 +57,7 @@ def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, g
         assert own.probability == float(own.error <= 0.05)
 
 
+@pytest.mark.slow
 def test_own_index_is_one_on_the_boundary(ground_motions):
     motion = ground_motions[0]
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
@@ -76,6 +79,7 @@ def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, grou
     assert assess(test, ONE_HERTZ, motion=ground_motions[0]).placement.error == pytest.approx(error, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):
     structure = Structure(frequency=3.0, damping_ratio=0.02)
     test = simulate(f=3.0, delay=0.0001)
@@ -123,6 +127,7 @@ def assessed_rigs(ground_motions):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rig", "words"),
     [

@@ -67,6 +67,7 @@ CASES = {
 }
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("kind", CASES)
 def test_what_the_recording_contradicts_leaves_no_test_reliable(simulate, ground_motions, kind):
     make, words = CASES[kind]
@@ -117,6 +118,7 @@ def test_a_frame_is_doubted_as_well(simulate):
     assert any("no resonance" in warning for warning in found.to_dict()["warnings"])
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [1.0, 2.0])
 def test_a_reliable_test_has_no_contradictions(simulate, frequency):
     sound = assess(

@@ -105,6 +105,7 @@ def _shaken_by(found: CoupledAssessment, ground: np.ndarray | None) -> xr.Datase
     return corrected_response(replace(found, recording=replace(found.recording, ground=ground)))
 
 
+@pytest.mark.slow
 def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
     coupled: tuple[CoupledAssessment, np.ndarray, np.ndarray],
 ) -> None:
@@ -128,6 +129,7 @@ def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
     assert "degrees of freedom" not in corrected.attrs["note"]
 
 
+@pytest.mark.slow
 def test_the_ground_motion_must_be_that_of_the_test(
     coupled: tuple[CoupledAssessment, np.ndarray, np.ndarray],
 ) -> None:
@@ -144,6 +146,7 @@ def test_the_ground_motion_must_be_that_of_the_test(
         assert np.isfinite(corrected["specimen_force_theta"]).all()
 
 
+@pytest.mark.slow
 def test_the_note_says_when_the_correction_is_not_small(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -97,6 +97,7 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     assert np.abs(np.array(by_matrix) / true - 1.0).max() > 0.01
 
 
+@pytest.mark.slow
 def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed, tmp_path):
     file, path, _ = recorded
     frame, table = read_structure(path), pd.read_csv(file)
@@ -181,6 +182,7 @@ def test_what_takes_one_actuator_refuses_several(recorded):
         reliab.assess(file, path, skew="0.1")
 
 
+@pytest.mark.slow
 def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_leaves_it(recorded, assessed):
     file, path, _ = recorded
     exact = reliab.assess(file, path, exact=True)
@@ -256,12 +258,14 @@ def off(path, factor, **tolerances):
     return replace(frame, partition=partition, tolerances=TolerancesTable(**tolerances))
 
 
+@pytest.mark.slow
 def test_a_recorded_ground_motion_agrees_with_the_structure(recorded, with_ground):
     shown = reliab.assess(with_ground, recorded[1]).shown_by_ground
     assert shown.frequency == pytest.approx(1.0, abs=0.01)
     assert not any((shown.opposite, shown.other, shown.contradicts(0.0)))
 
 
+@pytest.mark.slow
 def test_a_recorded_ground_motion_contradicts_another_structure(recorded, with_ground):
     """Frequencies 3 % too high, unless they are stated as uncertain as that."""
     doubted = reliab.assess(with_ground, off(recorded[1], 1.03))

@@ -41,6 +41,7 @@ def kinds(found):
     return {effect.fault.kind for effect in found.faults}
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     "rig", [{"delay": 0.001}, {"lead": 0.001}, {"lag": 0.001}, {"gain": 0.99}, {"backlash": 0.0004}]
 )
@@ -76,6 +77,7 @@ def test_drift_is_found(good):
     assert np.ptp(effect.fault.in_measured) == pytest.approx(0.1 * peak, rel=0.05)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("channel", "samples", "size"), [("measured", 1, 0.2), ("command", 4, -0.1)])
 def test_a_spike_is_stated_and_not_counted(good, channel, samples, size):
     spoilt = getattr(good, channel).copy()

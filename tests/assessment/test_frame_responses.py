@@ -102,6 +102,7 @@ def test_another_ground_motion_is_noticed(test_and_truth, found):
     assert "would be smaller than the test shows, by 50" in " ".join(other.warnings)
 
 
+@pytest.mark.slow
 def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     rng = np.random.default_rng(8)
     time = np.arange(int(DURATION * RATE)) / RATE

@@ -76,6 +76,7 @@ def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
     assert summary["by_index"] is None
 
 
+@pytest.mark.slow
 def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     recording, truth = test_and_truth
     spiky = recording.measured.copy()
@@ -86,6 +87,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
 
 
+@pytest.mark.slow
 def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
     recording, truth = test_and_truth
     shifted = recording.measured + 0.05 * np.abs(recording.command).max()

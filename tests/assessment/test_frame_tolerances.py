@@ -96,6 +96,7 @@ def frame(**tolerances):
 QUICK = ("damping", "modes", "storeys alike", "entries")
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     "case", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
 )
@@ -109,6 +110,7 @@ def test_an_interval_holds_where_tolerances_state_what_is_off(case):
     assert names <= {item.name for item in found.error.budget}
 
 
+@pytest.mark.slow
 def test_parts_replace_what_is_assumed_of_the_whole():
     recording, _ = simulated(TWO_STOREYS)
     stated = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}

@@ -64,6 +64,7 @@ def answer(path):
     return assess(read_recording(path), ONE_HERTZ)
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("write", FORMATS)
 def test_sound_file_has_neither_error_nor_warning(tmp_path, columns, write):
     assert answer(write(tmp_path, columns)).warnings == ()

@@ -55,6 +55,7 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
     assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     ("sign", "words"),
     [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (0.1, 9.81, -9.81, 1e6))],
@@ -116,6 +117,7 @@ def explained(test, found):
 BAD, GOOD = 0.0022, 0.0012  # delays [s] with errors of 6 and 3 %
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     ("channels", "delay", "steps", "words"),
     [
@@ -141,6 +143,7 @@ def test_what_a_skew_looks_like_is_said_and_decides_nothing(judged_with_skew, ch
     assert not any("> 0.99" in reason for reason in found.verdict.reasons)
 
 
+@pytest.mark.default_cases(3)
 @pytest.mark.parametrize("channels", ["ground", "ground force", "ground force mass", "force"])
 @pytest.mark.parametrize("delay", [BAD, GOOD])
 def test_sound_channels_lose_nothing(judged_with_skew, channels, delay):
@@ -162,6 +165,7 @@ def test_a_force_that_alone_is_late_changes_nothing_where_the_ground_shows_it(ju
     assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("delay", "stated_ratio"),
     [

@@ -45,6 +45,7 @@ def test_a_test_shorter_than_its_record_is_judged_over_its_own_duration(motion, 
     assert own.error == pytest.approx(test.rms, rel=0.02)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("ground", [False, True])
 def test_a_test_that_begins_in_motion_is_found_in_its_record(motion, ground, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=30.0, gain=0.998, delay=0.0008)
@@ -88,6 +89,7 @@ def test_a_scaled_record_is_found_by_shape_and_said_so(motion, simulate):
     assert any("by the shape of its response" in warning for warning in found.warnings)
 
 
+@pytest.mark.slow
 def test_a_lead_is_judged_by_the_exact_loop_that_leads(motion, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=30.0, lead=0.002)
     found = judged(test, motion)

@@ -44,6 +44,7 @@ def test_a_criterion_that_states_no_motions_is_not_compared():
     assert not found.outside
 
 
+@pytest.mark.slow
 def test_outside_no_share_is_stated_and_the_error_decides(simulate):
     test = simulate(noise=0.001)
     inside = assess(test, ONE_HERTZ)
@@ -61,6 +62,7 @@ def test_outside_no_share_is_stated_and_the_error_decides(simulate):
     assert inside.to_dict()["confidence"] == 0.95
 
 
+@pytest.mark.slow
 def test_its_own_motion_decides_the_index_wherever_the_test_lies(simulate, ground_motions):
     test = simulate(noise=0.001)
     inside = assess(test, ONE_HERTZ)

@@ -9,6 +9,7 @@ from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.recordings import Recording
 
 
+@pytest.mark.default_cases(3)
 @pytest.mark.parametrize("f", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("gain", "delay"), [(0.994, 0.0015), (1.01, 0.0), (1.0, 0.003)])
 def test_truth_comes_back_within_the_target_at_40_decibels(simulate, f, gain, delay):
@@ -78,6 +79,7 @@ def coverage(simulate, kind, repetitions, level):
     return np.mean(covered)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("kind", "level"), [("white", 0.9), ("coloured", 0.8)])
 def test_intervals_cover_the_truth_quick(simulate, kind, level):
     covered = coverage(simulate, kind, 40, level)

@@ -97,6 +97,7 @@ def test_labels_never_stand_in_the_campaigns_folder(damped: tuple[Path, Label], 
     )
 
 
+@pytest.mark.slow
 def test_same_seed_writes_the_same_bytes(tmp_path: Path) -> None:
     options = Options(kind=Kind.MISCALIBRATED)
     for name in ("one", "other"):

@@ -1,8 +1,11 @@
 """A batch goes on where one seed cannot be drawn."""
 
+import pytest
+
 from blind_campaigns import command_line
 
 
+@pytest.mark.slow
 def test_a_seed_that_cannot_be_drawn_is_skipped_and_said(tmp_path, monkeypatch, capsys):
     drawn = command_line.generate
 

@@ -23,6 +23,7 @@ def steady():
     return Excitation(acceleration=noise, time_step=0.01), Structure(frequency=1.0, damping_ratio=0.03)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("side", list(Side))
 @pytest.mark.parametrize("threshold", [0.02, 0.05])
 def test_a_steady_response_predicts_its_boundary(steady, side, threshold):

@@ -35,6 +35,7 @@ def intercepts(excitation, structure, threshold):
     return found[0] * found[1], (1e3 * delay) ** 2
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize("frequency", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("damping_ratio", [0.02, 0.1])
 @pytest.mark.parametrize("fraction", [1.0, 0.4])

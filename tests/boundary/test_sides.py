@@ -61,6 +61,7 @@ def test_points_of_both_sides_lie_on_the_threshold(loop):
             np.testing.assert_allclose(relative_error(loop.deviation(cells), metric), 0.05, rtol=1e-4)
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("metric", list(Metric))
 @pytest.mark.parametrize("threshold", [0.01, 0.05, 0.2])
 def test_error_inside_the_inscribed_ellipse_is_below_the_threshold(loop, metric, threshold):

@@ -37,6 +37,7 @@ def assert_same(loops, tolerance):
             )
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("frequency", "xi"), [(1.0, 0.02), (2.0, 0.05)])
 def test_contours_are_those_of_each_motion(frequency, xi):
     motions = load_motions("synthetic")[:3]
@@ -49,6 +50,7 @@ def test_a_suite_may_hold_one_motion():
     )
 
 
+@pytest.mark.slow
 def test_contours_of_short_windows_and_of_a_chosen_engine_are_those_of_each_motion():
     motions = load_motions("synthetic")[:2]
     structure = Structure(frequency=1.0, damping_ratio=0.03)
@@ -57,6 +59,7 @@ def test_contours_of_short_windows_and_of_a_chosen_engine_are_those_of_each_moti
     assert all(contours[0].amplitude.size >= 11 for contours in late)
 
 
+@pytest.mark.slow
 def test_contours_are_those_of_each_real_motion(real_motions_folder):
     motions = load_motions(real_motions_folder)
     few = [motions[k] for k in range(0, len(motions), len(motions) // 4)]

@@ -68,6 +68,7 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert "1.000" not in shown.split("Tracking")[0].split("A, amplitude")[0]
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("name", "first"), [("late", "delay"), ("weak", "amplitude")])
 def test_what_to_improve_first_is_named(folder, name, first):
     assert answer(folder / f"{name}.csv")["improve"]["first"] == first
@@ -143,6 +144,7 @@ def test_threshold_and_confidence_move_the_verdict():
     assert strict["index"] > answer("sample_test")["index"]
 
 
+@pytest.mark.slow
 def test_known_ground_motion_gives_its_own_verdict(folder):
     found = answer(folder / "good.csv", "--motion", folder / "ground.txt")
     assert found["basis"] == "motion"
@@ -256,6 +258,7 @@ def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
     assert json.loads(run(stated, "--f", 1.1, "--json", "-").stdout)["f"] == 1.1
 
 
+@pytest.mark.slow
 def test_an_assumed_damping_ratio_is_said(folder):
     frame = pd.read_csv(folder / "good.csv")
     path = CubicSpline(frame["time_s"], frame["command_m"])

@@ -100,6 +100,7 @@ def test_no_option_is_left_out():
     assert options - {"--help", "--install-completion", "--show-completion"} == {*CHANGES, *SEEN_ELSEWHERE}
 
 
+@pytest.mark.default_cases(7)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(answer, option):
     changed, before = answer(CHANGES[option]), answer(WITHOUT.get(option, ("test.csv", *PLAIN)))
@@ -116,6 +117,7 @@ def test_a_frame_says_what_the_test_is_of(answer):
         assert "no meaning beside `structure`" in answer(("test.csv", "--structure", "frame.toml", *extra))
 
 
+@pytest.mark.slow
 def test_the_report_on_a_frame_states_its_answer(folder, monkeypatch):
     monkeypatch.chdir(folder)
     calls = ["test.csv", "--structure", "frame.toml"]
@@ -123,6 +125,7 @@ def test_the_report_on_a_frame_states_its_answer(folder, monkeypatch):
     assert (folder / "f.pdf").read_bytes()[:5] == b"%PDF-"
 
 
+@pytest.mark.slow
 def test_a_report_and_a_json_file_are_written(folder, monkeypatch):
     monkeypatch.chdir(folder)
     for date in ("2026-01-01", "2026-02-02"):

@@ -58,6 +58,7 @@ def test_a_list_holds_what_each_test_gives_alone(ask):
     assert json.loads(out)[0] == {"file": "good.csv", **alone}
 
 
+@pytest.mark.slow
 def test_check_asks_that_every_test_is_reliable(ask):
     strict = ("good.csv", "sample_test", "--check", "--threshold")  # errors of 0.5 and 2.3 %
     assert [ask(*strict, threshold)[0] for threshold in ("0.1", "0.01")] == [0, 1]

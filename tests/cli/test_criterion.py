@@ -110,6 +110,7 @@ def test_synthetic_motions_are_called_so(tmp_path):
     assert "30 synthetic ground motions of 30 earthquakes" in run("--ellipses", table).stdout
 
 
+@pytest.mark.slow
 def test_motions_are_simulated_then_and_there(tmp_path):
     from reliab.motions.synthetic import synthetic_suite
     from reliab.motions.writing import write_suite
@@ -125,6 +126,7 @@ def test_motions_are_simulated_then_and_there(tmp_path):
     assert {each["n_events"] for each in found["criteria"]} == {3}
 
 
+@pytest.mark.slow
 def test_a_published_law_needs_no_motions():
     found = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
     assert (found["a"], found["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
@@ -247,6 +249,7 @@ def test_bad_convergence_has_its_own_exit_code(capfd):
     assert "NOT CONVERGED" in capfd.readouterr().err
 
 
+@pytest.mark.slow
 def test_chains_go_on_where_they_ended(tmp_path):
     chains = tmp_path / "chains.h5"
     whole = json.loads(unconverged("--json", "-").stdout)

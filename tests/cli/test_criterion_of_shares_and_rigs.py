@@ -59,6 +59,7 @@ def records(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=4.0))
     given = ("--motions", records, "--structure", tmp_path / "frame.toml")
@@ -167,6 +168,7 @@ def test_criteria_of_several_shares_stand_beside_their_law(records):
     assert "Experimental fraction α: 0.1, 0.5, 1." in shown
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("extra", [("--compare",), ("--figures", "figures"), ("--out", "criterion.json")])
 def test_what_is_of_one_share_is_refused_for_several(records, tmp_path, monkeypatch, extra):
     monkeypatch.chdir(tmp_path)

@@ -225,6 +225,7 @@ def test_the_walk_meets_every_option():
     assert all(CHANGES[name] or name in tested_elsewhere for name in options)
 
 
+@pytest.mark.default_cases(20)
 @pytest.mark.parametrize(("base", "extra"), cases(REFUSED))
 def test_an_option_that_cannot_be_used_is_refused(sources, base, extra):
     assert answer(*placed(base, sources), *placed(extra, sources)) == "refused"
@@ -244,6 +245,7 @@ def answers(sources):
     return ask
 
 
+@pytest.mark.default_cases(8)
 @pytest.mark.parametrize(("base", "extra"), cases(CHANGES))
 def test_an_option_that_is_taken_changes_the_answer(answers, base, extra):
     before, after = answers(base), answers((*base, *extra))

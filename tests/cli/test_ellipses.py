@@ -62,6 +62,7 @@ def test_side_that_no_lead_reaches_is_null_and_says_why(rows):
     assert row["a_lead_inscribed"] > 0.0
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("page", "pages"), [(3, 2), (4, 1)])
 def test_a_long_table_is_printed_page_by_page_with_every_boundary_once(
     records, rows, page, pages, monkeypatch

@@ -40,6 +40,7 @@ def changed(words, option, value, motions):
     return [*words, option, value]
 
 
+@pytest.mark.default_cases(60)
 @pytest.mark.parametrize(
     ("words", "option", "value"),
     [

@@ -145,6 +145,7 @@ def test_a_follow_that_was_killed_and_started_again_says_the_same(good, capsys):
     assert capsys.readouterr().out.startswith(begun)
 
 
+@pytest.mark.slow
 def test_standard_input_is_followed_to_its_end(good, capsys, monkeypatch):
     """Through its descriptor, as a pipe is; a pipe of a process is read in the tests above."""
     with good.open(encoding="utf-8") as pipe:
@@ -155,6 +156,7 @@ def test_standard_input_is_followed_to_its_end(good, capsys, monkeypatch):
     assert said == capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_file_that_comes_later_is_waited_for(tmp_path, good, capsys):
     path = tmp_path / "later.csv"
 
@@ -226,6 +228,7 @@ def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
     assert np.allclose(np.diff(read), 1.0 / RATE, atol=2e-6)
 
 
+@pytest.mark.slow
 def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
     lines = good.read_text(encoding="utf-8").splitlines()
     changed = ["seconds;drive_mm;lvdt_mm"]
@@ -289,6 +292,7 @@ def short(tmp_path_factory) -> tuple[Path, str]:
     return path, printed.getvalue()
 
 
+@pytest.mark.default_cases(3)
 @pytest.mark.parametrize(
     ("option", "value"),
     [

@@ -95,6 +95,7 @@ def test_a_campaign_and_its_tests_may_have_any_names(tmp_path, capsys):
     assert (tmp_path / "out/report.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_tests_are_judged_and_followed_whatever_their_files_are_called(tmp_path, capsys):
     name = "".join([*NAMES.values()][:6])
     path = tmp_path / f"{name.replace('/', '_')}.csv"

@@ -19,6 +19,7 @@ QUICK = (("--help",), ("criterion", "--help"), ("info",))
 COMMANDS = (("run", "--list"), LAW, (*LAW, "--json", "-"))
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("arguments", COMMANDS)
 def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, monkeypatch):
     """As the program starts it; a process of its own takes seconds to import what it computes with."""
@@ -32,6 +33,7 @@ def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, mo
         assert (end.value.code, errors.getvalue()) == (141, "")
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("arguments", "errors"),
     [

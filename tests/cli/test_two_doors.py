@@ -160,6 +160,7 @@ def test_drawn_inputs_are_answered_as_one(folder, monkeypatch, capsys):
         agree(capsys, *drawn(1000 + number))
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("number", range(6))
 def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
     monkeypatch.chdir(folder)

@@ -90,6 +90,7 @@ def test_every_method_and_law_is_told_whether_its_share_is_kept():
     assert "at 95 %:" in sentences[-1]
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("scheme", ["k_fold", "random_halves"])
 def test_earthquakes_are_divided_as_asked(scheme):
     found = answer("--ellipses", TABLE2, "--scheme", scheme, "--confidence", 0.9, "--law", "table")
@@ -107,6 +108,7 @@ def test_frequencies_can_be_left_out():
     assert found["scheme"] == "k_fold, each f left out"
 
 
+@pytest.mark.slow
 def test_sets_are_judged_by_others(tmp_path):
     from reliab.motions.synthetic import synthetic_suite
     from reliab.motions.writing import write_suite
@@ -127,6 +129,7 @@ def test_sets_are_judged_by_others(tmp_path):
     assert sum(found["rows"][0]["confusion"].values()) == 4 * 512
 
 
+@pytest.mark.slow
 def test_table_6_has_the_same_verdicts(real_motions_folder):
     found = answer("--motions", real_motions_folder, "--case", "KOBE/KJM000")
     assert found["motion"] == "KOBE/KJM000"
@@ -160,6 +163,7 @@ def test_bad_input_is_explained(wrong, rule):
     assert re.search(rule, str(refusal))
 
 
+@pytest.mark.slow
 def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
     from reliab.motions.synthetic import synthetic_suite
     from reliab.motions.writing import write_suite

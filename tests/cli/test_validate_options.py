@@ -65,6 +65,7 @@ def test_the_walk_knows_every_option():
     assert set(CHANGES) | set(REFUSED) == options
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(option, base):
     changed = json.loads(invoke(app, *BASE, *CHANGES[option], "--json", "-").stdout)
@@ -115,6 +116,7 @@ def test_printed_laws_refuse_what_they_do_not_state(wrong, named):
     assert named in str(invoke(app, "--ellipses", TABLE2, *wrong).exception)
 
 
+@pytest.mark.slow
 def test_structures_that_a_store_does_not_hold_are_refused():
     result = invoke(app, "--ellipses", "real_suite", "--f", 0.8, "--xi", 0.02, "--confidence", 0.8)
     assert "`f=0.8`" in str(result.exception)

@@ -74,6 +74,7 @@ def test_a_criterion_carried_to_a_response_keeps_its_share(carried_shares):
     assert shares[:, 0].mean() == pytest.approx(0.9, abs=0.09)  # 60 motions of 20 earthquakes: 2 sd
 
 
+@pytest.mark.slow
 def test_a_criterion_carried_to_a_response_allows_more_in_the_median(carried_shares):
     shares, _, as_it_is = carried_shares
     assert np.median(shares[:, 1]) > 1.5 * as_it_is

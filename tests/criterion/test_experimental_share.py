@@ -13,6 +13,7 @@ from reliab.structures.structure import Structure
 from reliab.sweep import EllipseRequest, trace_ellipses
 
 
+@pytest.mark.slow
 def test_white_noise_has_the_growth_of_the_law():
     random = np.random.default_rng(7)
     excitation = Excitation(acceleration=random.normal(size=8_000), time_step=0.05)

@@ -18,6 +18,7 @@ def test_the_printed_table_is_not_lognormal(printed_table2):
     assert "b is not lognormal over these motions (Shapiro-Wilk p = 5" in objection(sample.b, "b")
 
 
+@pytest.mark.slow
 def test_p_values_of_lognormal_motions_are_uniform():
     rng = np.random.default_rng(11)
     fits = [lognormality(np.exp(rng.normal(size=40))) for _ in range(60)]

@@ -53,6 +53,7 @@ def small_samples(draw):
     return logarithms, rng.integers(draw(st.integers(1, 4)), size=motions)
 
 
+@pytest.mark.default_cases(8)
 @pytest.mark.parametrize("joint", [True, False], ids=["joint", "each"])
 @pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
@@ -69,6 +70,7 @@ def test_limits_are_finite_and_never_wider_at_a_higher_confidence(method, joint,
         assert (higher <= lower * (1.0 + 1e-6)).all()
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
 @given(given_motions=small_samples())

@@ -13,6 +13,7 @@ def learned():
     return MotionPredictive.fit(values, np.repeat(np.arange(20), 3).astype(str))
 
 
+@pytest.mark.slow
 def test_it_is_a_distribution(learned):
     x = np.linspace(-30.0, 60.0, 4001)
     cumulative = np.array([learned.cumulative(np.full(2, each)) for each in x])

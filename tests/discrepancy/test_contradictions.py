@@ -44,6 +44,7 @@ def test_sound_campaigns_pass_without_a_word(campaign):
     assert require_consistent(campaign) == ()
 
 
+@pytest.mark.default_cases(8)
 @pytest.mark.parametrize("factor", [-1.0, 1000.0, 0.001, -39.37])
 @pytest.mark.parametrize("channel", Channel)
 @pytest.mark.parametrize("name", RIGS)
@@ -72,6 +73,7 @@ def test_a_blunder_in_every_run_is_refused_as_in_an_assessment(name, channel, fa
     assert refused.value.where == RIGS[name].tests[0].file
 
 
+@pytest.mark.default_cases(3)
 @pytest.mark.parametrize("places", [{1}, {0, 1, 2}])
 @pytest.mark.parametrize("unit", [9.80665, 1.0 / 9.80665])
 @pytest.mark.parametrize("name", RIGS)

@@ -79,6 +79,7 @@ def noise_of(found, label):
     return noise[found.gap.channel] / np.sqrt(np.mean(channels[found.gap.channel] ** 2))
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("name", [pytest.param("rig_a", marks=pytest.mark.slow), "rig_b", "rig_c"])
 def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, diagnosis_of, name):
     sealed = json.loads((sample_campaigns / "labels.json").read_text(encoding="utf-8"))[name]

@@ -30,6 +30,7 @@ def campaign(*, frequency, amplitude, of_command=0.0, noise=2.0):
     )
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [3.0, 17.0, 33.3])
 def test_a_disturbance_is_unknown_and_its_frequency_is_told(frequency):
     found = diagnose(campaign(frequency=frequency, amplitude=1.5))
@@ -38,6 +39,7 @@ def test_a_disturbance_is_unknown_and_its_frequency_is_told(frequency):
     assert "disturbance" in found.unknown.description
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [20.0, 40.0])
 def test_folded_pickup_is_no_disturbance(frequency):
     found = diagnose(campaign(frequency=frequency, amplitude=1.5))

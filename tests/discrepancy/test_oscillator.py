@@ -88,6 +88,7 @@ def campaign(tmp_path, linear):
     return written
 
 
+@pytest.mark.slow
 def test_a_linear_oscillator_is_calibrated(campaign):
     measured, _ = campaign(0.0)
     found = diagnose(measured).to_dict()

@@ -32,6 +32,7 @@ def campaign(*, holds=0, step=0.0, noise=2e-5):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [pytest.param(0.0, marks=pytest.mark.slow), 1e-4])
 def test_a_reading_that_is_held_is_unknown(step):
     found = diagnose(campaign(holds=8, step=step))
@@ -39,6 +40,7 @@ def test_a_reading_that_is_held_is_unknown(step):
     assert "stands still" in found.unknown.description
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("step", [0.0, 1e-4, 4e-4])
 def test_coarse_steps_alone_are_nothing(step):
     assert str(diagnose(campaign(step=step)).verdict) == "no_missing_effect"

@@ -186,6 +186,7 @@ def test_of_two_files_dropped_at_once_the_last_is_shown(page, tmp_path):
     assert text(page, "command").startswith("reliab assess other.csv ")
 
 
+@pytest.mark.slow
 def test_the_command_follows_the_sliders_and_is_copied(page):
     drop(page, SAMPLE)
     page.find_element("id", "damping").send_keys("\ue014" * 10)  # right arrow

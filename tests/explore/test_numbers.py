@@ -87,6 +87,7 @@ def test_transform_and_spline(by_javascript, size, points):
     np.testing.assert_allclose(interpolated, CubicSpline(np.arange(size), values)(places), atol=1e-11)
 
 
+@pytest.mark.slow
 def test_limits_are_those_of_python(by_javascript):
     sides = ("lag", "lead")
     answers = by_javascript(
@@ -97,6 +98,7 @@ def test_limits_are_those_of_python(by_javascript):
     assert answers[-1] == [0.0, 0.0]  # 19 earthquakes do not carry 99.5 %
 
 
+@pytest.mark.slow
 def test_a_threshold_that_an_actuator_at_rest_keeps_accepts_nothing(by_javascript):
     questions = [(f, xi, 0.2, 0.9, "rms", None) for f in (0.25, 0.6, 1.0, 2.0) for xi in (0.02, 0.05, 0.1)]
     answers = by_javascript(*[("limits", {**asked(*question), "side": "lag"}) for question in questions])
@@ -110,6 +112,7 @@ def test_a_threshold_that_an_actuator_at_rest_keeps_accepts_nothing(by_javascrip
     assert 0 < refused < len(questions)
 
 
+@pytest.mark.slow
 def test_band_holds_the_criterion_without_one_earthquake(by_javascript, shipped_ellipses):
     (answer,) = by_javascript(("band", {**asked(*QUESTIONS[0]), "side": "lag"}))
     for event in np.unique(shipped_ellipses["record"]["event"].values)[::6]:
@@ -186,6 +189,7 @@ def made_tests():
 REPRESENTATIVE = {"noisy", "drift", "sample"}
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("text", "structure"),
     [
@@ -209,6 +213,7 @@ CRITERION = {"threshold": 0.05, "confidence": 0.95, "metric": "rms"}
 OTHER_CRITERION = {"threshold": 0.03, "confidence": 0.9, "metric": "mte"}
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("name", "structure", "deviations", "criterion"),
     [
@@ -242,6 +247,7 @@ def asked_of(name, structure, deviations, criterion):
     }
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize(
     "name",
     [
@@ -287,6 +293,7 @@ def test_files_are_read_as_by_python(by_javascript, tmp_path, text):
     np.testing.assert_allclose(page["measured"], recording.measured, rtol=1e-12)
 
 
+@pytest.mark.default_cases(5)
 @pytest.mark.parametrize(
     "name",
     [
@@ -320,6 +327,7 @@ def table(rows):
     return "time,command,measured\n" + "\n".join(",".join(map(str, row)) for row in rows)
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

@@ -21,6 +21,7 @@ def on_page(by_javascript, path):
     return answer
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("write", EACH)
 def test_the_page_reads_what_record_writes_of_it(by_javascript, tmp_path, write):
     path, table = write(tmp_path), tmp_path / "for_page.csv"

@@ -56,6 +56,7 @@ def test_bytes_depend_on_no_day_and_no_run(name, sources, tmp_path, usual):
     assert results(tmp_path) == usual(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=() if "svg" in name else pytest.mark.slow) for name in DRAWING],  # no dates

@@ -7,6 +7,7 @@ from fuzz.damage import damaged
 from fuzz.targets import TARGETS, examine
 
 
+@pytest.mark.default_cases(7)
 @pytest.mark.parametrize("name", TARGETS)
 def test_sound_files_are_read(name):
     target = TARGETS[name]
@@ -14,6 +15,7 @@ def test_sound_files_are_read(name):
     assert any(outcomes)
 
 
+@pytest.mark.default_cases(7)
 @pytest.mark.parametrize("name", TARGETS)
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(choice=st.data())

@@ -37,6 +37,7 @@ CONTENTS = (
 )
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("plant", PLANTS, ids=["coefficients", "roots", "state space"])
 @pytest.mark.parametrize("structure", [None, "model"])
 def test_any_two_variables_of_a_plant_may_be_anything(tmp_path, plant, structure):
@@ -84,6 +85,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.default_cases(6)
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_ellipses_of_another_schema_are_refused_when_they_are_opened(tmp_path, change):
     write_netcdf(change(corpus.ellipse_dataset().copy(deep=True)), tmp_path / "ellipses.nc")

@@ -52,6 +52,7 @@ int main(void)
 """
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_fast_arithmetic_changes_nothing(tmp_path, compiler):
     _, command, measured = random_test(6, 512, 6.0)
@@ -98,6 +99,7 @@ def follow_sanitized(folder, drawn, compiler, sanitizer):
     assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_sanitizers_find_nothing_in_the_example(tmp_path, compiler):
     follow_sanitized(tmp_path, of_one_degree(8, 256), compiler, SANITIZERS[0])

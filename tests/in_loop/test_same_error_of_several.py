@@ -21,6 +21,7 @@ def channels_of(frame, response):
     return (frame.kinematics @ values for values in (response.command, response.measured))
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024)])
 def test_errors_by_degree_are_those_of_assess(tmp_path, seed, rate):
     compare(tmp_path, of_several_actuators(seed, rate))

@@ -20,6 +20,7 @@ def evaluated(acceleration, time_step, structure, gain, delay, window="hann"):
     return frequency_evaluation(command, measured, blocks.step, window=window)
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize("frequency", [0.25, 1.0, 2.0])
 @pytest.mark.parametrize(("gain", "delay"), [(0.99, 0.0), (1.0, 0.001), (1.01, 0.002), (0.97, 0.003)])
 def test_index_of_a_loop_returns_gain_and_delay(real_motions_folder, frequency, gain, delay):

@@ -68,6 +68,7 @@ def calibration(shape, seed, *, rate=1024.0, actuator=None):
     )
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("shape", [sine, sweep, steps])
 def test_skew_scale_and_hysteresis_come_back(shape):
     truth, recording = calibration(shape, seed=3)
@@ -150,6 +151,7 @@ def test_a_channel_that_does_something_else_is_refused():
         calibrate_channels(Recording(command=np.sin(time), measured=np.cos(3.0 * time), time_step=1e-3))
 
 
+@pytest.mark.slow
 def test_a_stated_delay_of_the_actuator_is_taken_off_the_lag():
     _, recording = calibration(sweep, seed=5)
     whole = calibrate_channels(recording)
@@ -174,6 +176,7 @@ def test_deviations_hold_scatter_bias_and_a_floor_of_estimates_from_stretches():
     np.testing.assert_allclose(found, np.sqrt(scatter**2 + bias**2 + np.square(floor)))
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("length", "slower"), [(1e3, 1.0), (1.0, 10.0)])
 def test_units_of_length_and_time_change_nothing_but_the_units(length, slower):
     _, recording = calibration(sweep, seed=3)

@@ -12,6 +12,7 @@ PRECISION = {dspace: 1e-9}
 """Files of single precision."""
 
 
+@pytest.mark.default_cases(15)
 @pytest.mark.parametrize("write", LAYOUTS)
 def test_a_test_in_any_layout_is_read_without_an_option(tmp_path, write):
     test = read_recording(write(tmp_path))

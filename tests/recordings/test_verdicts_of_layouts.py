@@ -25,6 +25,7 @@ def judged(path):
     return reliab.assess(path, f=1.0, xi=0.02).to_dict()
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     "write",
     [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS],

@@ -115,6 +115,7 @@ def test_templates_are_those_of_the_package_whatever_the_content_is(sent, name):
     assert compiled_report(hostile, date=DATE) == compiled_report(content, date=DATE)
 
 
+@pytest.mark.default_cases(8)
 @pytest.mark.parametrize("formula", READING)
 @pytest.mark.parametrize("place", ["line", "equation", "unused"])
 def test_a_formula_that_is_none_is_refused(sent, capsys, formula, place):
@@ -145,6 +146,7 @@ def test_authors_of_reports_are_held_to_the_same_formulas(formula):
             make(formula)
 
 
+@pytest.mark.default_cases(4)
 @pytest.mark.parametrize(
     "name",
     [

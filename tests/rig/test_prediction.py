@@ -45,6 +45,7 @@ def test_intervals_hold_what_the_rig_does(table):
     assert json.dumps(prediction.to_dict(), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_a_stiffer_structure_tolerates_less(table):
     """The same actuator errs in proportion to the frequency where its delay drives the error."""
     slow, fast = (

@@ -81,6 +81,7 @@ def test_a_row_that_was_changed_by_hand_is_read_from_its_test_again(tmp_path):
         assert cache.read_bytes() == sound
 
 
+@pytest.mark.slow
 def test_many_tests_are_listed_without_reading_them_again(tmp_path, monkeypatch):
     keep(tmp_path, rig_test(0))
     first = next((tmp_path / "tests").iterdir())
@@ -148,6 +149,7 @@ def test_a_date_that_is_none_is_refused(text):
         require_date(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, pytest.param(40, marks=pytest.mark.slow)])
 def test_two_writers_at_once_lose_no_test(tmp_path, count):
     writers = [writer(tmp_path, 0, count), writer(tmp_path, count // 2, count + count // 2)]

@@ -81,6 +81,7 @@ def test_a_wrong_posterior_is_found_out():
     assert deviation(ranks) < 0.01
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_priors_expect_what_structures_can_do_and_little_else(name):
     model, rng = MODELS[name][0], np.random.default_rng(2017)

@@ -34,6 +34,7 @@ def test_a_finished_run_is_read_and_not_run_again(tmp_path):
     assert not steps
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_until_it_has_converged_and_no_further():
     begun = Ensembles(steps=40, walkers=16, longest=4000)
     found = sample(MODEL, begun)

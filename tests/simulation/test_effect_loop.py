@@ -29,6 +29,7 @@ def with_effects(excitation, *effects, frequency=1.0, alpha=1.0):
     return EffectLoop(excitation=excitation, test=HybridTest(structure=structure, effects=effects))
 
 
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize(("frequency", "alpha"), [(0.3, 1.0), (1.0, 1.0), (2.0, 1.0), (1.0, 0.6)])
 @pytest.mark.parametrize("metric", list(Metric))
 def test_without_effects_the_boundary_is_that_of_the_linear_loop(excitation, frequency, alpha, metric):
@@ -81,6 +82,7 @@ def test_friction_makes_a_test_more_tolerant(excitation):
     assert found.b > 1.1 * without.b
 
 
+@pytest.mark.slow
 def test_where_effects_alone_exceed_the_threshold_no_actuator_is_admitted(excitation):
     lag = find_effect("first_order_lag")(time_constant_s=0.01)
     tight, wide = motion_contours(with_effects(excitation, lag), (0.05, 0.9))

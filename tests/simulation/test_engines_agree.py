@@ -40,6 +40,7 @@ def differences(loop: Loop, cells: Cells, other: Engine) -> dict[Metric, float]:
     }
 
 
+@pytest.mark.default_cases(20)
 @pytest.mark.parametrize("seed", range(60))
 def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     rng = np.random.default_rng(seed)
@@ -166,6 +167,7 @@ def test_loops_without_oscillation_are_solved(damping_ratio, fraction):
         assert found[Metric.MTE] < 2e-3
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("damping_ratio", [0.7, 0.99])
 def test_ellipses_of_highly_damped_structures_are_numbers(damping_ratio):
     time = np.arange(0.0, 8.0, 0.01)

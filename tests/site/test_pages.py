@@ -28,6 +28,7 @@ def pages_with(what, long):
     ]
 
 
+@pytest.mark.default_cases(12)
 @pytest.mark.parametrize("line", sorted(LINES))
 def test_every_command_is_understood(line):
     """Each option exists and takes its value."""
@@ -45,6 +46,7 @@ def test_commands_of_a_page_run_one_after_the_other(page):
             assert run(shlex.split(line)[1:]) == 0, line
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("page", pages_with(code, lambda page: name_of(page) in LONG_CODE))
 def test_code_of_a_page_runs(page, monkeypatch):
     monkeypatch.setattr(mpl, "use", mpl.use)

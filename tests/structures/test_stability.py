@@ -45,6 +45,7 @@ def test_enough_damping_and_little_experimental_stiffness_need_no_limit():
     assert stability_margin(structure, 1.0, 5.0) == 1.0
 
 
+@pytest.mark.default_cases(10)
 @pytest.mark.parametrize("frequency", [0.25, 1.0, 2.0])
 @pytest.mark.parametrize("damping_ratio", [0.02, 0.1])
 @pytest.mark.parametrize("experimental_fraction", [1.0, 0.6])

@@ -13,6 +13,7 @@ from reliab.report.document import Table
 from reliab.report.sections.rates import rates_section
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("lowered", "tone"), [(0.0, "good"), (0.2, "bad")])
 def test_a_validation_says_whether_the_promise_is_kept(rates, set_without_warnings, lowered, tone):
     shifted = rates.assign(

@@ -46,6 +46,7 @@ def test_criteria_need_no_study(answered):
     assert "confidence" in answered.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("answered", [["run --list", "run"]], indirect=True)
 def test_a_run_says_that_no_study_ships_and_what_to_name_instead(answered):
     assert answered.stderr.splitlines()[-1] == "[0, 2]"

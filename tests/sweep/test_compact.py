@@ -68,6 +68,7 @@ def test_other_files_are_refused(tmp_path, opened, content):
         opened(path)
 
 
+@pytest.mark.slow
 def test_the_shipped_files_agree_with_each_other():
     results = open_results(shipped("datasets", "real_suite/results.nc")).sel(f=[1.0], xi=[0.02])
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))

@@ -160,6 +160,7 @@ def test_every_stored_window_has_its_own_errors(store, results, suite):
         open_results(store, window="40")
 
 
+@pytest.mark.slow
 def test_motions_traced_some_at_a_time_have_the_curves_of_all_together(store, monkeypatch):
     results = open_results(store)
     together = results.reliab.ellipses((0.02, 0.05), tuple(Metric))

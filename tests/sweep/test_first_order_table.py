@@ -25,6 +25,7 @@ def test_small_errors_have_the_traced_ellipse_and_large_ones_a_larger_one(motion
     assert set(predicted.dims) == set(traced.dims)
 
 
+@pytest.mark.slow
 def test_a_criterion_from_predicted_ellipses_repeats_their_caution(motions, tmp_path):
     from reliab.sweep import open_ellipses, write_ellipses
 

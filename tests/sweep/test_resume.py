@@ -83,6 +83,7 @@ def reference(tmp_path_factory):
     return contents(run_sweep(load_motions("synthetic")[:40], REQUEST, path))
 
 
+@pytest.mark.slow
 def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path, reference):
     path = tmp_path / "results.zarr"
     process = run_script(path, resume=False)
@@ -139,6 +140,7 @@ def test_damaged_chunk_is_detected_and_solved_again(own_store, suite, request_):
     assert contents(path) == before
 
 
+@pytest.mark.slow
 def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, request_):
     class StopError(Exception):
         pass

@@ -25,6 +25,7 @@ def frame(**transfer):
     return frame_of_tables({**TABLES, "transfer_system": transfer} if transfer else TABLES, "frame.toml")
 
 
+@pytest.mark.slow
 def test_a_rig_on_the_boundary_of_a_motion_has_the_error_of_the_boundary(motions):
     ellipses = trace_frame_ellipses(motions, FrameRequest(frame=frame()))
     b = ellipses["b"].sel(curve="ellipse", side="lag", threshold=0.05, metric="rms").squeeze()

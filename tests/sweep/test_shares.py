@@ -56,6 +56,7 @@ def test_the_share_is_a_dimension_after_the_damping_ratio(results):
     assert "experimental_fraction" not in results.attrs
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("share", SHARES)
 def test_each_share_has_the_bits_of_its_own_sweep(tmp_path, two, results, share):
     alone = replace(REQUEST, experimental_fractions=(share,))
@@ -153,6 +154,7 @@ ALONE = replace(  # the second f, curve and metric, but the first ξ, side and t
 BOTH = (Metric.MTE, Metric.RMS)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("trace", "metrics"), [(trace_ellipses, BOTH), (traced_frame, BOTH), (predict_ellipses, (Metric.RMS,))]
 )

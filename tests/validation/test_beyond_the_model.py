@@ -38,6 +38,7 @@ def around_the_limits(criterion):
     return try_rigs(motions, [structure], lambda delay: rigs_of_delay(delay)[:1], criterion, count=3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "rig",
     ["constant delay", "first-order lag", "second-order dynamics", "inverse compensation, wrong estimate"],

@@ -21,6 +21,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=() if name == "lognormal" else pytest.mark.slow) for name in KINDS],

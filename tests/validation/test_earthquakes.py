@@ -52,6 +52,7 @@ def test_earthquakes_that_do_not_ship_are_known_by_their_own_names():
     ]
 
 
+@pytest.mark.slow
 def test_headers_of_all_real_records_are_recognised(real_motions_folder, real):
     for folder in ("far_field", "near_field"):
         catalogued = {

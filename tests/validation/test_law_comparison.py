@@ -18,6 +18,7 @@ def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequen
             assert (found["dimensionless"] > found[other]).all()
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("damping_ratios", "others"),
     [(slice(None), ("exponential", "guo_2017_18")), ([0.02], ("guo_2017_15", "guo_2017_18"))],

@@ -86,6 +86,7 @@ def test_true_errors_are_those_of_another_laboratory():
     assert 0.01 < error < 0.5
 
 
+@pytest.mark.slow
 def test_the_rebuilt_error_is_the_true_one_whatever_the_actuator_did(short):
     plain = short[(short["specimen"] == LINEAR) & (short["stated"] == "right")]
     assert plain["rig"].nunique() == 8

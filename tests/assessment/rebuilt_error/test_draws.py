@@ -213,6 +213,7 @@ def test_half_the_width_is_found_by_halving():
     assert _for_half(5.0, -1.0, lambda factor: factor**2) is None
 
 
+@pytest.mark.slow
 def test_a_contribution_is_that_of_the_quantity_alone(histories):
     """Against the error with each value of the quantity, computed one by one."""
     unknown = Unknown(

@@ -52,6 +52,7 @@ def test_of(request) -> tuple[Lab, Outcome]:
     return lab, run(lab, synthetic_ground(1, 20.0))
 
 
+@pytest.mark.default_cases(3)
 def test_history_and_errors_are_those_of_the_simulation(test_of):
     lab, outcome = test_of
     rebuilt = rebuild(

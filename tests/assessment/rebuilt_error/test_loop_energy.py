@@ -84,6 +84,7 @@ def followed(delay, cuts=()):
     return monitor
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("cuts", [(1000,), tuple(range(64, 4600, 64))])
 def test_a_higher_mode_that_diverges_is_named_however_the_samples_arrive(cuts):
     whole, monitor = followed(10), followed(10, cuts)

@@ -30,6 +30,7 @@ def followed(command, measured, chunks, **stated):
     return monitor
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("chunks", [(), (1, 2, 3, 500, 1, 9000)])
 @pytest.mark.parametrize("lag", [0.0, 0.0023])
 def test_the_history_is_the_one_rebuilt_afterwards(outcome, chunks, lag):

@@ -57,6 +57,7 @@ def test_its_power_falls_by_half_at_the_corner():
     assert NoiseFilter(corner=50.0, order=4).passed(frequency) == pytest.approx([1.0, 0.5, 1e-16])
 
 
+@pytest.mark.slow
 def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_are_stated():
     read = passed(MOVED + NOISE, 60.0)
     recording = Recording(command=COMMAND, measured=read, time_step=1.0 / RATE)

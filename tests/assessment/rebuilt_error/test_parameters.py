@@ -109,6 +109,7 @@ def specimens():
     }
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("kind", [CUBIC, COULOMB, HYSTERESIS])
 def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
     shape, specimen, effect = specimens()[kind]

@@ -56,6 +56,7 @@ def test_net_damping_is_that_of_the_pole_with_the_error(slope):
     assert found.deviation == pytest.approx(0.5 * SHARE * W0 * np.sqrt(variance), rel=0.02)
 
 
+@pytest.mark.slow
 def test_more_windows_need_more_standard_errors_and_all_together_are_wrong_once_in_a_hundred():
     noise = 2e-5 * np.random.default_rng(2).standard_normal(TIME.size)
     for modes in (1, 3):

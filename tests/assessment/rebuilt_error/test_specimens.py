@@ -45,6 +45,7 @@ def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     assert np.abs(modelled.error - linear.error).max() < 2e-3 * np.abs(linear.error).max()
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     "tolerances",
     [{"sensor_scale": 0.004}, {"time_shift": 6e-4}, {"sensor_offset": 2e-4}, {"damping_ratio": 0.1}],

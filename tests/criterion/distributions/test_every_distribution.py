@@ -36,6 +36,7 @@ def test_the_density_is_the_slope_of_the_cumulative(family, values):
     np.testing.assert_allclose(np.exp(fitted.log_density(x)), slope, rtol=1e-4)
 
 
+@pytest.mark.default_cases(2)
 @EVERY
 def test_the_density_integrates_to_one(family, values):
     fitted = family.fit(values)

@@ -40,6 +40,7 @@ def test_medians_stand_in_the_stated_ratio(
     assert np.exp(synthetic - real) == pytest.approx(ratio, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", range(4), ids=["peak", "Arias intensity", "duration", "mean period"])
 def test_scatter_is_that_of_the_real_records(
     distributions: tuple[NDArray[np.float64], NDArray[np.float64]], row: int

@@ -26,6 +26,7 @@ def _standard_errors(regression: Regression, stations: int) -> NDArray[np.float6
     return np.array(drawn) / regression.deviations
 
 
+@pytest.mark.default_cases(1)
 @_BOTH
 def test_first_station_has_the_published_distribution(regression: Regression) -> None:
     """Against draws by NumPy, cut in the same way."""
@@ -40,6 +41,7 @@ def test_first_station_has_the_published_distribution(regression: Regression) ->
     assert min(levels) > 0.01 / len(levels)
 
 
+@pytest.mark.default_cases(1)
 @_BOTH
 def test_stations_of_an_earthquake_share_a_part_of_the_variance(regression: Regression) -> None:
     """The cut at two standard deviations takes a fifth of the share away."""

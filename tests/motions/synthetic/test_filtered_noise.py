@@ -44,6 +44,7 @@ def test_wandering_frequency_is_the_sum_but_for_the_staircase(bandwidth: float, 
     assert np.sqrt(np.mean(difference**2)) < 0.05
 
 
+@pytest.mark.slow
 def test_variance_is_one_at_every_time_but_the_first() -> None:
     rng = np.random.default_rng(3)
     frequency = np.linspace(6.0, 2.0, 300)

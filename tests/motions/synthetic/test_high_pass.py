@@ -41,6 +41,7 @@ def test_filter_leaves_no_velocity() -> None:
     assert abs(velocity[-1]) < 1e-4 * np.abs(velocity).max()
 
 
+@pytest.mark.slow
 @given(st.integers(3, 400), st.integers(0, 2**32 - 1))
 def test_settled_ground_is_at_rest_where_it_was(count: int, seed: int) -> None:
     acceleration = np.random.default_rng(seed).standard_normal(count)

@@ -86,6 +86,7 @@ def _scenario(magnitude: float, distance: float) -> Scenario:
     )
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("magnitude", "distance", "expected"),
     [(6.5, 10.0, 0.265), (7.0, 10.0, 0.310), (7.0, 25.0, 0.158), (7.5, 10.0, 0.351)],

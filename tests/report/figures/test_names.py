@@ -39,6 +39,7 @@ def test_a_figure_with_any_names_is_drawn_without_a_warning(forest):
         assert svg(forest) == svg(forest)
 
 
+@pytest.mark.slow
 def test_names_leave_most_of_the_width_to_what_is_drawn(forest):
     svg(forest)
     first, second = (place.get_position() for place in forest.axes[:2])

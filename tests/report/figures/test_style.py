@@ -102,6 +102,7 @@ def test_every_figure_says_what_to_see(drawn):
     assert all(len("".join(map(str, each.caption))) > 40 for each in drawn.values())
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_criterion_can_be_drawn(drawn_of_criterion):
     for figure in drawn_of_criterion.values():
         assert svg(figure.drawing).startswith(b"<?xml")

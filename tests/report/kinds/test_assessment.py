@@ -31,6 +31,7 @@ def criterion(ellipses_of):
     return derive_criterion(ellipses_of(), method=method_of("dirichlet"), joint=True)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("delay", "deviation", "tone", "word"),
     [

@@ -24,6 +24,7 @@ def words(prose):
     return "".join(str(getattr(piece, "text", getattr(piece, "source", piece))) for piece in prose)
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("frequencies", "damping_ratios"),
     [
@@ -44,6 +45,7 @@ def test_any_grid_of_structures(ellipses_of, text_of, frequencies, damping_ratio
         assert f"{f:g}" in text
 
 
+@pytest.mark.slow
 def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
     document, (first, *_) = report(ellipses_of())
     a, b = (float(limit) for limit in first.limits(1.0, 0.02))
@@ -52,6 +54,7 @@ def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
     assert f"{np.sqrt(b):.2f} ms" in stated
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("motions", "events"), [(3, 1), (4, 4), pytest.param(60, 50, marks=pytest.mark.slow)]
 )
@@ -60,6 +63,7 @@ def test_any_number_of_motions_and_earthquakes(ellipses_of, set_without_warnings
     set_without_warnings(document)
 
 
+@pytest.mark.slow
 def test_a_posterior_that_has_not_converged_is_confessed_before_any_limit(ellipses_of):
     ellipses = ellipses_of((1.0,), (0.02,))
     with pytest.warns(ConvergenceWarning):
@@ -78,12 +82,14 @@ def test_too_few_motions_for_the_promise_are_told(ellipses_of, set_without_warni
     set_without_warnings(document)
 
 
+@pytest.mark.slow
 def test_names_from_a_users_catalogue_are_text(ellipses_of, set_without_warnings):
     names = [f"$#*_@{rank}\\ <b> {'x' * 60}" for rank in range(24)]
     document, _ = report(ellipses_of((1.0,), (0.02,), names=names), title="#panic() $ *", notes=("$ # @x",))
     set_without_warnings(document)
 
 
+@pytest.mark.slow
 def test_motions_without_an_ellipse_are_left_out(ellipses_of, set_without_warnings):
     ellipses = ellipses_of((1.0,), (0.02,)).copy(deep=True)
     ellipses["a"][:2] = np.nan

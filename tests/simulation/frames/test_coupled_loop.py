@@ -58,6 +58,7 @@ def integrated(partition, actuators, record):
     return command, t_inverse @ gains @ solution.y[2 * size : 2 * size + degrees]
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("structure", [two_storeys, node, plate])
 def test_exact_steps_agree_with_an_integrator(structure):
     partition, actuators = described(structure)

@@ -143,6 +143,7 @@ def braced_first_storey(share, output=(0.0, 0.0, 1.0)):
 OUTPUTS = (None, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 1.0))
 
 
+@pytest.mark.default_cases(6)
 @pytest.mark.parametrize("output", OUTPUTS)
 @pytest.mark.parametrize("share", [0.5, 0.98, 0.99, 0.999, 0.9999, 1.0])
 def test_an_actuator_at_rest_leaves_the_floors_to_the_computer_alone(shaken, share, output):

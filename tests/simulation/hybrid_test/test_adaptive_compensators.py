@@ -106,6 +106,7 @@ BOUNDS = {
 }
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("unit", [1.0, 1e-4], ids=["metres", "small"])
 @pytest.mark.parametrize(("lowest", "highest", "fastest"), BOUNDS.values(), ids=BOUNDS)
 def test_adaptive_time_series_compensation_fits_its_factors_by_least_squares(

@@ -158,6 +158,7 @@ def test_a_model_is_simulated_and_stored(motions):
     assert one["a"] == pytest.approx(other["a"], rel=0.01)
 
 
+@pytest.mark.slow
 def test_python_simulates_what_the_command_line_does(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     test = HybridTest(structure=STRUCTURE, effects=(lag,))

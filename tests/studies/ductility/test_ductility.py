@@ -34,6 +34,7 @@ def of_level(motion, kind, level):
     return tolerances([motion], [STRUCTURE], [specimen], threshold=THRESHOLD).iloc[0]
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("kind", "level"), [("bilinear", 0.4), ("coulomb", 1e-6), ("cubic", 1e-6)])
 def test_a_specimen_that_hardly_leaves_its_linear_range_tolerates_what_a_linear_one_does(motion, kind, level):
     row = of_level(motion, kind, level)

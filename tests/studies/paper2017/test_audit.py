@@ -112,6 +112,7 @@ def test_one_value_for_the_a_of_equation_15(with_shipped_ellipses):
     assert numbers["Equation (17)", "a at ξ = 0.02"] == pytest.approx(1.264e-4, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_three_rows_of_table_2_explain_equation_12(with_shipped_ellipses):
     for name in "ab":
         row = with_shipped_ellipses.loc[("Equation (12)", f"{name} without three rows (none printed)")]

@@ -97,6 +97,7 @@ def test_published_table_comes_back_to_its_digits_from_the_published_differences
     assert (np.round(values, 1) == published).any(axis=0).sum() >= 30
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("name", ["inverse", "adaptive_time_series", "adaptive_model_based"])
 def test_compensators_track_down_to_the_noise(elcentro, name):
     ground, step = elcentro

@@ -19,6 +19,7 @@ WITH_ASSURANCE = ("tolerance", "posterior", "order_statistic")
 SIZES = pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
 
 
+@pytest.mark.default_cases(1)
 @SIZES
 @pytest.mark.parametrize("name", ON_AVERAGE)
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
@@ -28,6 +29,7 @@ def test_methods_that_promise_an_average_keep_it(name, confidence, count):
     assert found.mean == pytest.approx(confidence, abs=slack)
 
 
+@pytest.mark.default_cases(1)
 @SIZES
 @pytest.mark.parametrize("name", WITH_ASSURANCE)
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
@@ -39,6 +41,7 @@ def test_methods_that_promise_an_assurance_keep_it(name, confidence, count):
         assert found.kept_share <= 0.95 + slack
 
 
+@pytest.mark.slow
 def test_the_plug_in_quantile_falls_short_with_few_motions():
     few = Truth(n_events=10, motions_per_event=1, event_share=0.0)
     content = simulate_coverage(Quantile(), few, 0.95, suites=200).mean
@@ -49,6 +52,7 @@ def test_the_plug_in_quantile_falls_short_with_few_motions():
     assert content < 0.935
 
 
+@pytest.mark.default_cases(1)
 @SIZES
 @pytest.mark.parametrize("truth", [GROUPED, SKEWED])
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
@@ -64,6 +68,7 @@ def test_the_conformal_bound_promises_no_more_than_it_can(count):
     assert 0.9 - 0.01 <= found.mean <= 0.9 + 1 / 61 + 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [80, pytest.param(300, marks=pytest.mark.slow)])
 def test_earthquakes_weaken_the_assurance_of_the_tolerance_bound_and_the_bootstrap_sees_them(count):
     alike = Truth(n_events=19, motions_per_event=5, event_share=0.5)

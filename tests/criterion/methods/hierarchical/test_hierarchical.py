@@ -78,6 +78,7 @@ def test_the_assured_bound_is_the_quantile_over_draws_of_the_populations_own_qua
     assert np.log(limits[0, 0, 0] / 0.02**2) == pytest.approx(np.quantile(quantiles, 0.1), abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_short_run_is_confessed_in_words_settings_and_by_a_warning(ellipses):
     with pytest.warns(ConvergenceWarning, match="NOT CONVERGED"):
         found = derive_criterion(ellipses, method="hierarchical", steps=20, **ERROR)
@@ -99,6 +100,7 @@ def test_chains_in_a_file_serve_a_further_confidence_and_one_file_serves_all_err
     assert not asked
 
 
+@pytest.mark.slow
 def test_the_law_inside_is_the_one_that_is_asked_for(ellipses, fit):
     assert fit.criterion(0.95).law.name == "power"
     assert not fit.lag.learned.model.curved
