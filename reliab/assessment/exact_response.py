@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_assessment import CoupledAssessment
@@ -27,6 +28,7 @@ class ExactResponse:
     at_interface: Array  # Displacements [m], shape (p, n)
     force: Array  # Of the specimen without the inertia of its mass [N], shape (p, n)
     felt: Array  # The same with it [N], shape (p, n)
+    work: float  # Done on the specimen [J]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,12 +61,13 @@ def exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTe
 def _linear(partition: Partition, at_interface: Array, step: float) -> ExactResponse:
     shared = Substructures.of_partition(partition)
     force, felt = shared.force_of_linear(at_interface, step)
-    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=felt)
+    work = float(np.sum(scipy.integrate.trapezoid(felt, at_interface, axis=1)))
+    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=felt, work=work)
 
 
-def _of_force(partition: Partition, at_interface: Array, force: Array) -> ExactResponse:
+def _of_force(partition: Partition, at_interface: Array, force: Array, work: float) -> ExactResponse:
     shared = Substructures.of_partition(partition)
-    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=force)
+    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=force, work=work)
 
 
 def _in_kilograms(partition: Partition, mass: float) -> Partition:
@@ -92,7 +95,7 @@ def _of_one(error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, ma
         stated = _linear(_in_kilograms(rebuilt.structure, mass), exact, step)
         fed_back = stated.structure.force_of_linear(measured[np.newaxis], step)[1]
     else:
-        stated = _of_force(specimen.test.whole, exact, specimen.force[np.newaxis])
+        stated = _of_force(specimen.test.whole, exact, specimen.force[np.newaxis], specimen.work)
         fed_back = specimen.fed_back[np.newaxis]
     return ExactTest(
         time_step=step,

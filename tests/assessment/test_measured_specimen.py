@@ -14,7 +14,12 @@ from reliab.assessment.contradictions import of_specimen
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
 from reliab.assessment.measured_specimen.force_channel import columns_of_channel
-from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, REVERSAL_TRAITS, SMOOTH_TRAITS
+from reliab.assessment.measured_specimen.hysteresis import (
+    PEAK_TRAITS,
+    REVERSAL_TRAITS,
+    SMOOTH_TRAITS,
+    STRUT_TRAITS,
+)
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -167,6 +172,29 @@ def test_hysteresis_from_reversals_is_masings_or_bends_at_the_line_of_yielding()
     bent = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=1.0, **lasting)
     assert np.abs(bent.along(partly, _STEP, np.zeros(partly.size))).max() <= 1.5
     assert np.abs(bent.along(path, _STEP, np.zeros(path.size))).max() <= 1.5
+
+
+def _strut(**changed: float) -> Elements:
+    stated = {name: start for name, _, _, start in STRUT_TRAITS}
+    stated |= {"decline": 0.1, "lost": 0.2, "buckling": 0.5, "hardening": 0.0} | changed
+    return with_traits(Kind.STRUT, 1.0, np.array(list(stated.values())), 2.0)
+
+
+def test_a_strut_yields_buckles_and_is_softer_until_it_is_straight() -> None:
+    path = np.interp(np.linspace(0.0, 3.0, 30001), np.arange(4.0), [0.0, 2.0, -2.0, 2.0])
+    force = _along(_strut(), path)
+    assert force.max() == pytest.approx(1.0)
+    assert force[5000] == pytest.approx(1.0)  # at 1.0
+    assert force[13750] == pytest.approx(-0.5, abs=1e-3)  # at 0.5: about to buckle
+    buckled = -force[20000]  # at −2, after a way of 2.5 and of what the load has fallen by
+    assert buckled == pytest.approx(0.5 * 0.85 / (1.0 + 0.2 * (2.5 + 0.5 - buckled)), rel=1e-3)
+    pulled = (np.arange(path.size) > 20000) & (force > 0.05) & (force < 0.95)
+    np.testing.assert_allclose(np.gradient(force, path)[pulled], 0.4, rtol=1e-6)
+
+
+def test_a_strut_is_its_own_mirror_image() -> None:
+    path = _SINE * np.linspace(0.2, 1.5, _SINE.size)
+    np.testing.assert_allclose(_along(_strut(side=5.0), -path), -_along(_strut(side=0.5), path))
 
 
 def test_a_weaker_side_yields_earlier() -> None:

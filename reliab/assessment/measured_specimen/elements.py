@@ -12,11 +12,11 @@ coefficients [N/m] that are not negative. The elements are
   largest excursion (Clough and Johnston 1966),
 - elastic-plastic springs that weaken with the energy of the test so far,
 - springs that are softer the farther they are below the largest excursion (the effect of Mullins), and
-- three laws of hysteresis with traits that are searched for (`hysteresis`).
+- four laws of hysteresis with traits that are searched for (`hysteresis`).
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Final
 
@@ -28,6 +28,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     TRAITS,
     from_reversals,
     smooth_pinched,
+    strut,
     towards_peaks,
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
@@ -62,6 +63,7 @@ class Kind(IntEnum):
     SMOOTH_PINCHED = 15
     TOWARDS_PEAKS = 16
     FROM_REVERSALS = 17
+    STRUT = 18
 
 
 _SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
@@ -144,6 +146,8 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         return towards_peaks(size, traits, position, moved, state)
     if kind == Kind.FROM_REVERSALS:
         return from_reversals(size, traits, position, moved, state)
+    if kind == Kind.STRUT:
+        return strut(size, traits, position, moved, state)
     return size
 
 
@@ -338,6 +342,15 @@ class Elements:
             traits=self.traits[chosen],
         )
 
+    def with_law(self, law: "Elements") -> "Elements":
+        """Put another size and other traits in the place of the law of the same kind."""
+        at = self.kinds == law.kinds
+        return replace(
+            self,
+            sizes=np.where(at, law.sizes, self.sizes),
+            traits=np.where(at[:, np.newaxis], law.traits, self.traits),
+        )
+
     def beside(self, others: "Elements") -> "Elements":
         """Put others beside these elements."""
         return Elements(
@@ -398,8 +411,8 @@ FAMILIES: Final[Mapping[str, str]] = {
     "smooth": "the plain ones and smooth hysteresis",
     "memory": "the smooth ones and memory of the largest excursion",
     "all": "all elements",
-    "laws": "springs, dashpots and three laws of hysteresis",
-    "everything": "all elements and three laws of hysteresis",
+    "laws": "springs, dashpots and four laws of hysteresis",
+    "everything": "all elements and four laws of hysteresis",
 }
 """Families of elements, each with what it holds."""
 

@@ -1,14 +1,16 @@
-"""Three laws of hysteresis with many traits, searched for by nonlinear least squares.
+"""Four laws of hysteresis with many traits, searched for by nonlinear least squares.
 
 Smooth hysteresis unloads elastically, loses strength and stiffness with the energy that it took, resists
 less on one side, and slips while its force is small: Baber and Noori (1986, Journal of Vibration, Acoustics,
 Stress, and Reliability in Design 108, 273). Hysteresis towards peaks loads again towards the largest
 excursion so far, or elastically, or something between, with a break on the way where it is pinched, and each
 of its sides hardens or softens and weakens in its own way: Ibarra, Medina and Krawinkler (2005, Earthquake
-Engineering and Structural Dynamics 34, 1489); with one side that weakens and softens it is a brace that
-buckles. Hysteresis from reversals follows a curve that starts elastically at the last reversal and bends
-towards the line of yielding: Menegotto and Pinto (1973, IABSE Symposium, Lisbon, 15), or twice the curve of
-first loading, as Masing's rule has it for the law of Ramberg and Osgood.
+Engineering and Structural Dynamics 34, 1489). Hysteresis from reversals follows a curve that starts
+elastically at the last reversal and bends towards the line of yielding: Menegotto and Pinto (1973, IABSE
+Symposium, Lisbon, 15), or twice the curve of first loading, as Masing's rule has it for the law of Ramberg
+and Osgood. A strut yields on one side, buckles on the other under a load that falls the farther and the
+longer it is buckled, and is softer until it has been pulled straight: Ikeda and Mahin (1986, Journal of
+Structural Engineering 112, 2506).
 
 Forces are displacements of a spring of unit stiffness [m]; `size` is the yield displacement [m], energies are
 those of the normalised element.
@@ -61,6 +63,18 @@ REVERSAL_TRAITS: Final = (
     ("to_the_line", 0.01, 0.99, 0.5),  # 0: twice the first curve, 1: bends at the line of yielding
 )
 """Traits of hysteresis from reversals."""
+
+STRUT_TRAITS: Final = (
+    ("side", 0.1, 10.0, 1.0),  # above one it buckles when positive
+    ("buckling", 0.03, 3.0, 0.5),  # load at which it buckles over that at which it yields
+    ("decline", 3e-3, 1.0, 0.05),  # share of that load lost for each yield displacement beyond buckling
+    ("remains", 0.02, 0.95, 0.25),  # share of it that is left
+    ("lost", 1e-3, 3.0, 0.05),  # with a yield displacement of buckling
+    ("straightening", 0.02, 0.98, 0.4),  # stiffness of a buckled one while it is pulled straight
+    ("hardening", 1e-3, 0.3, 0.02),  # slope of yielding
+    ("straight_at", 0.05, 1.5, 0.8),  # over the largest place at which it yielded
+)
+"""Traits of a strut that buckles."""
 
 _NEAREST = 0.05  # yield displacements, by which the line of yielding is away at least
 _GONE = 30.0  # power of e to which nothing is left
@@ -179,3 +193,24 @@ def from_reversals(size: float, traits: Array, position: float, moved: float, st
 def _bent(along: float, hardening: float, exponent: float) -> float:
     """Curve of unit slope that bends towards a line of yielding at one."""
     return float(along * (hardening + (1.0 - hardening) / (1.0 + along**exponent) ** (1.0 / exponent)))
+
+
+@compiled
+def strut(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+    """Strut; `state`: force, way that it went buckled, place of yielding, and whether it buckled."""
+    way = -1.0 if traits[0] > 1.0 else 1.0
+    now, part = way * position / size, way * moved / size
+    yields = 1.0 + traits[6] * max(now - 1.0, 0.0)
+    left = max(1.0 - traits[2] * max(-now - traits[1], 0.0), traits[3])
+    buckles = -traits[1] * left / (1.0 + traits[4] * state[1])
+    force = state[0] + part
+    if part > 0.0 and state[3] > 0.0 and force > 0.0 and now < traits[7] * state[2]:
+        elastic = min(max(-state[0], 0.0), part)
+        force = state[0] + elastic + traits[5] * (part - elastic)
+    if force > yields:
+        force, state[2] = yields, max(state[2], now)
+    if force < buckles:
+        state[1] += buckles - force
+        force, state[3] = buckles, 1.0
+    state[0] = force
+    return float(way * force * size)

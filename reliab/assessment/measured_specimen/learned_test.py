@@ -1,6 +1,6 @@
 """A test with all that was learned of its specimen: exact responses, and draws of its error.
 
-The draws take a family of elements by its weight, fit it to blocks of the test with random weights, and
+The draws take a family of elements by its weight and a member of it (`members`), and
 multiply the force by which the actuator's own error acts, f[x_m] − f[x_c], by 1 + (0.002 + κ h) z: h is what
 the family misses of held-out parts beyond their noise, z is standard normal. A linear specimen is multiplied
 by 1 + κ h z.
@@ -12,11 +12,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
-from reliab.assessment.measured_specimen.path import MeasuredPath, fit
+from reliab.assessment.measured_specimen.members import Members
+from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, inputs_of_reading
 from reliab.assessment.rebuilt_error.recursion import Recursion
@@ -42,6 +44,7 @@ class _Draw:
     response: Array  # What a perfect actuator would have given [m], shape (n,)
     specimen: LearnedSpecimen
     structure: Partition
+    mass: float  # By which the force is divided, over the mass as stated [-]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,7 +92,13 @@ class LearnedTest:
         """
         felt = self._recorded(self.force_of(specimen, moved), moved, self.channel.values)
         felt = self._late(felt, 0.0) if late else felt
-        return self._respond(specimen, specimen.coefficients, felt, self._numerical)
+        return _bounded(self._respond(specimen, felt, self._numerical))
+
+    def bounded(self, specimen: LearnedSpecimen) -> bool:
+        """Whether the exact response with a specimen stays bounded."""
+        felt = self.force_of(specimen, self.thin.measured)
+        response = self._respond(specimen, felt, self._numerical)
+        return bool(np.isfinite(response).all())
 
     def force_of(self, specimen: LearnedSpecimen, displacement: Array) -> Array:
         """Force of the specimen along a path [N], shape (n,)."""
@@ -107,19 +116,12 @@ class LearnedTest:
         lag = self.feedback_lag + further
         return felt - lag * np.gradient(felt, self.thin.time_step) if lag else felt
 
-    def _respond(
-        self, specimen: LearnedSpecimen, coefficients: Array, felt: Array, numerical: Recursion
-    ) -> Array:
+    def _respond(self, specimen: LearnedSpecimen, felt: Array, numerical: Recursion) -> Array:
+        """Exact response [m], not finite where it diverges."""
         thin = self.thin
-        response = specimen.elements.respond(
-            coefficients, thin.command, felt, thin.time_step, self.path.used, numerical
+        return specimen.elements.respond(
+            specimen.coefficients, thin.command, felt, thin.time_step, self.path.used, numerical
         )
-        if not np.isfinite(response).all():
-            raise InputError(
-                "The response that a perfect actuator would have given must stay bounded",
-                remedy="Check mass, share and force: the specimen's force must be that of the displacement",
-            )
-        return response
 
     @property
     def deviations_of_force(self) -> dict[str, float]:
@@ -167,44 +169,85 @@ class LearnedTest:
         self, differences: Array, unknown: Unknown, seed: int, *, carried: Sequence[str], varied: bool
     ) -> Iterator["_Draw"]:
         generator = np.random.default_rng(seed)
-        thin, step, used, draws = self.thin, self.thin.time_step, self.path.used, len(differences)
+        draws, blocks = len(differences), self.path.blocks[-1] + 1
         drawn, _ = draw_unknown(unknown, draws, seed)
-        inputs, shifts = inputs_of_reading(thin, drawn)
+        inputs, shifts = inputs_of_reading(self.thin, drawn)
         of_force = {name: row * (name in carried) for name, row in self.drawn_of_force(draws, seed).items()}
         families = generator.choice(len(self.learned), size=draws, p=self.weights) * varied
-        of_command = {
-            family: self.learned[family].elements.along(thin.command, step, used)
+        members = {
+            family: Members(specimen=self.learned[family], path=self.path, command=self.thin.command)
             for family in np.unique(families).tolist()
         }
-        seen = {family: self.path.responses(self.learned[family].elements) for family in of_command}
-        added_seen, blocks = self.path.thinned(self.added), self.path.blocks
         for row, difference in enumerate(differences):
-            measured = thin.command - difference - shifts[row] @ inputs
-            family = int(families[row])
-            specimen = self.learned[family]
-            strayed = np.array([of_force[name][row] for name in _OF_CHANNEL])
-            weights = generator.exponential(size=blocks[-1] + 1)[blocks] if varied else None
-            coefficients = fit(seen[family], self.path.force_seen - strayed @ added_seen, weights)
-            coefficients = coefficients / max(1.0 + of_force["mass"][row], _LEAST)
-            rows = specimen.elements.along(measured, step, used)
-            felt, commanded = coefficients @ rows, coefficients @ of_command[family]
-            missed = of_force["specimen"][row] * _deviation(specimen) / (self.missed or 1.0)
-            felt = commanded + max(1.0 + missed, _LEAST) * (felt - commanded)
-            felt = self._recorded(felt, measured, self.channel.values + strayed)
-            felt = self._late(felt, float(drawn["feedback_lag"][row]))
-            relative = [float(drawn[name][row]) for name in _OF_STRUCTURE]
-            numerical = self._recursion(relative) if any(relative) else self._numerical
-            yield _Draw(
-                measured=measured,
-                response=self._respond(specimen, coefficients, felt, numerical),
-                specimen=replace(specimen, coefficients=coefficients),
-                structure=self._scaled(relative),
+            of_draw = {name: float(values[row]) for name, values in (drawn | of_force).items()}
+            yield self._draw(
+                members[int(families[row])],
+                generator.exponential(size=blocks) if varied else np.ones(blocks),
+                self.thin.command - difference - shifts[row] @ inputs,
+                of_draw,
+                apart="specimen" in carried,
             )
+
+    def _draw(
+        self, members: Members, counts: Array, measured: Array, drawn: dict[str, float], *, apart: bool
+    ) -> "_Draw":
+        """Response with a member, or with the family itself where that of a member diverges."""
+        strayed = np.array([drawn[name] for name in _OF_CHANNEL])
+        wanted = self.path.force_seen
+        if strayed.any():
+            wanted = wanted - strayed @ self.path.thinned(self.added)
+        relative = [drawn[name] for name in _OF_STRUCTURE]
+        numerical = self._recursion(relative) if any(relative) else self._numerical
+        mass = max(1.0 + drawn["mass"], _LEAST)
+        for far in (members.apart if apart else 1.0, 0.0):
+            member, commanded = members.member(counts, wanted, far)
+            specimen = replace(member, coefficients=member.coefficients / mass)
+            felt = self._acting(specimen, measured, commanded / mass, drawn["specimen"])
+            felt = self._recorded(felt, measured, self.channel.values + strayed)
+            felt = self._late(felt, drawn["feedback_lag"])
+            response = self._respond(specimen, felt, numerical)
+            if np.isfinite(response).all():
+                break
+        return _Draw(
+            measured=measured,
+            response=_bounded(response),
+            specimen=specimen,
+            structure=self._scaled(relative),
+            mass=mass,
+        )
+
+    def _acting(self, specimen: LearnedSpecimen, measured: Array, commanded: Array, strayed: float) -> Array:
+        """Force along a measured path [N] whose difference from that along the command is off."""
+        missed = strayed * _deviation(specimen) / (self.missed or 1.0)
+        felt = self.force_of(specimen, measured)
+        return np.asarray(commanded + max(1.0 + missed, _LEAST) * (felt - commanded))
+
+    def work_of(
+        self,
+        specimen: LearnedSpecimen,
+        measured: Array,
+        response: Array,
+        *,
+        mass: float = 1.0,
+        off: float = 0.0,
+    ) -> float:
+        """Work done on a specimen along its exact response [J].
+
+        What a family misses accumulates along a path. Of the work that it misses along the measured path the
+        share that is no noise is missed along the exact one, too. `mass` by which the force is divided;
+        `off`: standard deviations, by which blocks of the test scatter, from that.
+        """
+        left = self.path.force / mass - self.force_of(specimen, measured)
+        blocks = (np.arange(left.size) * (self.path.time_step / self.path.block)).astype(np.int64)
+        missed = np.bincount(blocks, left * np.gradient(measured))
+        share = (specimen.missed / specimen.held_out) ** 2 if specimen.missed else 0.0
+        along = float(scipy.integrate.trapezoid(self.force_of(specimen, response), response))
+        return along + share * float(missed.sum() + off * np.linalg.norm(missed))
 
     def exact_of_draws(
         self, differences: Array, unknown: Unknown, seed: int
-    ) -> Iterator[tuple[Partition, Array, Array]]:
-        """Structures, exact responses [m] and forces along them [N], draw by draw, both shape (1, n).
+    ) -> Iterator[tuple[Partition, Array, Array, float]]:
+        """Structures, exact responses [m] and forces along them [N], both shape (1, n), and works [J].
 
         Each force is off by what its family misses of held-out parts.
         """
@@ -213,9 +256,20 @@ class LearnedTest:
         for draw, off in zip(draws, chance, strict=True):
             force = self.force_of(draw.specimen, draw.response)
             force += off * draw.specimen.missed * float(np.std(force))
-            yield draw.structure, draw.response[np.newaxis], force[np.newaxis]
+            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=draw.mass, off=off)
+            yield draw.structure, draw.response[np.newaxis], force[np.newaxis], work
 
 
 def _deviation(specimen: LearnedSpecimen) -> float:
     """Relative deviation of the force by which the actuator's error acts [-]."""
     return _CARRIED * specimen.missed + (0.0 if specimen.linear else _ALWAYS)
+
+
+def _bounded(response: Array) -> Array:
+    """Refuse a response that diverges [m]."""
+    if not np.isfinite(response).all():
+        raise InputError(
+            "The response that a perfect actuator would have given must stay bounded",
+            remedy="Check mass, share and force: the specimen's force must be that of the displacement",
+        )
+    return response

@@ -7,7 +7,8 @@ the specimen is linear: others could only follow the noise.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import FAMILIES, LINEAR, Elements, elements_of_family
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
-from reliab.assessment.measured_specimen.searching import search_laws
+from reliab.assessment.measured_specimen.searching import FoundLaw, search_laws
 
 _REFINEMENTS = (1.15, 1.07, 1.035, 1.017)
 _QUARTERS = 4
@@ -25,6 +26,7 @@ _DIGITS = 7  # of the share that a row has in another, to which two rows are ali
 _AS_WELL = 1.01  # times what the best family leaves unexplained, up to which a specimen is linear
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
+_GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
 _REFINED = ("plain", "gaps", "smooth", "memory", "all")
 
 
@@ -37,20 +39,28 @@ class LearnedSpecimen:
     coefficients: Array  # Of the elements [N/m], shape (elements,)
     held_out: float  # RMS of what held-out parts of the force leave unexplained, over that of the force [-]
     missed: float  # The same without what noise explains [-]
+    laws: tuple[FoundLaw, ...] = ()  # Laws of hysteresis among the elements whose traits are drawn
 
     @property
     def linear(self) -> bool:
         """Whether it is a spring and a dashpot."""
         return self.family == LINEAR
 
+    def with_weights(self, weights: Array) -> tuple["LearnedSpecimen", NDArray[np.int64]]:
+        """Give it with laws as weights of blocks, shape (blocks,), would have them, and their places."""
+        elements = reduce(Elements.with_law, (law.elements(weights) for law in self.laws), self.elements)
+        places = np.flatnonzero(np.isin(elements.kinds, [law.kind for law in self.laws]))
+        return replace(self, elements=elements), places
+
 
 def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
     """Learn a specimen with every family of elements; the best comes first, or the linear one if it is."""
-    laws = search_laws(path)
+    found = search_laws(path)
+    laws = reduce(Elements.beside, (law.elements() for law in found))
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
     elements |= {family: _refined(path, elements[family]) for family in _REFINED}
     elements |= {"laws": elements["laws"].beside(laws), "everything": elements["all"].beside(laws)}
-    learned = [_learned(path, family, elements[family]) for family in FAMILIES]
+    learned = [_learned(path, family, elements[family], found) for family in FAMILIES]
     as_well = max(_AS_WELL * min(specimen.held_out for specimen in learned), _LEAST_PART)
     return sorted(
         learned, key=lambda specimen: (not specimen.linear or specimen.held_out > as_well, specimen.held_out)
@@ -83,23 +93,28 @@ def _distinct(rows: Array) -> NDArray[np.int64]:
     return np.sort(np.unique(np.round(shares, _DIGITS), return_index=True)[1])
 
 
-def _learned(path: MeasuredPath, family: str, elements: Elements) -> LearnedSpecimen:
+def _learned(
+    path: MeasuredPath, family: str, elements: Elements, found: Sequence[FoundLaw]
+) -> LearnedSpecimen:
     """Fit elements, and predict what had no part in the fit."""
     wanted = path.force_seen
     seen = path.responses(elements)
     distinct = _distinct(seen)
     elements, seen = elements.only(distinct), seen[distinct]
     coefficients = fit(seen, wanted)
-    bears = coefficients * np.sqrt(np.mean(seen**2, axis=1)) > _LEAST_PART * np.sqrt(np.mean(wanted**2))
+    sizes = np.sqrt(np.mean(seen**2, axis=1) / np.mean(wanted**2))
+    bears = coefficients * sizes > _LEAST_PART
     coefficients[bears] = fit(seen[bears], wanted)
     bears &= coefficients > 0.0
     held_out = _held_out(seen[bears], wanted, path.blocks)
+    borne, share = elements.only(bears), coefficients[bears] * sizes[bears]
     return LearnedSpecimen(
         family=family,
-        elements=elements.only(bears),
+        elements=borne,
         coefficients=coefficients[bears],
         held_out=held_out,
         missed=float(np.sqrt(max(held_out**2 - (_NOISIER * path.noisy) ** 2, 0.0))),
+        laws=tuple(law for law in found if law.kind in borne.kinds[share > _GREAT_PART]),
     )
 
 

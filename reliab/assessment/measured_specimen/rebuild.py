@@ -83,6 +83,7 @@ class MeasuredSpecimen:
     families: tuple[FamilyOfSpecimen, ...]  # Families of elements that learned the specimen, the best first
     force: Array  # Force that the specimen would have had along the exact response [N], shape (n,)
     fed_back: Array  # Force that it had along the measured displacement [N], shape (n,)
+    work: float  # That would have been done on it [J]
     late: float  # Time by which the force seems to follow the displacement late, beyond what is stated [s]
     beyond: float  # How far the exact response leaves the range of the measured one, over the range [-]
 
@@ -204,6 +205,8 @@ def rebuild_with_force(
             added=added,
             learned=tuple(learn_specimen(path)),
         )
+        bounded = tuple(specimen for specimen in test.learned if test.bounded(specimen))
+        test = replace(test, learned=bounded or test.learned[:1])
         return _concluded(test, histories, read, every, noise, start, tolerances or Tolerances(), seed)
 
 
@@ -291,6 +294,7 @@ def _concluded(
         ),
         force=np.interp(places, known, test.force_of(learned[0], reference)),
         fed_back=np.interp(places, known, test.force_of(learned[0], thin.measured)),
+        work=test.work_of(learned[0], thin.measured, reference),
         late=late_by(test.path, learned[0], test.added[0]),
         beyond=_beyond(reference, thin.measured),
     )

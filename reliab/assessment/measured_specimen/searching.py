@@ -7,20 +7,27 @@ Marquardt.
 """
 
 from collections.abc import Callable, Sequence
-from functools import reduce
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
-from reliab.assessment.measured_specimen.hysteresis import PEAK_TRAITS, REVERSAL_TRAITS, SMOOTH_TRAITS
+from reliab.assessment.measured_specimen.hysteresis import (
+    PEAK_TRAITS,
+    REVERSAL_TRAITS,
+    SMOOTH_TRAITS,
+    STRUT_TRAITS,
+)
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 
 _LAWS = {
     Kind.SMOOTH_PINCHED: SMOOTH_TRAITS,
     Kind.TOWARDS_PEAKS: PEAK_TRAITS,
     Kind.FROM_REVERSALS: REVERSAL_TRAITS,
+    Kind.STRUT: STRUT_TRAITS,
 }
 _DRAWN = 40
 _IMPROVED = 2  # the best of those that are drawn
@@ -31,14 +38,31 @@ _PRIOR = 2e-3  # of the force, for a logit's distance from its start
 _YIELDS = ("size", 0.01, 2.0, 0.4)  # over the largest displacement
 _SEED = 20
 _GAIN = 1e-3  # of the squared misfit, below which a step is the last one
+_FARTHEST = 1.5  # logits, that a step goes at most
 
 
-def search_laws(path: MeasuredPath) -> Elements:
-    """Laws of hysteresis with the traits that explain the force best."""
-    beside = elements_of_family("laws", path.largest, path.speed)
-    rows = path.responses(beside)
-    found = [_search(path, kind, traits, rows) for kind, traits in _LAWS.items()]
-    return reduce(Elements.beside, found)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FoundLaw:
+    """A law of hysteresis with the traits that explain a force best, and how they hang on parts of a test."""
+
+    kind: Kind
+    bounds: Array  # Least and largest size [m] and traits, shape (2, traits)
+    logits: Array  # Of size and traits between their bounds, shape (traits,)
+    moves: Array  # Change of the logits by a unit of weight more of each block, shape (blocks, traits)
+    speed: float  # Velocity at which a dashpot gives its size [m/s]
+
+    def elements(self, weights: Array | None = None) -> Elements:
+        """Give the law; `weights` of blocks, shape (blocks,): as if they counted so (a step of Newton's)."""
+        step = 0.0 if weights is None else np.clip((weights - 1.0) @ self.moves, -_FARTHEST, _FARTHEST)
+        least, most = self.bounds
+        size, *traits = least * (most / least) ** scipy.special.expit(self.logits + step)
+        return with_traits(self.kind, size, np.array(traits), self.speed)
+
+
+def search_laws(path: MeasuredPath) -> tuple[FoundLaw, ...]:
+    """Search for the traits of each law of hysteresis that explain the force best."""
+    beside = path.responses(elements_of_family("laws", path.largest, path.speed))
+    return tuple(_search(path, kind, traits, beside) for kind, traits in _LAWS.items())
 
 
 def _search(
@@ -46,28 +70,44 @@ def _search(
     kind: Kind,
     traits: Sequence[tuple[str, float, float, float]],
     beside: Array,
-) -> Elements:
+) -> FoundLaw:
     """Find size and traits of one law; `beside`: what stands beside it, as it is seen, shape (rows, m)."""
-    _, least, most, start = (np.array(column) for column in zip(_YIELDS, *traits, strict=True))
-    least, most, start = (column.astype(np.float64) for column in (least, most, start))
+    _, *columns = zip(_YIELDS, *traits, strict=True)
+    least, most, start = np.array(columns, dtype=np.float64)
     begin = scipy.special.logit(np.log(start / least) / np.log(most / least))
+    bounds = np.array([least, most])
+    bounds[:, 0] *= path.largest
     wanted = path.force_seen
-    unit = float(np.sqrt(np.mean(wanted**2)))
+    unit = float(np.sqrt(np.sum(wanted**2)))
 
-    def element(logits: Array) -> Elements:
-        values = least * (most / least) ** scipy.special.expit(logits)
-        return with_traits(kind, values[0] * path.largest, values[1:], path.speed)
+    def law(logits: Array, moves: Array) -> FoundLaw:
+        return FoundLaw(kind=kind, bounds=bounds, logits=logits, moves=moves, speed=path.speed)
 
     def missed(logits: Array) -> Array:
-        row = path.responses(element(logits))
-        rows = np.vstack([row, beside])
-        left = (wanted - fit(rows, wanted) @ rows) / (unit * np.sqrt(wanted.size))
+        rows = np.vstack([path.responses(law(logits, np.empty(0)).elements()), beside])
+        left = (wanted - fit(rows, wanted) @ rows) / unit
         return np.concatenate([left, _PRIOR * (logits - begin)])
 
     drawn = begin + _SPREAD * np.random.default_rng(_SEED).standard_normal((_DRAWN, begin.size))
     drawn[0] = begin
     first = sorted(drawn, key=lambda logits: float(np.sum(missed(logits) ** 2)))[:_IMPROVED]
-    return element(min((_improved(missed, logits) for logits in first), key=lambda one: one[1])[0])
+    found = min((_improved(missed, logits) for logits in first), key=lambda one: one[1])[0]
+    return law(found, _moves(missed, found, path.blocks))
+
+
+def _moves(missed: Callable[[Array], Array], logits: Array, blocks: NDArray[np.int64]) -> Array:
+    """Change of logits by a unit of weight more of each block, shape (blocks, logits)."""
+    left = missed(logits)
+    columns = _derivatives(missed, logits, left)
+    slopes = (columns * left)[:, : blocks.size]
+    of_blocks = np.array([np.bincount(blocks, row) for row in slopes])
+    return np.asarray(-np.linalg.solve(columns @ columns.T, of_blocks).T)
+
+
+def _derivatives(missed: Callable[[Array], Array], logits: Array, left: Array) -> Array:
+    """Differentiate what is missed by each logit, shape (logits, m); `left`: what is missed with these."""
+    steps = _DIFFERENCE * np.eye(logits.size)
+    return np.array([(missed(logits + step) - left) / _DIFFERENCE for step in steps])
 
 
 def _improved(missed: Callable[[Array], Array], logits: Array) -> tuple[Array, float]:
@@ -75,14 +115,12 @@ def _improved(missed: Callable[[Array], Array], logits: Array) -> tuple[Array, f
     left, damping = missed(logits), 1e-2
     misfit = float(left @ left)
     for _ in range(_STEPS):
-        columns = np.array(
-            [(missed(logits + _DIFFERENCE * unit) - left) / _DIFFERENCE for unit in np.eye(logits.size)]
-        )
+        columns = _derivatives(missed, logits, left)
         normal, slope = columns @ columns.T, columns @ left
         before = misfit
         for _ in range(4):
             step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), -slope)
-            tried = logits + np.clip(step, -1.5, 1.5)
+            tried = logits + np.clip(step, -_FARTHEST, _FARTHEST)
             now = missed(tried)
             if now @ now < misfit:
                 logits, left, misfit = tried, now, float(now @ now)
