@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from blind_campaigns.case import ONE_CHANNEL, Observation
 from blind_campaigns.labels import Label
 
 CALIBRATION_NAMES = {"gain_error", "delay_error"}
@@ -17,6 +18,8 @@ WRONG_STRUCTURE = {
     "mass": "structure_mass",
 }
 """Variants in which the structure is stated wrongly, and the calibrated value that tells it."""
+
+_NEARLY_ALL = 0.9
 
 Names = dict[str, dict[str, Any]]
 """By effect and parameter of the label: the product's parameter, `{name, factor}` (label × factor), or
@@ -53,8 +56,25 @@ class Outcome:
 
     @property
     def wrongly_stated(self) -> set[str]:
-        """Calibrated values of the structure that a variant stated wrongly."""
-        return {WRONG_STRUCTURE[name] for name in self.changed & set(WRONG_STRUCTURE)}
+        """Calibrated values that tell what a variant stated wrongly, as far as the channels show it.
+
+        Where nearly all of the stiffness is the specimen's, and in one channel, a frequency shows as its
+        stiffness, and a mass in one channel not at all.
+        """
+        wrong = {WRONG_STRUCTURE[name] for name in self.changed & set(WRONG_STRUCTURE)}
+        one_channel = self.label.observation in ONE_CHANNEL
+        if not one_channel and self.label.observation != Observation.FULL:
+            return set()
+        share = (self.label.structure or {}).get("experimental_fraction", 0.0)
+        if one_channel or share > _NEARLY_ALL:
+            wrong = {"stiffness" if value == "structure_frequency" else value for value in wrong}
+        return wrong - {"structure_mass"} if one_channel else wrong
+
+    @property
+    def told(self) -> bool:
+        """Whether all that was stated wrongly is told, or said to be one of two that no data tell apart."""
+        doubted = self._mentioned() if self.verdict == "not_identifiable" else set()
+        return self.wrongly_stated <= self.misstated | doubted
 
     @property
     def misstated(self) -> set[str]:

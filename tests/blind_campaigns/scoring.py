@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from blind_campaigns.case import Observation
 from blind_campaigns.kinds import Kind
 from blind_campaigns.labels import read_labels
 from blind_campaigns.outcomes import Names, Outcome, read_names, read_outcomes
@@ -101,11 +100,9 @@ def rates(outcomes: list[Outcome]) -> dict[str, dict[str, Any]]:
         ),
         "one channel named right": _figure(of_kind(outcomes, Kind.ONE_CHANNEL), lambda o: o.exact, 0.85),
     }
-    wrong = [o for o in quiet if o.wrongly_stated and o.label.observation == Observation.FULL]
+    wrong = [o for o in quiet if o.wrongly_stated]
     if wrong:
-        table["f, xi or mass stated wrongly, told"] = _figure(
-            wrong, lambda o: o.wrongly_stated <= o.misstated, 0.95
-        )
+        table["f, xi or mass stated wrongly, told"] = _figure(wrong, lambda o: o.told, 0.95)
     within = share(value >= 0.9 for value in closed)
     reached = within["share"] >= 0.95 if closed else None
     table["gap closed by 0.9 or more"] = {**within, "target": 0.95, "at_most": False, "reached": reached}

@@ -1,6 +1,7 @@
 """Scoring: a perfect product, a careless one, and the statistics themselves."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -154,3 +155,32 @@ def test_a_structure_that_is_stated_wrongly_is_told_by_the_calibrated_value(miss
     result = answer("no_missing_effect", changed=["mass"], misstated=misstated)
     figures = score([Outcome(label=label("none"), result=result)], NAMES)
     assert figures["rates"]["f, xi or mass stated wrongly, told"]["count"] == told
+
+
+@pytest.mark.parametrize(
+    ("changed", "observation", "share", "asked"),
+    [
+        ("frequency", "full", 0.5, {"structure_frequency"}),
+        ("frequency", "full", 1.0, {"stiffness"}),
+        ("frequency", "one_channel_rig", 0.5, {"stiffness"}),
+        ("mass", "full", 1.0, {"structure_mass"}),
+        ("mass", "one_channel_oscillator", 1.0, set()),
+        ("damping", "one_channel_oscillator", 1.0, {"structure_damping"}),
+        ("frequency", "specimen_only", 1.0, set()),
+    ],
+)
+def test_what_is_stated_wrongly_is_asked_for_where_the_channels_show_it(changed, observation, share, asked):
+    one = replace(label("none"), observation=observation, structure={"experimental_fraction": share})
+    silent = Outcome(label=one, result=answer("no_missing_effect", changed=[changed], misstated=[]))
+    assert silent.wrongly_stated == asked
+    assert silent.told is (not asked)
+    told = Outcome(label=one, result=answer("no_missing_effect", changed=[changed], misstated=[*asked]))
+    assert told.told
+
+
+@pytest.mark.parametrize(("verdict", "told"), [("not_identifiable", True), ("named", False)])
+def test_one_of_two_dampings_that_no_data_tell_apart_is_told_where_both_are_said(verdict, told):
+    one = replace(label("none"), observation="one_channel_oscillator", structure={})
+    result = answer(verdict, "viscous_damping", changed=["damping"], misstated=[])
+    result["effects"][0]["rivals"] = [{"name": "structure_damping"}]
+    assert Outcome(label=one, result=result).told is told

@@ -334,7 +334,7 @@ def test_a_plain_calibration_weighs_every_frequency_alike():
     models.null.noise = SimpleNamespace(density=lambda frequency: 3.0 + frequency, rate=100.0)
     models.problem.block = SimpleNamespace(rate=100.0)
     with patch("reliab.discrepancy.fitting.search.fit", lambda *given: given):
-        _problem, space, starts, noise = models.plain()
+        _problem, space, starts, noise = models.plain(models.null)
     assert (space, starts) == (models.null.space, [models.null.coordinates])
     assert noise.rate == 100.0
     assert noise.density(np.array([1.0, 49.0])) == pytest.approx(3.0 + 25.0)

@@ -7,10 +7,19 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.adding.adding import _sampled
+from reliab.discrepancy.blocks.calibration import structure_damping
 from reliab.discrepancy.naming.naming import or_stated_damping
 from reliab.discrepancy.result.diagnosis import Diagnosis, draw_gap, table_of_diagnosis
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Rival, remark, widened
+from reliab.discrepancy.result.missing_effect import (
+    Estimate,
+    MissingEffect,
+    Rival,
+    calibration,
+    remark,
+    widened,
+)
+from reliab.discrepancy.terms import StatedDamping
 from reliab.effects import find_effect
 from reliab.recordings import behaviour
 
@@ -111,6 +120,24 @@ def test_a_damper_may_be_a_damping_that_is_stated_wrongly_by_less_than_half(valu
     assert [rival.name for rival in found.rivals] == ["structure_damping"] * told
     assert or_stated_damping(damper, 0.0) is damper  # where a rig tells them apart
     assert or_stated_damping(missing(), 100.0).rivals == ()  # no damper
+
+
+def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_of_both_parts():
+    """0.99 of the stated damping, less 30 of 200 N·s/m; errors of both parts that cancel widen nothing."""
+    block = SimpleNamespace(
+        calibrations=(structure_damping(0.01, 0.03),), removable={StatedDamping: 200.0}, offsets=()
+    )
+    space = SimpleNamespace(
+        block=block, size=2, effects=(StatedDamping,), places=lambda _effect: slice(1, 2),
+        values=lambda x: np.array([1.0 + 0.01 * x[0], 100.0 * x[1]]),
+        standard_deviations=lambda _x, c: np.array([0.01, 100.0]) * np.sqrt(np.diag(c)),
+    )  # fmt: skip
+    covariance = np.array([[1.0, -0.02], [-0.02, 0.0004 + 1e-4]])
+    fitted = SimpleNamespace(space=space, coordinates=np.array([-1.0, -0.3]), covariance=covariance)
+    (told,) = calibration(fitted, restated=True)
+    assert (told.name, told.value) == ("structure_damping", pytest.approx(0.84))
+    assert told.sd == pytest.approx(0.005, rel=1e-3)
+    assert calibration(fitted)[0].value == pytest.approx(0.99)
 
 
 def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():

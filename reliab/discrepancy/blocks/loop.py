@@ -45,8 +45,8 @@ _DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
 _SKETCHED = 0.25  # of the rate of integration, for derivatives
 _FEWEST_SKETCHED = 30.0  # of their steps in a natural period
 _LOOSE = 0.2  # spread of a gain that no channel shows by itself
-_DAMPING = 0.025  # spread of 2ξω₀m with a frequency and a mass as they are stated
-_MOST_OF_DAMPING = 0.1  # a larger deviation is an effect
+_DAMPING = 0.01  # spread of 2ξω₀m with a frequency and a mass as they are stated
+_MOST_OF_DAMPING = 0.03  # a larger deviation is an effect: with it an added mass could not be told
 _OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 

@@ -126,13 +126,13 @@ class Search:
             self._errors[candidate] = left_out(self.problem, candidate)
         return self._errors[candidate]
 
-    def plain(self) -> Fit:
+    def plain(self, calibrated: Fit) -> Fit:
         """Calibrate by ordinary least squares, without a noise model, as a laboratory would."""
         variance = float(
             np.mean(self.null.noise.density(np.linspace(0.0, 0.5 * self.problem.block.rate, 99)))
         )
         white = NoiseModel.white(self.null.noise.rate, variance)
-        return fit(self.problem, self.null.space, [self.null.coordinates], white)
+        return fit(self.problem, calibrated.space, [calibrated.coordinates], white)
 
     @property
     def best(self) -> Fit:

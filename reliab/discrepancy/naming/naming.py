@@ -44,9 +44,11 @@ _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     """Draw the conclusions from the search of a block."""
-    problem, calibrated = search.problem, search.null
+    problem = search.problem
     ranked = ranking(search)
-    best, sure_effects, doubtful = believed(ranked, calibrated)
+    best, sure_effects, doubtful = believed(ranked, search.null)
+    restated = frozenset({StatedDamping}) & sure_effects  # a contradiction of what is stated, and no effect
+    calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
     structured = structured_share(*judged)
@@ -55,11 +57,12 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
     shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
     biases = [shift for shift in shifts if shift.probability >= SURE]
-    before = residuals(proof, search.plain(), without=[bias.effect for bias in biases])
+    before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
-    inside = [kind for kind in best.space.effects if not is_outside(kind)]
+    missing = [kind for kind in best.space.effects if kind not in restated]
+    inside = [kind for kind in missing if not is_outside(kind)]
     shown = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    proved = replace(shown, missing=bool(best.space.effects or biases))
+    proved = replace(shown, missing=bool(missing or biases))
     sure = [effect for kind in inside if kind in sure_effects for effect in naming.members(kind)]
     doubted = [effect for kind in inside if kind in doubtful for effect in naming.members(kind)]
     named = (*(effect for effect in sure if effect.probability >= SURE), *biases)
@@ -83,7 +86,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         gap=replace(proved, missing=bool(proved.missing or unknown)),
         structured_share=structured,
         leaves_noise=noise,
-        calibration=calibration(best),
+        calibration=calibration(best, restated=bool(restated)),
         further=expected_error(_as_recorded(search, best)),
     )
 

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.terms import StatedDamping
 from reliab.effects import Effect
 from reliab.renamed import renamed_method
 from reliab.significant import percent, significant
@@ -32,6 +34,8 @@ _TELLS = {
         "Slow cycles of the same amplitude leave the inertia out",
 }  # fmt: skip
 _OTHERWISE = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
+_DAMPING = "structure_damping"
+_STEP = 1e-4  # of a coordinate
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 
 
@@ -249,11 +253,14 @@ def widened(
     return tuple(wide)
 
 
-def calibration(fitted: Fit) -> tuple[Estimate, ...]:
-    """Calibrated values with their standard deviations."""
+def calibration(fitted: Fit, *, restated: bool = False) -> tuple[Estimate, ...]:
+    """Calibrated values with their standard deviations.
+
+    `restated`: a damping that is not the stated one is calibrated, not missing.
+    """
     values = fitted.space.values(fitted.coordinates)
     spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
-    return tuple(
+    calibrated = tuple(
         Estimate(
             name=c.parameter.name,
             value=float(values[k]),
@@ -263,3 +270,22 @@ def calibration(fitted: Fit) -> tuple[Estimate, ...]:
         )
         for k, c in enumerate(fitted.space.block.calibrations)
     )
+    if not restated:
+        return calibrated
+    return tuple(_restated(item, fitted) if item.name == _DAMPING else item for item in calibrated)
+
+
+def _restated(damping: Estimate, fitted: Fit) -> Estimate:
+    """Damping of the structure over the stated one, of the calibrated factor and the effect together."""
+    space = fitted.space
+    stated = space.block.removable[StatedDamping]
+    place = space.places(StatedDamping).start
+    factor = [c.parameter.name for c in space.block.calibrations].index(damping.name)
+
+    def whole(coordinates: Array) -> float:
+        values = space.values(coordinates)
+        return float(values[factor] + values[place] / stated)
+
+    value, steps = whole(fitted.coordinates), _STEP * np.eye(space.size)
+    slopes = np.array([whole(fitted.coordinates + step) - value for step in steps]) / _STEP
+    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fitted.covariance @ slopes)))
