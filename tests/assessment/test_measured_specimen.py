@@ -20,6 +20,8 @@ from reliab.assessment.measured_specimen.hysteresis import (
     SMOOTH_TRAITS,
     STRUT_TRAITS,
 )
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen
+from reliab.assessment.measured_specimen.members import Members
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -259,6 +261,30 @@ def test_elements_are_seen_as_the_channels_are() -> None:
     assert path.reach > path.every > 1
     assert path.seen(rows) == pytest.approx(path.thinned(expected), abs=1e-12)
     assert path.blocks.size == path.force_seen.size == path.seen(rows).shape[1]
+
+
+@pytest.mark.parametrize(("missed", "differ"), [(0.0, None), (0.03, 0.03)])
+def test_members_differ_by_what_their_family_misses(missed: float, differ: float | None) -> None:
+    """A spring that grows stiffer by a tenth in the course of the test."""
+    noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
+    force = _SINE * (1.0 + 0.1 * _TIMES / _TIMES[-1])
+    path = MeasuredPath(displacement=_SINE, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0)
+    specimen = LearnedSpecimen(
+        family="plain",
+        elements=_one(Kind.ELASTIC_PLASTIC, 1e6),
+        coefficients=np.array([1.05]),
+        held_out=0.03,
+        missed=missed,
+    )
+    members = Members(specimen=specimen, path=path, command=_SINE)
+    generator, wanted = np.random.default_rng(3), path.force_seen
+    drawn = generator.exponential(size=(200, path.blocks[-1] + 1))
+    forces = [members.member(counts, wanted, members.apart)[1] for counts in drawn]
+    assert members.apart >= 1.0
+    if differ is None:
+        assert members.apart == 1.0
+    else:
+        assert np.sqrt(np.mean(np.var(forces, axis=0))) / force.std() == pytest.approx(differ, rel=0.35)
 
 
 def _load() -> np.ndarray:
