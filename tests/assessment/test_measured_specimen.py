@@ -20,7 +20,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     SMOOTH_TRAITS,
     STRUT_TRAITS,
 )
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learned
 from reliab.assessment.measured_specimen.members import Members
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error import rebuild
@@ -285,6 +285,16 @@ def test_members_differ_by_what_their_family_misses(missed: float, differ: float
         assert members.apart == 1.0
     else:
         assert np.sqrt(np.mean(np.var(forces, axis=0))) / force.std() == pytest.approx(differ, rel=0.35)
+
+
+def test_a_stop_that_was_hardly_touched_is_not_learned() -> None:
+    """Its stiffness would be that of the noise over next to nothing, and the response diverge beyond it."""
+    noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
+    force = _SINE + np.where(_SINE > 2.9999, 1.0, 0.0)
+    path = MeasuredPath(displacement=_SINE, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0)
+    spring, stop = _one(Kind.ELASTIC_PLASTIC, 1e6), _one(Kind.GAP_ABOVE, 2.9999)
+    both = _learned(path, "gaps", spring.beside(stop), ())
+    assert both.elements.kinds.tolist() == [Kind.ELASTIC_PLASTIC]
 
 
 def _load() -> np.ndarray:

@@ -223,41 +223,38 @@ class LearnedTest:
         return np.asarray(commanded + max(1.0 + missed, _LEAST) * (felt - commanded))
 
     def work_of(
-        self,
-        specimen: LearnedSpecimen,
-        measured: Array,
-        response: Array,
-        *,
-        mass: float = 1.0,
-        off: float = 0.0,
+        self, specimen: LearnedSpecimen, measured: Array, response: Array, *, mass: float = 1.0
     ) -> float:
-        """Work done on a specimen along its exact response [J].
+        """Work done on a specimen along its exact response [J]; `mass` by which the force is divided.
 
         What a family misses accumulates along a path. Of the work that it misses along the measured path the
-        share that is no noise is missed along the exact one, too. `mass` by which the force is divided;
-        `off`: standard deviations, by which blocks of the test scatter, from that.
+        share that is no noise is missed along the exact one, too.
         """
+        along = float(scipy.integrate.trapezoid(self.force_of(specimen, response), response))
+        return along + float(np.sum(self._work_missed(specimen, measured, mass)))
+
+    def _work_missed(self, specimen: LearnedSpecimen, measured: Array, mass: float) -> Array:
+        """Work that is missed along the measured path and is no noise [J], block by block."""
         left = self.path.force / mass - self.force_of(specimen, measured)
         blocks = (np.arange(left.size) * (self.path.time_step / self.path.block)).astype(np.int64)
-        missed = np.bincount(blocks, left * np.gradient(measured))
         share = (specimen.missed / specimen.held_out) ** 2 if specimen.missed else 0.0
-        along = float(scipy.integrate.trapezoid(self.force_of(specimen, response), response))
-        return along + share * float(missed.sum() + off * np.linalg.norm(missed))
+        return share * np.bincount(blocks, left * np.gradient(measured))
 
     def exact_of_draws(
         self, differences: Array, unknown: Unknown, seed: int
     ) -> Iterator[tuple[Partition, Array, Array, float]]:
         """Structures, exact responses [m] and forces along them [N], both shape (1, n), and works [J].
 
-        Each force is off by what its family misses of held-out parts.
+        Each force is off by what its family misses of held-out parts, each work as blocks scatter.
         """
         chance = np.random.default_rng([seed, 2]).standard_normal(len(differences)).tolist()
+        scatter = float(np.linalg.norm(self._work_missed(self.learned[0], self.thin.measured, 1.0)))
         draws = self._drawn(differences, unknown, seed, carried=OF_FORCE, varied=True)
         for draw, off in zip(draws, chance, strict=True):
             force = self.force_of(draw.specimen, draw.response)
             force += off * draw.specimen.missed * float(np.std(force))
-            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=draw.mass, off=off)
-            yield draw.structure, draw.response[np.newaxis], force[np.newaxis], work
+            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=draw.mass)
+            yield draw.structure, draw.response[np.newaxis], force[np.newaxis], work + off * scatter
 
 
 def _deviation(specimen: LearnedSpecimen) -> float:

@@ -27,6 +27,7 @@ _AS_WELL = 1.01  # times what the best family leaves unexplained, up to which a 
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
+_UNSEEN = 1e-3  # of the largest displacement, up to which nothing is known of an element that moved so far
 _REFINED = ("plain", "gaps", "smooth", "memory", "all")
 
 
@@ -100,6 +101,7 @@ def _learned(
     wanted = path.force_seen
     seen = path.responses(elements)
     distinct = _distinct(seen)
+    distinct = distinct[np.abs(seen[distinct]).max(axis=1) > _UNSEEN * path.largest]
     elements, seen = elements.only(distinct), seen[distinct]
     coefficients = fit(seen, wanted)
     sizes = np.sqrt(np.mean(seen**2, axis=1) / np.mean(wanted**2))
