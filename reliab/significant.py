@@ -33,3 +33,12 @@ def percent_with_interval(value: float, low: float, high: float) -> str:
     '2.28 % (0.42 to 4.83 %)'
     """
     return f"{percent(value, decimals=2)} ({PERCENT * low:.2f} to {percent(high, decimals=2)})"
+
+
+def counted(number: int, noun: str) -> str:
+    """Write how many there are of a thing whose plural ends in s.
+
+    >>> counted(1, "test"), counted(12, "test")
+    ('1 test', '12 tests')
+    """
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from reliab.cli.output import console
-from reliab.significant import percent, percent_with_interval, significant
+from reliab.significant import counted, percent, percent_with_interval, significant
 from reliab.vocabulary import Metric
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
@@ -103,8 +103,6 @@ def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:
 
 def _hidden(warnings: int, notes: int) -> str:
     counts = [
-        f"{count} {word}{'s' if count > 1 else ''}"
-        for count, word in ((warnings, "further warning"), (notes, "note"))
-        if count
+        counted(count, word) for count, word in ((warnings, "further warning"), (notes, "note")) if count
     ]
     return f"For all results{', with ' if counts else ''}{' and '.join(counts)}, add --details."

@@ -15,6 +15,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.significant import significant
 
 _STEPS = 50
 _CONVERGED = 1e-12
@@ -89,7 +90,7 @@ class PlanarGeometry:
                 return found
         raise InputError(
             "Extensions of the actuators must be possible with their geometry",
-            value=f"up to {np.abs(extensions).max():.3g} m",
+            value=f"up to {significant(float(np.abs(extensions).max()))} m",
             remedy="Check pins and directions of [kinematics.geometry], and the unit of the channels",
         )
 

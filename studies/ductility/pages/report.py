@@ -20,7 +20,7 @@ from reliab.report import (
     values,
 )
 from reliab.report.prose import prose
-from reliab.significant import percent
+from reliab.significant import counted, percent
 from reliab.vocabulary import PERCENT
 
 from .. import FARTHEST
@@ -71,10 +71,10 @@ def ductility_report(
         kind="Tolerance and ductility",
         title=title,
         verdict=prose(
-            "Of {tests} tests with nonlinear specimens, {narrower} tolerate less delay or amplitude error "
+            "Of {tests} with a nonlinear specimen, {narrower} tolerate less delay or amplitude error "
             "in some direction than the linear test under the same ground motion: a linear specimen is "
             "{worst}.",
-            tests=int(overall["tests"].sum()),
+            tests=counted(int(overall["tests"].sum()), "test"),
             narrower=percent(narrower),
             worst="the worst case of all of them" if narrower == 0.0 else "not the worst case",
         ),

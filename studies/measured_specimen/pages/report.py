@@ -18,7 +18,7 @@ from reliab.report import (
     provenance_of,
 )
 from reliab.report.prose import prose
-from reliab.significant import percent
+from reliab.significant import counted, percent
 from reliab.vocabulary import PERCENT
 
 from ..pages.ratios import ratios_by_family
@@ -63,9 +63,9 @@ def measured_specimen_report(
         kind="Specimens known by their force",
         title=title,
         verdict=prose(
-            "Of {tests} tests the computed error lies within 10 % of the true one in {near}, and within 25 % "
+            "Of {tests} the computed error lies within 10 % of the true one in {near}, and within 25 % "
             "in {wide}; the 90 % interval holds it in {held}.",
-            tests=int(overall["tests"]),
+            tests=counted(int(overall["tests"]), "test"),
             near=percent(float(overall["near"]), decimals=0),
             wide=percent(float(overall["wide"]), decimals=0),
             held=percent(float(overall["held"]), decimals=0),

@@ -20,7 +20,7 @@ from reliab.report import (
     spelled_out,
 )
 from reliab.report.prose import prose
-from reliab.significant import percent
+from reliab.significant import counted, percent
 from reliab.vocabulary import PERCENT
 
 from ..outcomes import NOMINAL, summary
@@ -132,12 +132,12 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     return prose(
         "Tests of the nominal plant stay below {threshold}: {kept}. The error rebuilt from a test alone "
         "differs from the true one by at most {off}, and is on the same side of {threshold} in {agree} of "
-        "{tests} tests.",
+        "{tests}.",
         threshold=percent(threshold),
         kept=", ".join(below),
         off=percent(off, 2),
         agree=agree,
-        tests=len(judged),
+        tests=counted(len(judged), "test"),
     )
 
 

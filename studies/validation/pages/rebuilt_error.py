@@ -6,7 +6,7 @@ import pandas as pd
 
 from reliab.report import Column, Figure, Fixed, Paragraph, Prose, Section, Table, Whole
 from reliab.report.prose import prose
-from reliab.significant import percent
+from reliab.significant import counted, percent
 from reliab.validation.rebuilt_error_study import (
     LINEAR,
     OWN_BOUNDARY,
@@ -86,13 +86,13 @@ def _population(tests: pd.DataFrame) -> Paragraph:
     structures = accepted[["f", "xi", "alpha"]].drop_duplicates()
     return Paragraph(
         text=prose(
-            "The numbers on linear specimens are those of {n} tests: {rigs} actuators under {motions} "
-            "motions, on {structures}, with true errors of {least} to {most}. They hold for tests like "
+            "The numbers on linear specimens are those of {n}: {rigs} under {motions}, "
+            "on {structures}, with true errors of {least} to {most}. They hold for tests like "
             "these: larger errors give narrower ratios of stated to true error. Those of another series, in "
             "a laboratory of its own, stand in datasets/rebuilt_error.",
-            n=len(accepted),
-            rigs=accepted["rig"].nunique(),
-            motions=accepted["motion"].nunique(),
+            n=counted(len(accepted), "test"),
+            rigs=counted(accepted["rig"].nunique(), "actuator"),
+            motions=counted(accepted["motion"].nunique(), "motion"),
             structures=", ".join(
                 f"a structure of {f:g} Hz and {percent(xi)} damping (α = {alpha:g})"
                 for f, xi, alpha in structures.itertuples(index=False)

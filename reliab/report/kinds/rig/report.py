@@ -12,7 +12,7 @@ from reliab.report.kinds.assessment.error import quantities_table
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.rig import FALSE_ALARMS, DriftChart, Plan, Prediction, RigTable, drift_chart
-from reliab.significant import percent, significant
+from reliab.significant import counted, percent, significant
 from reliab.structures import Structure
 from reliab.vocabulary import PERCENT
 
@@ -76,7 +76,7 @@ def _verdict(table: RigTable, prediction: Prediction) -> Prose:
 
 def _facts(table: RigTable, prediction: Prediction, structure: Structure | None) -> dict[str, Prose]:
     days = [day[:_DAY] for day in table.moments]
-    learned = f"{prediction.tests} tests of {prediction.earthquakes} earthquakes"
+    learned = f"{counted(prediction.tests, 'test')} of {counted(prediction.earthquakes, 'earthquake')}"
     facts: dict[str, Prose] = {
         "Tests": f"{len(table)}, from {days[0]} to {days[-1]}",
         "Learned from": learned + ("" if table.dated else "; dates are not stated for all tests"),
