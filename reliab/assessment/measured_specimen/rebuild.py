@@ -60,7 +60,7 @@ _PER_PERIOD = 100.0
 _FORESEEN = 0.01  # of a displacement, that the specimen's force at the end of a step may move at most
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
-_MISSED = 0.3  # of the force on held-out parts, above which a specimen is not learned
+_MISSED = 0.15  # of the force on held-out parts, above which a specimen is not learned
 _PASSED = 0.27  # of the rate of simulation, up to which a filter passes
 
 
