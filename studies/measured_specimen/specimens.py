@@ -196,6 +196,46 @@ def _mr_damper(x: float, moved: float, rate: float, step: float, s: Array, p: Ar
     return float(0.5 * x + s[2])
 
 
+@compiled
+def _hinged_strut(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
+    """Pin-ended strut with a plastic hinge at midspan, which bows out (Ikeda and Mahin 1986).
+
+    Axial displacement P + u − (d² − d₀²), in deflections d of which one shortens by a yield displacement;
+    elastic deflections grow by 1/(1 + P/p[0]) towards Euler's load, and the moment |P| d stays below that of
+    the hinge, p[1] (1 − |P|). s[0]: deflection without a load, s[1]: plastic elongation u.
+    """
+    euler, hinge, bow = p[0], p[1], p[2]
+    if s[2] == 0.0:
+        s[0], s[2] = bow, 1.0
+    least, most = -0.9999 * euler, 1.0
+    for _ in range(45):
+        force = 0.5 * (least + most)
+        deflection = s[0] / (1.0 + force / euler)
+        if force + s[1] - (deflection**2 - bow**2) < x:
+            least = force
+        else:
+            most = force
+    force = 0.5 * (least + most)
+    deflection = s[0] / (1.0 + force / euler)
+    if abs(force) * deflection <= hinge * (1.0 - abs(force)):
+        return force
+    way = 1.0 if force > 0.0 else -1.0
+    least, most = 0.0, 50.0
+    for _ in range(50):
+        deflection = 0.5 * (least + most)
+        force = way * hinge / (deflection + hinge)
+        if force + s[1] - (deflection**2 - bow**2) > x:
+            least = deflection
+        else:
+            most = deflection
+    force = max(way * hinge / (deflection + hinge), -0.9999 * euler)
+    s[0] = max(deflection * (1.0 + force / euler), bow)  # which is never pulled out
+    if way > 0.0:
+        force = min(force, hinge / (s[0] / (1.0 + force / euler) + hinge))
+        s[1] = max(s[1], x - force + (s[0] / (1.0 + force / euler)) ** 2 - bow**2)
+    return force
+
+
 (
     _LINEAR,
     _CUBIC,
@@ -210,7 +250,8 @@ def _mr_damper(x: float, moved: float, rate: float, step: float, s: Array, p: Ar
     _RUBBER,
     _RAMBERG,
     _MR,
-) = range(13)
+    _STRUT,
+) = range(14)
 
 
 @compiled
@@ -240,6 +281,8 @@ def resist(  # noqa: C901, PLR0911 - one branch for each law
         return _ramberg_osgood(x, moved, rate, step, s, p)
     if law == _MR:
         return _mr_damper(x, moved, rate, step, s, p)
+    if law == _STRUT:
+        return _hinged_strut(x, moved, rate, step, s, p)
     return _cubic(x, moved, rate, step, s, p)
 
 
@@ -272,6 +315,10 @@ FAMILIES: Final[Mapping[str, tuple[int, Callable[[np.random.Generator], list[flo
     "MR damper": (
         _MR,
         lambda draw: [draw.uniform(0.3, 1.2), draw.uniform(0.02, 0.1), draw.uniform(0.1, 0.5)],
+    ),
+    "hinged strut": (
+        _STRUT,
+        lambda draw: [draw.uniform(0.5, 1.5), draw.uniform(0.3, 0.7), draw.uniform(0.04, 0.1)],
     ),
 }
 """Families of specimens: their law, and how their parameters are drawn."""
