@@ -1,5 +1,6 @@
 """The terms that are tried in each block."""
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar
@@ -208,7 +209,7 @@ def _stopped(motion: Numbers, _time: float, _step: float, coefficients: Numbers,
     beyond = abs(motion[0]) / coefficients[1] - 1.0
     if beyond <= 0.0:
         return 0.0
-    force = coefficients[0] * coefficients[1] * beyond ** coefficients[2]
+    force = coefficients[0] * coefficients[1] * math.pow(beyond, coefficients[2])
     return force if motion[0] > 0.0 else -force
 
 
