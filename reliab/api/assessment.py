@@ -37,7 +37,7 @@ from reliab.vocabulary import Metric
 if TYPE_CHECKING:
     from reliab.assessment import Assessments, CoupledAssessment, ForceChannel, FrameAssessment
     from reliab.motions import Motion
-    from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+    from reliab.simulation.frames import FrameUnderTest
     from reliab.simulation.hybrid_test import UpdatedModel
 
 _ALL_TESTS = "all"
@@ -106,22 +106,18 @@ def assess(  # type: ignore[overload-overlap]  # a text is one file
 @overload
 def assess(  # type: ignore[overload-overlap]
     test: Test, structure: "FrameUnderTest | str | Path", **stated: Unpack[Stated]
-) -> "FrameAssessment": ...
-@overload
-def assess(  # type: ignore[overload-overlap]
-    test: Test, structure: "CoupledFrame", **stated: Unpack[Stated]
-) -> "CoupledAssessment": ...
+) -> "FrameAssessment": ...  # with several actuators a CoupledAssessment
 @overload
 def assess(
     test: Iterable[Test],
-    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None" = None,
+    structure: "Structure | FrameUnderTest | str | Path | None" = None,
     **stated: Unpack[Stated],
 ) -> "Assessments": ...
 
 
 def assess(
     test: "Test | Iterable[Test]",
-    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None" = None,
+    structure: "Structure | FrameUnderTest | str | Path | None" = None,
     *,
     f: Quantity | None = None,
     xi: Quantity | None = None,
@@ -163,7 +159,7 @@ def assess(
     test : str, pathlib.Path, pandas.DataFrame or Recording, or several of them
         The test, its file, a data frame with a history in each column, or the name of one that ships
         ("sample_test").
-    structure : Structure, FrameUnderTest, CoupledFrame, str or pathlib.Path, optional
+    structure : Structure, FrameUnderTest, str or pathlib.Path, optional
         The structure under test, in place of `f`, `xi` and `alpha`; or a frame with its part in the
         laboratory, which one actuator drives or several, or the file of one.
     f, xi, alpha : float, str or StatedValue, optional
@@ -306,7 +302,7 @@ class _Terms:
     filters: Mapping[str, LowPass]
     equipment: str | Path | Equipment | None
     exact: bool
-    structure: "Structure | FrameUnderTest | CoupledFrame | str | Path | None"
+    structure: "Structure | FrameUnderTest | str | Path | None"
     motion: "str | Path | Motion | None"
     criterion: str | Path | Criterion | None
     model: "str | Path | UpdatedModel | None"
@@ -415,9 +411,9 @@ class _Terms:
 
         return ForceChannel.parse(self.force_channel)
 
-    def _judge_of_frames(self, structure: "FrameUnderTest | CoupledFrame | str | Path") -> Judge:
+    def _judge_of_frames(self, structure: "FrameUnderTest | str | Path") -> Judge:
         from reliab.assessment import assess_frame
-        from reliab.simulation.frames import CoupledFrame, read_structure
+        from reliab.simulation.frames import read_structure
 
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
@@ -431,7 +427,7 @@ class _Terms:
                 )
         measured, of_force = self._specimen_is_measured(), self._channel_of_force()
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-        if isinstance(frame, CoupledFrame):
+        if frame.several:
             return self._judge_of_several_actuators(frame)
         criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
         motion = self._own_motion()
@@ -457,7 +453,7 @@ class _Terms:
 
         return judge
 
-    def _judge_of_several_actuators(self, frame: "CoupledFrame") -> Judge:
+    def _judge_of_several_actuators(self, frame: "FrameUnderTest") -> Judge:
         from reliab.assessment import assess_coupled
 
         for name in ("skew", "command_scale", "hysteresis"):

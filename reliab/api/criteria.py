@@ -41,7 +41,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation.frames import CoupledFrame, read_structure
+from reliab.simulation.frames import read_structure
 from reliab.sweep import (
     Names,
     Numbers,
@@ -397,7 +397,7 @@ class _Question:
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
-        if isinstance(frame, CoupledFrame) and self.of_source["actuator"] is None:
+        if frame.several and self.of_source["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
                 limits = limits_of_coupling(
                     frame,

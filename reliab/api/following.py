@@ -46,7 +46,7 @@ from reliab.recordings import (
 )
 from reliab.shipped import or_shipped
 from reliab.significant import percent, significant
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest, governing_mode, read_structure
+from reliab.simulation.frames import FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure, whole_structure
@@ -269,7 +269,7 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
     `measured`: whether its specimen is learned from its force.
     """
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-    if isinstance(frame, CoupledFrame):
+    if frame.several:
         raise InputError(
             "A test with several actuators is followed inside the loop, not beside it",
             value=f"{frame.partition.degrees} actuators",

@@ -10,7 +10,7 @@ from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest, read_structure
+from reliab.simulation.frames import FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
@@ -195,9 +195,9 @@ class _Structure:
         )
 
 
-def _of_frame(frame: FrameUnderTest | CoupledFrame, where: str) -> tuple[Partition, Array | None]:
+def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
-    if isinstance(frame, CoupledFrame):
+    if frame.several:
         if frame.geometry is not None and not frame.channels_at_interface:
             raise InputError(
                 "A monitor in a loop carries actuators to the interface by a matrix",

@@ -15,7 +15,7 @@ from reliab.assessment.rebuilt_error.spread import LEVEL
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import CoupledRecording
 from reliab.significant import percent, percent_with_interval
-from reliab.simulation.frames import CoupledFrame
+from reliab.simulation.frames import FrameUnderTest
 from reliab.structures import CoupledLimit, is_part
 from reliab.vocabulary import MILLI, Metric
 
@@ -37,7 +37,7 @@ class CoupledAssessment:
     ----------
     recording : CoupledRecording
         The test.
-    frame : CoupledFrame
+    frame : FrameUnderTest
         The frame and its actuators.
     error : CoupledError
         The error of each interface displacement, from the test alone.
@@ -62,7 +62,7 @@ class CoupledAssessment:
     """
 
     recording: CoupledRecording
-    frame: CoupledFrame
+    frame: FrameUnderTest
     error: CoupledError
     metric: Metric
     threshold: float

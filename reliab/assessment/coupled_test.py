@@ -31,7 +31,7 @@ from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent, significant
-from reliab.simulation.frames import CoupledFrame
+from reliab.simulation.frames import FrameUnderTest
 from reliab.stated_value import StatedValue
 from reliab.structures import CoupledLimit, Partition, Structure, coupled_limit, is_part
 from reliab.vocabulary import MILLI, Metric
@@ -43,7 +43,7 @@ _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel ca
 
 def assess_coupled(
     recording: CoupledRecording,
-    frame: CoupledFrame,
+    frame: FrameUnderTest,
     *,
     threshold: float = 0.05,
     metric: Metric = Metric.RMS,
@@ -146,7 +146,7 @@ def _limit(partition: Partition, gains: Array) -> _Limit:
         return {"limit": coupled_limit(partition), "limit_of_gains": False}
 
 
-def _in_order(recording: CoupledRecording, frame: CoupledFrame) -> CoupledRecording:
+def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
     """Put channels that have the names of the degrees of freedom into their order."""
     names, numbers = frame.partition.names, recording.actuators
     if len(numbers) != len(names):
@@ -169,12 +169,12 @@ def _most_moved(recording: CoupledRecording) -> int:
     return int(np.argmax(np.ptp(recording.command, axis=1)))
 
 
-def _slowest(frame: CoupledFrame) -> float:
+def _slowest(frame: FrameUnderTest) -> float:
     return float(frame.partition.natural_frequencies[0])
 
 
 def _without_faults(
-    recording: CoupledRecording, frame: CoupledFrame, threshold: float
+    recording: CoupledRecording, frame: FrameUnderTest, threshold: float
 ) -> tuple[CoupledRecording, tuple[tuple[str, Fault], ...]]:
     """Repair what the loop cannot have felt, and name all faults; channels that hardly move have none."""
     command, measured = recording.command.copy(), recording.measured.copy()
@@ -200,7 +200,7 @@ def _without_faults(
     return replace(recording, command=command, measured=measured), tuple(faults)
 
 
-def _lowest_mode(frame: CoupledFrame) -> Structure:
+def _lowest_mode(frame: FrameUnderTest) -> Structure:
     """Lowest mode, whose share of the specimen stands for that of the structure."""
     frequency, ratio, _ = frame.partition.modes
     return Structure(

@@ -15,7 +15,6 @@ from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation import Excitation
 from reliab.simulation.frames import (
-    CoupledFrame,
     CoupledLoop,
     FrameLoop,
     FrameUnderTest,
@@ -44,7 +43,7 @@ class FrameRequest:
     """
 
     # The partitioned frame, with a linear specimen, and the response whose error counts
-    frame: FrameUnderTest | CoupledFrame
+    frame: FrameUnderTest
     actuator: int | None = None  # Number of the one that errs, from 1; None where all err alike
     thresholds: tuple[float, ...] = (0.05,)  # Errors on the boundary [-]
     metrics: tuple[Metric, ...] = (Metric.RMS,)  # RMS^R, MTE^R or both
@@ -53,7 +52,7 @@ class FrameRequest:
     window: Window = field(default_factory=Window)  # Part of the record over which the error is computed
 
     def __post_init__(self) -> None:
-        if isinstance(self.frame, CoupledFrame):
+        if self.frame.several:
             delay = coupled_limit(self.frame.partition).delay
             actuators = self.frame.partition.degrees
         else:
@@ -103,7 +102,7 @@ def trace_frame_ellipses(
             "window": request.window.label,
             "experimental_fraction": mode.experimental_fraction,
             "frame": frame.name,
-            "error_of": _WORST if isinstance(frame, CoupledFrame) else frame.error_of,
+            "error_of": _WORST if frame.several else frame.error_of,
             "erring_actuator": "all alike" if request.actuator is None else request.actuator,
         },
         error_at_rest=np.array(errors_at_rest),
@@ -112,7 +111,7 @@ def trace_frame_ellipses(
 
 def _loop(request: FrameRequest, excitation: Excitation) -> FrameLoop | CoupledLoop:
     frame = request.frame
-    if isinstance(frame, CoupledFrame):
+    if frame.several:
         return CoupledLoop(
             excitation=excitation,
             partition=frame.partition,

@@ -17,7 +17,6 @@ from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation import Excitation
 from reliab.simulation.frames import (
-    CoupledFrame,
     CoupledLoop,
     FrameUnderTest,
     rig_response,
@@ -38,7 +37,7 @@ LARGEST_ERROR = 10.0
 
 
 def limits_of_coupling(
-    frame: CoupledFrame,
+    frame: FrameUnderTest,
     motions: Sequence[Motion],
     *,
     threshold: float,
@@ -77,7 +76,7 @@ def _limit_of_coupling(loop: CoupledLoop, threshold: float, metric: Metric, side
 
 
 def errors_of_rig(
-    frame: FrameUnderTest | CoupledFrame,
+    frame: FrameUnderTest,
     motions: Sequence[Motion],
     *,
     window: Window,
@@ -99,7 +98,7 @@ def errors_of_rig(
             value="no [transfer_system]",
             remedy="Describe it in the file of the frame",
         )
-    if isinstance(frame, FrameUnderTest) and frame.partition.effects:
+    if frame.partition.effects:
         raise InputError(
             "The error of a described rig is computed for a linear specimen",
             value=", ".join(effect.name for effect in frame.partition.effects),
@@ -119,14 +118,14 @@ _ErrorsAndIndices = tuple[float, float, float, float]
 """RMS^R, MTE^R and A [-], d [ms]."""
 
 
-def _stable(frame: FrameUnderTest | CoupledFrame) -> bool:
-    if isinstance(frame, CoupledFrame):
+def _stable(frame: FrameUnderTest) -> bool:
+    if frame.several:
         return stable_with_several(frame.partition, cast("ActuatorMatrix", frame.transfer_system))
     return stable_with(frame.partition, cast("TransferSystem", frame.transfer_system))
 
 
-def _tried(frame: FrameUnderTest | CoupledFrame, excitation: Excitation) -> _ErrorsAndIndices:
-    if isinstance(frame, CoupledFrame):
+def _tried(frame: FrameUnderTest, excitation: Excitation) -> _ErrorsAndIndices:
+    if frame.several:
         return _tried_several(frame, excitation)
     rig = cast("TransferSystem", frame.transfer_system)
     test = rig_response(excitation, frame.partition, rig, frame.output)
@@ -135,7 +134,7 @@ def _tried(frame: FrameUnderTest | CoupledFrame, excitation: Excitation) -> _Err
     return rms, mte, index.amplitude, MILLI * index.equivalent_delay
 
 
-def _tried_several(frame: CoupledFrame, excitation: Excitation) -> _ErrorsAndIndices:
+def _tried_several(frame: FrameUnderTest, excitation: Excitation) -> _ErrorsAndIndices:
     loop = CoupledLoop(excitation=excitation, partition=frame.partition, kinematics=frame.kinematics)
     command, measured, step = loop.response(cast("ActuatorMatrix", frame.transfer_system))
     judged = np.flatnonzero(loop.judged)

@@ -15,7 +15,7 @@ from reliab.errors import InputError
 from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
-from reliab.simulation.frames import CoupledFrame, coupled_response, read_frame, read_structure
+from reliab.simulation.frames import FrameUnderTest, coupled_response, read_frame, read_structure
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
@@ -129,7 +129,7 @@ BAD = pytest.mark.parametrize(
         ("[1.0, -0.25]", "[1.0, 0.25]", "must not be singular"),
         ("    [1.0, -0.25],", "    [1.0, -0.25],\n    [1.0, 0.0],", "more actuators than degrees"),
         ("[1.4e6, -3.0e5]", "[9.4e6, -3.0e5]", "must be part of the frame"),
-        ('["x", "theta"]\n# Rows', '["x", "y"]\n# Rows', "must be one of the frame"),
+        ('["x", "theta"]\n# Rows', '["x", "y"]\n# Rows', "must be one of the structure"),
         ("    [-4.0e5, 9.0e5, 2.0e5],\n", "    [-4.0e5, 9.0e5],\n", "rows of a matrix"),
     ],
 )
@@ -222,7 +222,9 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
     command, measured = kinematics @ run.command, kinematics @ run.measured
     offset = np.array([[0.2 * np.abs(command[0]).max()], [0.0]])
     answer = kinematics @ partition.static_transfer @ np.linalg.solve(kinematics, offset)
-    frame = CoupledFrame(name="", partition=partition, kinematics=kinematics, channels_at_interface=False)
+    frame = FrameUnderTest(
+        several=True, name="", partition=partition, kinematics=kinematics, channels_at_interface=False
+    )
     for felt in (True, False):
         recording = CoupledRecording(
             command=command - felt * answer, measured=measured - felt * answer + offset, time_step=STEP
@@ -242,8 +244,12 @@ def test_actuators_that_move_alike_keep_gains_near_one():
         measured=actuators.kinematics @ run.measured,
         time_step=STEP,
     )
-    frame = CoupledFrame(
-        name="", partition=partition, kinematics=actuators.kinematics, channels_at_interface=False
+    frame = FrameUnderTest(
+        several=True,
+        name="",
+        partition=partition,
+        kinematics=actuators.kinematics,
+        channels_at_interface=False,
     )
     found = assess_coupled(recording, frame)
     np.testing.assert_allclose(found.error.parts.gain, np.eye(3), atol=0.2)

@@ -10,7 +10,7 @@ from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.coupled_test import assess_coupled
 from reliab.assessment.frame_test import assess_frame
 from reliab.recordings import CoupledRecording, Recording
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+from reliab.simulation.frames import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
@@ -140,7 +140,8 @@ def test_several_actuators_have_the_same_tolerances(case):
     )
     found = assess_coupled(
         several,
-        CoupledFrame(
+        FrameUnderTest(
+            several=True,
             name="two",
             partition=partition,
             kinematics=np.eye(1),

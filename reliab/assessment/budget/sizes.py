@@ -14,7 +14,7 @@ from reliab.structures import Structure, is_part
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
-    from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+    from reliab.simulation.frames import FrameUnderTest
 
 
 class Source(StrEnum):
@@ -97,7 +97,7 @@ def sizes_of_unknown(
     return sizes
 
 
-def sizes_of_structure(frame: "FrameUnderTest | CoupledFrame") -> dict[str, Size]:
+def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
     """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e.
 
     Where parts of the structure are stated, nothing is assumed of the whole beside them.

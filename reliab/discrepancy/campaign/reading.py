@@ -37,7 +37,7 @@ from reliab.received import named_within
 from reliab.recordings import ChannelTables, StatedChannels, stated_by_tables
 from reliab.shipped import shipped
 from reliab.simulation import Actuator
-from reliab.simulation.frames import frame_of_tables
+from reliab.simulation.frames import frame_of_tables, with_one_actuator
 from reliab.structures import Partition, Specimen, Structure
 
 CAMPAIGN_FILE = "campaign.toml"
@@ -260,7 +260,7 @@ def _as_partition(table: FrameTables, described: CampaignDescription) -> Partiti
             remedy="Leave [specimen] out",
             where=CAMPAIGN_FILE,
         )
-    partition = frame_of_tables(table.model_dump(), CAMPAIGN_FILE).partition
+    partition = with_one_actuator(frame_of_tables(table.model_dump(), CAMPAIGN_FILE), CAMPAIGN_FILE).partition
     if partition.effects:
         raise InputError(
             "The nominal specimen of a campaign must be linear; a diagnosis finds its nonlinear effects",

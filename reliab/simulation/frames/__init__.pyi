@@ -1,8 +1,4 @@
 from .coupled_deviation import CoupledLoop as CoupledLoop, stable_with_several as stable_with_several
-from .coupled_file import (
-    CoupledFrame as CoupledFrame,
-    read_structure as read_structure,
-)
 from .coupled_loop import (
     CoupledResponse as CoupledResponse,
     coupled_response as coupled_response,
@@ -13,6 +9,8 @@ from .frame_file import (
     FrameUnderTest as FrameUnderTest,
     frame_of_tables as frame_of_tables,
     read_frame as read_frame,
+    read_structure as read_structure,
+    with_one_actuator as with_one_actuator,
 )
 from .frame_loop import FrameLoop as FrameLoop, governing_mode as governing_mode
 from .rig_loop import rig_response as rig_response, stable_with as stable_with

@@ -1,25 +1,25 @@
 """The tables of `frame.toml` for a specimen of several degrees of freedom, and what they describe."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 import scipy
 from pydantic import Field, model_validator
 
 from reliab.arrays import Array
+from reliab.effects import Effect
 from reliab.errors import InputError
 from reliab.simulation.frames.frame_tables import (
     DampingTable,
-    ErrorTable,
-    FrameTable,
+    FrameDescription,
     Row,
     TransferTable,
     matrix_of_rows,
 )
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
-from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
+from reliab.simulation.frames.tolerances_table import DescribedTable
 from reliab.structures import condensed
-from reliab.structures.frames import rayleigh_damping
+from reliab.structures.frames import place_of, rayleigh_damping
 
 Matrix = tuple[Row, ...]
 
@@ -56,21 +56,14 @@ class CoupledSpecimenTable(DescribedTable):
     def interface(self, names: tuple[str, ...]) -> tuple[Array, tuple[str, ...]]:
         """Γ and the names of the interface displacements, of a frame with named degrees of freedom."""
         if self.directions is not None:
-            rows = matrix_of_rows(self.directions)
-            if rows.shape[1] != len(names):
-                raise InputError(f"A direction needs {len(names)} numbers", value=rows.shape[1])
-            return rows.T, self.names
+            return matrix_of_rows(self.directions).T, self.names
         driven = [str(name) for name in self.degrees_of_freedom or ()]
         interface = np.zeros((len(names), len(driven)))
         for place, name in enumerate(driven):
-            if name not in names:
-                raise InputError(
-                    "A degree of freedom of the specimen must be one of the frame",
-                    value=repr(name),
-                    remedy=f"Name one of {', '.join(names)}",
-                )
-            interface[names.index(name), place] = 1.0
+            interface[place_of(names, name), place] = 1.0
         return interface, self.names or tuple(driven)
+
+    acting: ClassVar[tuple[Effect, ...]] = ()  # What it does beyond its matrices
 
     def matrices(self, degrees: int) -> tuple[Array, Array, Array]:
         """K_e, C_e and M_e of the driven degrees of freedom."""
@@ -165,22 +158,16 @@ class TransferMatrixTable(DescribedTable):
     )
 
 
-class CoupledDescription(DescribedTable):
+class CoupledDescription(FrameDescription):
     """A structure whose specimen is driven at several degrees of freedom."""
 
-    name: str = Field(default="frame", description="Free text")
-    kind: Literal["frame"] = Field(default="frame", description="What the file describes")
-    frame: FrameTable = Field(description="Mass and stiffness")
-    damping: DampingTable = Field(description="Damping")
-    specimen: CoupledSpecimenTable = Field(description="Specimen and interface")
+    specimen: CoupledSpecimenTable = Field(  # type: ignore[assignment]  # of a structure with one actuator
+        description="Specimen and interface"
+    )
     kinematics: KinematicsTable | None = Field(
         default=None, description="Actuators; without it each degree of freedom has its own"
     )
-    error: ErrorTable = Field(default=ErrorTable(), description="Whose error counts: the interface’s")
-    tolerances: TolerancesTable = Field(
-        default=TolerancesTable(), description="How exactly the structure is known"
-    )
-    transfer_system: TransferMatrixTable | TransferTable | None = Field(
+    transfer_system: TransferMatrixTable | TransferTable | None = Field(  # type: ignore[assignment]  # likewise
         default=None, description="The rig: a matrix, or one transfer function that all actuators have"
     )
 

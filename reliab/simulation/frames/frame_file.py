@@ -62,6 +62,31 @@ One set of tables describes every structure::
     delay_ms = 1.5                           # optional: pure delay beside each of these
     # or [transfer_system.servo_hydraulic], the plant of the benchmark: input_gain, valve_gain,
     #   piston_coupling_n_per_m, leakage_per_s, valve_damping_per_s, valve_stiffness_per_s2, each optional
+
+With several actuators ::
+
+    [frame]
+    names = ["x", "theta", "roof"]
+    mass_matrix_kg = "M.csv"                  # a file beside this one, or rows; a degree of freedom may be
+    stiffness_matrix_n_per_m = "K.csv"        #   without mass
+
+    [specimen]
+    degrees_of_freedom = ["x", "theta"]       # driven; or directions = [[1, 0, 0], [0, 1, 0]] with names
+    stiffness_matrix_n_per_m = [[4.9e6, -1.6e6], [-1.6e6, 1.3e6]]   # rotations: N·m and N; or a larger
+    damping_matrix_n_s_per_m = "C_e.csv"      #   matrix, whose further rows are condensed statically
+    mass_matrix_kg = [[8.5, 0.0], [0.0, 0.9]]
+    part_of_structure = false                 # the matrices of the frame do not hold the specimen
+
+    [kinematics]                              # optional
+    matrix = [[1.0, 0.127], [1.0, -0.127]]    # actuators by rows, degrees of freedom by columns
+    # or [kinematics.geometry], exact where rotations are not small, with motions = ["x", "rotation"],
+    #   pins_m = [[0.27, -0.127], [0.27, 0.127]] and directions = [[1, 0], [1, 0]] of the actuators at rest,
+    #   lengths_m = [2.0, 2.0] between their pins where they are not long
+    channels = "actuators"                    # what command_1, measured_1, … are; or "interface"
+
+    [transfer_system]                         # optional
+    matrix = [[{ numerator = [300.0], denominator = [1.0, 300.0] }, 0.0],
+              [{ gain = 0.05 }, { numerator = [250.0], denominator = [1.0, 250.0] }]]
 """
 
 from collections.abc import Iterator
@@ -73,14 +98,25 @@ from typing import Any
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.described_files import Model, described, read_toml
+from reliab.described_files import described, read_toml
 from reliab.errors import InputError
-from reliab.simulation.frames.frame_tables import FrameDescription
+from reliab.simulation.frames.coupled_tables import (
+    CoupledDescription,
+    TransferMatrixTable,
+    damping_of,
+)
+from reliab.simulation.frames.frame_tables import FrameDescription, TransferTable
 from reliab.simulation.frames.matrix_files import with_matrices
+from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.simulation.transfer_systems import TransferSystem
-from reliab.structures import Partition, with_specimen
-from reliab.structures.frames import Frame
+from reliab.simulation.transfer_systems import (
+    ActuatorMatrix,
+    TransferFunction,
+    TransferSystem,
+    invertible,
+)
+from reliab.structures import Partition
+from reliab.structures.frames import square_matrix
 
 EXACT = TolerancesTable()
 """Tolerances of a structure that is known exactly."""
@@ -91,43 +127,79 @@ REMEDY = "Compare with the frames that ship in datasets/frames"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameUnderTest:
-    """A partitioned frame and the response whose error counts."""
+    """A structure with its specimen, the actuators that drive it and the response whose error counts."""
 
     name: str  # Name given in the file
-    partition: Partition  # Frame, interface and specimen
+    partition: Partition  # Structure, interface and specimen
     # Weights of the degrees of freedom [-], shape (degrees of freedom,); None for the measured interface
     # displacement
-    output: Array | None
-    error_of: str  # The response in words
-    transfer_system: TransferSystem | None = None  # The rig; None where the file describes none
+    output: Array | None = None
+    error_of: str = "the measured interface displacement"  # The response in words
+    # The rig, a matrix of several actuators; None where the file describes none
+    transfer_system: TransferSystem | ActuatorMatrix | None = None
     tolerances: TolerancesTable = EXACT  # How exactly the structure is known
+    several: bool = False  # Whether it is described as driven by several actuators
+    # T, displacements of the actuators per interface displacement, shape (p, p); the identity by default
+    kinematics: Array = None  # type: ignore[assignment]
+    channels_at_interface: bool = True  # Whether a test's channels are interface displacements
+    geometry: PlanarGeometry | None = None  # Of the actuators, of which T is the part that is linear
+
+    def __post_init__(self) -> None:
+        matrix = np.eye(self.partition.degrees) if self.kinematics is None else self.kinematics
+        object.__setattr__(self, "kinematics", matrix)
+
+    @property
+    def to_interface(self) -> Array:
+        """Interface displacements per unit of each channel [-], shape (p, p)."""
+        if self.channels_at_interface:
+            return np.eye(self.partition.degrees)
+        return np.asarray(np.linalg.inv(self.kinematics), dtype=np.float64)
+
+    def straightened(self, channels: Array) -> Array:
+        """Displacements that T would have given for what channels show, shape (p, n)."""
+        if self.geometry is None or self.channels_at_interface:
+            return channels
+        return self.geometry.as_small(channels)
 
 
-def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
-    """Build a tested frame with one actuator from the tables of a file."""
-    if names_several(content):
+def read_structure(path: str | Path) -> FrameUnderTest:
+    """Read a tested frame with one actuator or several from its TOML file."""
+    content = read_toml(path, rule="A frame is described in a TOML file", remedy=REMEDY)
+    return frame_of_tables(content, str(path))
+
+
+def read_frame(path: str | Path) -> FrameUnderTest:
+    """Read a tested frame with one actuator from its TOML file."""
+    return with_one_actuator(read_structure(path), str(path))
+
+
+def with_one_actuator(frame: FrameUnderTest, where: str) -> FrameUnderTest:
+    """Refuse a frame with several actuators; `where` names its file."""
+    if frame.several:
         raise InputError(
             "The specimen of this frame must be driven at one degree of freedom",
-            value="degrees_of_freedom",
+            value=", ".join(frame.partition.names),
             remedy="Describe one driven degree of freedom",
             where=where,
         )
+    return frame
+
+
+def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
+    """Build a tested frame from the tables of a file, with one actuator or several."""
     folder = Path(where).parent
-    with finite_products(where):
-        return _build(describe_frame(FrameDescription, content, folder), folder)
+    with _finite_products(where):
+        described_by = CoupledDescription if _names_several(content) else FrameDescription
+        description = described(
+            described_by,
+            with_matrices(content, folder),
+            rule="A description of a frame holds known keys with allowed values",
+            remedy=REMEDY,
+        )
+        return _build(description, folder)
 
 
-def describe_frame(schema: type[Model], content: dict[str, Any], folder: Path) -> Model:
-    """Return what the tables of a frame's file describe by a schema, with the matrices of other files."""
-    return described(
-        schema,
-        with_matrices(content, folder),
-        rule="A description of a frame holds known keys with allowed values",
-        remedy=REMEDY,
-    )
-
-
-def names_several(content: dict[str, Any]) -> bool:
+def _names_several(content: dict[str, Any]) -> bool:
     """Whether the tables of a file describe a specimen of several driven degrees of freedom."""
     specimen = content.get("specimen")
     described_so = isinstance(specimen, dict) and bool({"degrees_of_freedom", "directions"} & specimen.keys())
@@ -135,7 +207,7 @@ def names_several(content: dict[str, Any]) -> bool:
 
 
 @contextmanager
-def finite_products(where: str) -> Iterator[None]:
+def _finite_products(where: str) -> Iterator[None]:
     """Refuse what overflows while a description is turned into matrices; `where` names the file."""
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
@@ -151,56 +223,110 @@ def finite_products(where: str) -> Iterator[None]:
         raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
 
 
-def read_frame(path: str | Path) -> FrameUnderTest:
-    """Read a tested frame with one actuator from its TOML file."""
-    content = read_toml(path, rule="A frame is described in a TOML file", remedy=REMEDY)
-    return frame_of_tables(content, str(path))
-
-
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
-    frame = _frame(description)
-    interface = description.specimen.interface(frame)
-    specimen = description.specimen.specimen
-    if not description.specimen.part_of_structure:
-        if interface.shape != (frame.size,):
-            raise InputError(f"The direction needs {frame.size} numbers", value=interface.size)
-        frame = with_specimen(frame, interface, specimen)
-    partition = Partition.of_frame(
-        frame=frame,
-        interface=interface,
-        specimen=specimen,
-        effects=tuple(table.effect for table in description.specimen.effects),
-    )
-    of, transfer = description.error, description.transfer_system
-    rig = None if transfer is None else transfer.system(folder)
+    partition, several = _partition(description), isinstance(description, CoupledDescription)
+    of = description.error
+    if several and of.of != "interface":
+        raise InputError(
+            "Only errors of the measured interface displacements can be computed from a test",
+            value=of.of,
+            remedy="Leave [error] out",
+        )
+    matrix, geometry, at_interface = np.eye(partition.degrees), None, True
+    if isinstance(description, CoupledDescription) and description.kinematics is not None:
+        matrix, geometry = description.kinematics.described
+        at_interface = description.kinematics.channels == "interface"
+    kinematics, table = _kinematics(matrix, partition.degrees), description.transfer_system
     words = {"interface": "the measured interface displacement", "drift": f"the drift between {of.between}"}
     return FrameUnderTest(
         name=description.name,
         partition=partition,
-        output=of.output(frame),
+        output=None if several else of.output(partition.frame),
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
-        transfer_system=rig,
+        transfer_system=_rig(table, kinematics if several else None, folder),
         tolerances=description.tolerances.of_structure(
-            frame.names, frame.mass, frame.damping, frame.stiffness
+            partition.degrees_of_freedom, partition.mass, partition.damping, partition.stiffness
         ),
+        several=several,
+        kinematics=kinematics,
+        channels_at_interface=at_interface,
+        geometry=geometry,
     )
 
 
-def _frame(description: FrameDescription) -> Frame:
-    """Frame of the matrices that are given."""
-    table = description.frame
-    mass, stiffness = table.matrices
-    plain = Frame(
+def _partition(description: FrameDescription) -> Partition:
+    """Whole structure and specimen, which is added to matrices that do not hold it."""
+    table, specimen = description.frame, description.specimen
+    mass, stiffness = map(square_matrix, table.matrices, ("mass matrix", "stiffness matrix"))
+    if mass.shape != stiffness.shape:
+        raise InputError(
+            "Mass and stiffness matrices must be of one size",
+            value=f"shapes {mass.shape} and {stiffness.shape}",
+        )
+    names = table.names or tuple(str(place + 1) for place in range(len(mass)))
+    if len(names) != len(mass) or len(set(names)) != len(mass):
+        raise InputError(
+            f"The {len(mass)} degrees of freedom need as many different names", value=list(names)
+        )
+    interface, its_names = specimen.interface(names)
+    if len(interface) != len(names):
+        raise InputError(f"A direction needs {len(names)} numbers", value=len(interface))
+    k, c, m = specimen.matrices(interface.shape[1])
+    damping = damping_of(description.damping, mass, stiffness)
+    if not specimen.part_of_structure:
+        mass, damping, stiffness = (
+            whole + interface @ added @ interface.T
+            for whole, added in ((mass, m), (damping, c), (stiffness, k))
+        )
+    return Partition(
         mass=mass,
+        damping=damping,
         stiffness=stiffness,
-        damping=np.zeros_like(np.asarray(stiffness)),
-        influence=table.influence,  # type: ignore[arg-type]  # made an array by Frame
-        names=table.names,
+        interface=interface,
+        specimen_stiffness=k,
+        specimen_damping=c,
+        specimen_mass=m,
+        influence=table.influence,  # type: ignore[arg-type]  # made an array there
+        names=its_names,
+        degrees_of_freedom=names,
+        effects=specimen.acting,
     )
-    return Frame(
-        mass=mass,
-        stiffness=stiffness,
-        damping=description.damping.matrix(plain.mass, plain.stiffness),
-        influence=plain.influence,
-        names=plain.names,
-    )
+
+
+def _kinematics(matrix: Array, degrees: int) -> Array:
+    if matrix.shape[1] != degrees:
+        raise InputError(
+            f"The kinematics need {degrees} columns, one for each degree of freedom of the specimen",
+            value=matrix.shape[1],
+        )
+    return invertible(matrix)
+
+
+def _rig(
+    table: TransferMatrixTable | TransferTable | None, kinematics: Array | None, folder: Path
+) -> TransferSystem | ActuatorMatrix | None:
+    """Rig of several actuators with their kinematics, or of one."""
+    if table is None:
+        return None
+    if isinstance(table, TransferTable):
+        if kinematics is None:
+            return table.system(folder)
+        size = len(kinematics)
+        alike = _entry(table, folder)
+        rows = tuple(tuple(alike if i == j else None for j in range(size)) for i in range(size))
+    else:
+        rows = tuple(tuple(_entry(entry, folder) for entry in row) for row in table.matrix)
+    return ActuatorMatrix(kinematics=np.eye(len(rows)) if kinematics is None else kinematics, transfer=rows)
+
+
+def _entry(entry: TransferTable | float, folder: Path) -> TransferFunction | None:
+    if isinstance(entry, TransferTable):
+        system = entry.system(folder)
+        if not isinstance(system, TransferFunction):
+            raise InputError(
+                "An entry of the matrix of transfer functions must not depend on the specimen",
+                value="servo_hydraulic",
+                remedy="Give numerator and denominator as they were identified with the specimen",
+            )
+        return system
+    return TransferFunction(numerator=(entry,), denominator=(1.0,)) if entry else None

@@ -14,8 +14,15 @@ from reliab.received import named_within
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
 from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, TransferSystem
 from reliab.simulation.transfer_systems.reading import read_matlab
-from reliab.structures import Specimen, drift_interface, floor_interface
-from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
+from reliab.structures import drift_interface, floor_interface
+from reliab.structures.frames import (
+    Frame,
+    PlanarFrame,
+    modal_damping,
+    place_of,
+    rayleigh_damping,
+    shear_frame,
+)
 from reliab.vocabulary import MILLI
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -313,21 +320,28 @@ class SpecimenTable(DescribedTable):
             raise ValueError(message)
         return self
 
-    @property
-    def specimen(self) -> Specimen:
-        """Linear part."""
+    def matrices(self, _: int) -> tuple[Array, Array, Array]:
+        """K_e, C_e and M_e of its linear part."""
         damping = self.damping_n_s_per_m or 0.0
         if self.damping_ratio is not None:
             damping = 2.0 * self.damping_ratio * math.sqrt(self.stiffness_n_per_m * self.mass_kg)
-        return Specimen(stiffness=self.stiffness_n_per_m, damping=damping, mass=self.mass_kg)
+        stiffness, viscous, mass = np.array([self.stiffness_n_per_m, damping, self.mass_kg]).reshape(3, 1, 1)
+        return stiffness, viscous, mass
 
-    def interface(self, frame: Frame) -> Array:
-        """γ."""
+    @property
+    def acting(self) -> tuple[Effect, ...]:
+        """What it does beyond its linear part."""
+        return tuple(table.effect for table in self.effects)
+
+    def interface(self, names: tuple[str, ...]) -> tuple[Array, tuple[str, ...]]:
+        """Γ and the name of the interface displacement, of a frame with named degrees of freedom."""
         if self.direction is not None:
-            return np.asarray(self.direction, dtype=np.float64)
+            return np.array(self.direction, dtype=np.float64)[:, np.newaxis], ("1",)
+        interface = np.zeros((len(names), 1))
+        interface[place_of(names, self.degree_of_freedom or "")] = 1.0
         if self.below is not None:
-            return drift_interface(frame, self.degree_of_freedom or "", self.below)
-        return floor_interface(frame, self.degree_of_freedom or "")
+            interface[place_of(names, self.below)] -= 1.0
+        return interface, ("1",)
 
 
 class ErrorTable(DescribedTable):

@@ -1,5 +1,11 @@
 from .damping import modal_damping as modal_damping, rayleigh_damping as rayleigh_damping
-from .frame import Frame as Frame, Modes as Modes, natural_modes as natural_modes
+from .frame import (
+    Frame as Frame,
+    Modes as Modes,
+    natural_modes as natural_modes,
+    place_of as place_of,
+    square_matrix as square_matrix,
+)
 from .planar_frame import PlanarFrame as PlanarFrame, shear_frame as shear_frame
 from .response import (
     exact_step as exact_step,

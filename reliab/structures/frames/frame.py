@@ -64,6 +64,17 @@ def require_positive_semidefinite(matrix: Array, name: str, remedy: str) -> None
         )
 
 
+def place_of(names: tuple[str, ...], name: str | int) -> int:
+    """Place of a degree of freedom among the names of all."""
+    if str(name) not in names:
+        raise InputError(
+            "A degree of freedom must be one of the structure",
+            value=repr(name),
+            remedy=f"Name one of {', '.join(names)}",
+        )
+    return names.index(str(name))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Modes:
     """Undamped modes of a structure, lowest first."""
@@ -183,13 +194,7 @@ class Frame:
 
     def degree_of_freedom(self, name: str | int) -> int:
         """Place of a degree of freedom from its name, or from its number, which starts from 1."""
-        if str(name) not in self.names:
-            raise InputError(
-                "A degree of freedom must be one of the structure",
-                value=repr(name),
-                remedy=f"Name one of {', '.join(self.names)}",
-            )
-        return self.names.index(str(name))
+        return place_of(self.names, name)
 
     def dynamic_stiffness(self, s: Spectrum) -> Spectrum:
         """Dynamic stiffness M s² + C s + K [N/m] at s [rad/s], shape (…, n, n)."""

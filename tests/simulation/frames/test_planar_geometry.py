@@ -7,7 +7,7 @@ import pytest
 from reliab_studies.marths_benchmark.structure import ANGLE, ARM, to_node
 
 from reliab.errors import InputError
-from reliab.simulation.frames.coupled_file import structure_of_tables
+from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 
 BENCHMARK: dict[str, Any] = {
@@ -86,7 +86,7 @@ TABLES = {
 
 
 def frame_of(**kinematics):
-    return structure_of_tables(TABLES | {"kinematics": kinematics}, "frame.toml")
+    return frame_of_tables(TABLES | {"kinematics": kinematics}, "frame.toml")
 
 
 def test_a_file_describes_pins_and_directions():
