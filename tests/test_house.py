@@ -75,6 +75,7 @@ MORE_VAGUE_NAMES = {
 """Rooms that are not there yet, with the share that they may have; it is only ever lowered."""
 
 LONG_FUNCTIONS = {
+    "assessment/measured_specimen/elements.py:_advance": "compiled: one branch for each kind of element",
     "simulation/hybrid_test/marching.py:march": "one compiled loop",
     "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
     "simulation/laboratory/march.py:march": "one compiled loop",
