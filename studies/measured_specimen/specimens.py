@@ -218,7 +218,7 @@ def _hinged_strut(x: float, moved: float, rate: float, step: float, s: Array, p:
     force = 0.5 * (least + most)
     deflection = s[0] / (1.0 + force / euler)
     if abs(force) * deflection <= hinge * (1.0 - abs(force)):
-        return force
+        return float(force)
     way = 1.0 if force > 0.0 else -1.0
     least, most = 0.0, 50.0
     for _ in range(50):
@@ -233,7 +233,7 @@ def _hinged_strut(x: float, moved: float, rate: float, step: float, s: Array, p:
     if way > 0.0:
         force = min(force, hinge / (s[0] / (1.0 + force / euler) + hinge))
         s[1] = max(s[1], x - force + (s[0] / (1.0 + force / euler)) ** 2 - bow**2)
-    return force
+    return float(force)
 
 
 (

@@ -238,7 +238,7 @@ class LearnedTest:
         left = self.path.force / mass - self.force_of(specimen, measured)
         blocks = (np.arange(left.size) * (self.path.time_step / self.path.block)).astype(np.int64)
         share = (specimen.missed / specimen.held_out) ** 2 if specimen.missed else 0.0
-        return share * np.bincount(blocks, left * np.gradient(measured))
+        return np.asarray(share * np.bincount(blocks, left * np.gradient(measured)))
 
     def exact_of_draws(
         self, differences: Array, unknown: Unknown, seed: int
