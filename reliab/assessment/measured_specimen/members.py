@@ -71,9 +71,18 @@ class Members:
         `counts`: weights of blocks, shape (blocks,); `wanted`: force that it should have [N], shape (m,).
         """
         expected = self._fitted if wanted is self.path.force_seen else fit(self._seen, wanted)
-        moved = fit(self._seen_with(counts), wanted, counts[self.path.blocks]) - expected
         member, places = self.specimen.with_weights(1.0 + apart * (counts - 1.0))
-        coefficients = np.maximum(expected + apart * moved, 0.0)
+        coefficients = self._apart(expected, counts, wanted, apart) if apart else expected
         rows = self._along_command.copy()
         rows[places] = member.elements.only(places).along(self.command, self.path.time_step, self.path.used)
         return replace(member, coefficients=coefficients), coefficients @ rows
+
+    def _apart(self, expected: Array, counts: Array, wanted: Array, apart: float) -> Array:
+        """Coefficients whose force differs so many times as much from what is expected, none negative."""
+        rows = self._seen_with(counts)
+        coefficients = fit(rows, wanted, counts[self.path.blocks])
+        if apart == 1.0:
+            return coefficients
+        calm = expected @ self._seen
+        aim = calm + apart * (coefficients @ rows - calm)
+        return fit(self._seen_with(1.0 + apart * (counts - 1.0)), aim)
