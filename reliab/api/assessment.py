@@ -47,6 +47,7 @@ _ASSUMED = (
     "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
     "0.005 to 0.1 gives the same."
 )
+_OF_CHANNELS = ("scale", "skew", "filter_delay")  # of several actuators, all alike
 _BESIDE_SEVERAL = "beside a `structure` with several actuators"
 
 _NOT_FOR_FRAMES = {
@@ -456,7 +457,7 @@ class _Terms:
     def _judge_of_several_actuators(self, frame: "FrameUnderTest") -> Judge:
         from reliab.assessment import assess_coupled
 
-        for name in ("skew", "command_scale", "hysteresis"):
+        for name in ("command_scale", "hysteresis"):
             if name in self.numbers:
                 raise unused(name, _BESIDE_SEVERAL)
         if self.filters:
@@ -470,12 +471,16 @@ class _Terms:
         equipment = known_equipment(self.equipment, exact=self.exact)
 
         def judge(channels: Channels, test: Test) -> "CoupledAssessment":
+            recording = channels.read_several_actuators(test)
+            of_channels = {name: recording.stated[name] for name in _OF_CHANNELS if name in recording.stated}
+            stated = {**of_channels, **self.numbers}
+            require_positive(stated)
             return assess_coupled(
-                channels.read_several_actuators(test),
+                recording,
                 frame,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                stated=self.numbers,
+                stated=stated,
                 equipment=equipment,
             )
 

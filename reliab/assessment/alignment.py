@@ -50,7 +50,7 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
     response = record.response(structure, step)
     match, by, place = 0.0, "", 0
     if recording.ground is not None:
-        similar = _similarity(recording.ground, record.sampled(step), in_size=True)
+        similar = similarity(recording.ground, record.sampled(step), in_size=True)
         place, by = int(np.argmax(similar)), "ground acceleration"
         match = float(similar[place])
     if match < LEAST_MATCH:
@@ -109,16 +109,16 @@ class Padded:
 
 
 def _by_response(reference: Array, response: Array) -> tuple[int, float, str]:
-    in_size = _similarity(reference, response, in_size=True)
+    in_size = similarity(reference, response, in_size=True)
     place = int(np.argmax(in_size))
     if in_size[place] >= LEAST_MATCH:
         return place, float(in_size[place]), "response"
-    in_shape = np.abs(_similarity(reference, response, in_size=False))
+    in_shape = np.abs(similarity(reference, response, in_size=False))
     place = int(np.argmax(in_shape))
     return place, float(in_shape[place]), "shape of the response"
 
 
-def _similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
+def similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
     """Similarity of a history with each stretch of its length in a longer one.
 
     2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count.

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
+_IN_COMMON: Final = (
+    "All tests are taken to be of one rig: what is not known of its structure and channels, such as their "
+    "skew, is the same in all of them. State what one test has of its own in its header."
+)
 _OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
 _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the same
 
@@ -72,6 +76,8 @@ class Comparison:
         By file, why others could not be judged.
     notes : tuple of str
         What limits the comparison, in sentences.
+    assumed : str
+        What is taken to be the same in all tests, in a sentence.
     """
 
     metric: Metric
@@ -79,6 +85,7 @@ class Comparison:
     tests: tuple[RankedTest, ...]
     faults: Mapping[str, str]
     notes: tuple[str, ...]
+    assumed: str = _IN_COMMON
 
     def to_dict(self) -> dict[str, Any]:
         """Put what is found into plain numbers."""
@@ -88,6 +95,7 @@ class Comparison:
             "tests": [_plain(rank, test) for rank, test in enumerate(self.tests, start=1)],
             "faults": dict(self.faults),
             "notes": list(self.notes),
+            "assumed": self.assumed,
         }
 
     def to_frame(self) -> "pd.DataFrame":
@@ -187,11 +195,16 @@ def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -
     weights, first_weights = (test.rebuilt.draws.weights() for test in (error, first))
     count = min(errors.size, firsts.size)
     order = np.arange(count)
-    unknown = [list(test.rebuilt.unknown.deviations()) for test in (error, first)]
-    if unknown[0] != unknown[1] or error.rebuilt.seed != first.rebuilt.seed:
+    if not _have_in_common(error, first):
         order = np.random.default_rng(0).permutation(count)
     joint = np.sqrt(weights[:count] * first_weights[order])
     return errors[:count] - firsts[order], joint / joint.mean()
+
+
+def _have_in_common(error: ErrorOfTest, first: ErrorOfTest) -> bool:
+    """Whether the same quantities are unknown in both, so that draws of them can be paired."""
+    unknown = [list(test.rebuilt.unknown.deviations()) for test in (error, first)]
+    return unknown[0] == unknown[1] and error.rebuilt.seed == first.rebuilt.seed
 
 
 def _notes(tests: Sequence[RankedTest]) -> list[str]:
@@ -209,6 +222,13 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
         notes.append(
             f"The exact responses of {', '.join(others)} and of {tests[0].file} differ: these tests were of "
             "other motions or scales, and the order of their errors is not that of their compensators alone."
+        )
+    first = tests[0].assessment.error
+    apart = [test.file for test in tests[1:] if not _have_in_common(test.assessment.error, first)]
+    if apart:
+        notes.append(
+            f"Other quantities are unknown in {', '.join(apart)} than in {tests[0].file}: nothing is taken "
+            "to be the same in these tests, and their differences are less certain."
         )
     second = tests[1]
     if second.probability_larger is not None and second.probability_larger < 0.5 + 0.5 * LEVEL:

@@ -8,10 +8,16 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_assessment import CoupledAssessment
-from reliab.assessment.exact_response import ExactResponse, ExactTest, exact_test
+from reliab.assessment.exact_response import (
+    ExactResponse,
+    ExactTest,
+    exact_test_of_one,
+    exact_test_of_several,
+)
 from reliab.assessment.findings import Findings
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import weights_of_storeys
+from reliab.assessment.ground_of_test import own_ground
 from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.significant import percent
 
@@ -24,7 +30,6 @@ _SPECIMENS = {
     "measured": "learned from its force",
 }
 _SMALL = 0.1  # of the peak of the exact response, up to which the largest correction is small
-_ALIKE = 0.7  # correlation of the force with what the ground motion leaves for it, at least
 _TINY = np.finfo(float).tiny
 _LEVELS = (0.05, 0.95)
 _UNITS = {
@@ -75,8 +80,8 @@ def corrected_response(found: Findings | FrameAssessment | CoupledAssessment) ->
     """
     import xarray as xr
 
-    test = exact_test(found)
-    ground = _own_ground(test)
+    test = _exact_test(found)
+    ground = own_ground(test)
     table = _Table(
         test=test,
         ground=ground,
@@ -210,19 +215,14 @@ class _Table:
         return rows, sizes
 
 
-def _own_ground(test: ExactTest) -> Array | None:
-    """Ground acceleration with which the computer's equation explains the force; None where none does."""
-    structure, step = test.stated.structure, test.time_step
-    if test.ground is None or structure.all_driven:
-        return None
-    for ground in (test.ground, -test.ground):
-        moved = structure.displacements(test.command, ground, step)
-        left = structure.force_of_computer(moved, ground, step)
-        if float(np.sum(left * test.fed_back)) > _ALIKE * float(
-            np.linalg.norm(left) * np.linalg.norm(test.fed_back)
-        ):
-            return ground
-    return None
+def _exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTest:
+    """Say what a test should have been; not of a calibrated model's."""
+    if isinstance(found, CoupledAssessment):
+        return exact_test_of_several(found.error, found.frame, found.recording)
+    if isinstance(found, FrameAssessment):
+        return exact_test_of_one(found.error, found.frame.partition.frame.names, found.recording.ground)
+    unit = found.error.specimen is None and "mass" in found.stated
+    return exact_test_of_one(found.error, (), None, found.stated["mass"].value if unit else 1.0)
 
 
 def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from reliab.assessment.budget import BudgetItem, Size, as_certain_as, budget_item
 from reliab.assessment.coupled_error import CoupledError, DegreeError, ShownByGround
 from reliab.assessment.faults import Fault
+from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part
 from reliab.assessment.rebuilt_error.spread import LEVEL
 from reliab.assessment.verdict import Verdict, Word
@@ -57,6 +58,8 @@ class CoupledAssessment:
         Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
     doubt_of_skew : str
         What is assumed of the skew of a slow recording; empty where it was stated.
+    responses : ResponseErrors
+        Errors of all floors and storeys, as the computer had them in the test.
     shown_by_ground : ShownByGround, optional
         What the recorded ground acceleration shows of the structure; None where it was not recorded.
     """
@@ -70,6 +73,7 @@ class CoupledAssessment:
     sizes: Mapping[str, Size]
     verdict: Verdict
     limit: CoupledLimit
+    responses: ResponseErrors
     limit_of_gains: bool = True
     doubt_of_skew: str = ""
     shown_by_ground: ShownByGround | None = None
@@ -93,6 +97,11 @@ class CoupledAssessment:
         return as_certain_as(self.sizes, self.error.probability(self.threshold, self.metric))
 
     @property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval of the governing error, the largest contribution first."""
+        return budget_of_several(self.error, self.metric, self.sizes)
+
+    @property
     def stability_margin(self) -> float:
         """Stability margin 1 − d/τ_c [-] by the largest delay of an actuator."""
         if math.isinf(self.limit.delay):
@@ -111,6 +120,7 @@ class CoupledAssessment:
             )
         if self.doubt_of_skew:
             sentences.append(self.doubt_of_skew)
+        sentences += self.responses.warnings
         if self.shown_by_ground is not None and self.shown_by_ground.opposite:
             sentences.append("The ground acceleration has the opposite sign.")
         if self.stability_margin < 0.0:
@@ -137,7 +147,8 @@ class CoupledAssessment:
             **_stability(self),
             "modes": _modes(self),
             "error": _error(self),
-            "budget": [item.to_dict() for item in budget_of_several(self.error, self.metric, self.sizes)],
+            "budget": [item.to_dict() for item in self.budget],
+            "responses": self.responses.to_dict(),
             "shown_by_ground": _shown(self.shown_by_ground),
             "metric": str(self.metric),
             "threshold": self.threshold,

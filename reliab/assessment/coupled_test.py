@@ -12,6 +12,7 @@ from reliab.assessment.budget import (
     Size,
     Source,
     as_certain_as,
+    earlier,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
@@ -24,7 +25,9 @@ from reliab.assessment.coupled_error import (
     rebuild_coupled,
 )
 from reliab.assessment.doubts import ERROR_NAMES, doubted_by_entries, probability_text
+from reliab.assessment.exact_response import exact_test_of_several
 from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.plausibility import require_length, require_plausible
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
@@ -52,14 +55,14 @@ def assess_coupled(
 ) -> CoupledAssessment:
     """Judge a test with several actuators by the errors computed from its displacements.
 
-    `threshold` [-]; `stated`: "feedback_lag" [ms] and "scale" of all displacement sensors [-]; `equipment`:
-    what is not known where neither tolerances nor `stated` have it, nothing by default. Raises InputError
-    where the recording does not fit the frame or cannot be judged.
+    `threshold` [-]; `stated`: "feedback_lag" [ms], and of all displacement sensors alike "scale" [-] and
+    "skew" [ms], the time by which they were recorded later than the commands; `equipment`: what is not known
+    where neither tolerances nor `stated` have it, nothing by default. Raises InputError where the recording
+    does not fit the frame or cannot be judged.
     """
     recording = _in_order(recording, frame)
     stated = stated or {}
-    if "scale" in stated:
-        recording = replace(recording, measured=recording.measured / stated["scale"].value)
+    recording = _calibrated(recording, stated)
     recording, faults = _without_faults(recording, frame, threshold)
     sizes = {
         **sizes_of_unknown(stated, _lowest_mode(frame), equipment, recording.time_step),
@@ -88,13 +91,24 @@ def assess_coupled(
         threshold=threshold,
         faults=faults,
         sizes=sizes,
-        doubt_of_skew="" if equipment is None else equipment.doubt_of_skew(recording.time_step),
+        doubt_of_skew=""
+        if equipment is None or "skew" in stated
+        else equipment.doubt_of_skew(recording.time_step),
+        responses=errors_of_responses(exact_test_of_several(error, frame, recording)),
         shown_by_ground=shown,
         verdict=_verdict(error, metric, threshold, sizes, faults).doubted(
             *_doubts_of_ground(shown, sizes, frame.partition)
         ),
         **_limit(frame.partition, gains),
     )
+
+
+def _calibrated(recording: CoupledRecording, stated: Mapping[str, StatedValue]) -> CoupledRecording:
+    """Take off what is stated of the sensors."""
+    measured = recording.measured / stated.get("scale", StatedValue(1.0)).value
+    if skew := stated.get("skew", StatedValue(0.0)).value / MILLI:
+        measured = np.stack([earlier(row, skew, recording.time_step) for row in measured])
+    return replace(recording, measured=measured)
 
 
 def _doubts_of_ground(

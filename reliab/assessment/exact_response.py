@@ -7,14 +7,13 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_assessment import CoupledAssessment
 from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.findings import Findings
-from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.assessment.rebuilt_error.responses import exact_of_draws
 from reliab.assessment.substructures import Substructures
+from reliab.recordings import CoupledRecording
+from reliab.simulation.frames import CoupledFrame
 from reliab.structures import Partition
 
 _DRAWS = 64
@@ -48,16 +47,6 @@ class ExactTest:
     draws: Callable[[], Iterator[ExactResponse]]
 
 
-def exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTest:
-    """Say what a test should have been, by what was found about it; not of a calibrated model's."""
-    if isinstance(found, CoupledAssessment):
-        return _of_several(found)
-    if isinstance(found, FrameAssessment):
-        return _of_one(found.error, found.frame.partition.frame.names, found.recording.ground)
-    unit = found.error.specimen is None and "mass" in found.stated
-    return _of_one(found.error, (), None, found.stated["mass"].value if unit else 1.0)
-
-
 def _linear(partition: Partition, at_interface: Array, step: float) -> ExactResponse:
     shared = Substructures.of_partition(partition)
     force, felt = shared.force_of_linear(at_interface, step)
@@ -76,8 +65,13 @@ def _in_kilograms(partition: Partition, mass: float) -> Partition:
     return partition.changed(**{name: mass * getattr(partition, name) for name in names})
 
 
-def _of_one(error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, mass: float = 1.0) -> ExactTest:
-    """Test with one actuator; `mass` [kg] by which matrices are multiplied."""
+def exact_test_of_one(
+    error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, mass: float = 1.0
+) -> ExactTest:
+    """Say what a test with one actuator should have been.
+
+    `names` of its degrees of freedom, `ground` [m/s²], `mass` [kg] by which matrices are multiplied.
+    """
     rebuilt, specimen = error.rebuilt, error.specimen
     measured, step = rebuilt.histories.measured, rebuilt.time_step
 
@@ -112,9 +106,9 @@ def _of_one(error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, ma
     )
 
 
-def _of_several(found: CoupledAssessment) -> ExactTest:
-    """Test with several actuators."""
-    error, histories = found.error, found.error.histories
+def exact_test_of_several(error: CoupledError, frame: CoupledFrame, recording: CoupledRecording) -> ExactTest:
+    """Say what a test with several actuators should have been."""
+    histories = error.histories
     step, carry = error.time_step, histories.carry
 
     def draws() -> Iterator[ExactResponse]:
@@ -127,8 +121,8 @@ def _of_several(found: CoupledAssessment) -> ExactTest:
         time_step=step,
         every=error.every,
         interface=error.partition.names,
-        degrees=found.frame.degrees_of_freedom,
-        ground=found.recording.ground,
+        degrees=frame.degrees_of_freedom,
+        ground=recording.ground,
         measured=measured,
         command=carry @ histories.command,
         fed_back=stated.structure.force_of_linear(measured, step)[1],

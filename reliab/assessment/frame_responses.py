@@ -1,38 +1,53 @@
-"""Errors of every floor and storey of a tested frame, beside that of the measured interface displacement."""
+"""Errors of every floor and storey of a tested frame, beside those of the measured interface displacements.
 
+What is not driven follows from the interface displacements and the ground motion, whatever the specimen does
+(see `Substructures`): the difference of two such motions follows from that of the interface, x_c − x_I,
+alone. Over the largest undisturbed response it needs that response, and so the ground motion.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.exact_response import ExactTest
+from reliab.assessment.ground_of_test import GroundOfTest, ground_of_test
 from reliab.assessment.plain_error import plain_estimate
-from reliab.assessment.rebuilt_error import Estimate, RebuiltError
-from reliab.assessment.rebuilt_error.responses import Ground, StrayedResponses, stray_of_responses
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.substructures import Substructures
+from reliab.assessment.yielding import exact_if_yielding
 from reliab.motions import Motion
-from reliab.recordings import Recording
-from reliab.significant import percent, percent_with_interval
-from reliab.structures import Partition
+from reliab.significant import percent_with_interval, significant
 from reliab.vocabulary import MILLI, Metric
 
-_AGREES = 0.25  # relative, of the interface's peak under the ground motion and in the test
-_MEASURED = (
-    "Errors of floors and storeys are computed for linear specimens only; that of this test is measured."
-)
 _NEEDS = (
     "The errors of floors and storeys are stated in millimetres: over the largest response, they need the "
     "ground motion of the test, as `motion` or as a channel of its file."
 )
+_OTHER_MOTION = (
+    "The ground motion does not explain the force at the interface: it is taken for another test's, and "
+    "errors of floors and storeys are stated in millimetres."
+)
+_SPECIMENS: Final = {
+    "linear": "the specimen being linear",
+    "measured": "the specimen as its force shows it",
+    "may_have_yielded": "the specimen being linear or, in the interval, one that yielded",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseError:
     """Error of a floor's displacement, or of a storey's drift, as the computer had it in the test."""
 
-    name: str  # "floor 3" or "storey 2"
-    kind: str  # "floor" or "storey"
-    # rms_mm, peak_mm: RMS and largest deviation from the undisturbed structure [mm]
+    name: str  # "floor 3", "storey 2", or "degree theta" of what the ground does not move along with it
+    kind: str  # "floor", "storey" or "degree"
+    # rms_mm, peak_mm: RMS and largest deviation from the undisturbed structure [mm; of rotations mrad]
     rms_mm: Estimate
     peak_mm: Estimate
     # rms, mte: The same over the largest undisturbed response [-]; None without the ground motion
@@ -58,12 +73,14 @@ class ResponseError:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseErrors:
-    """Errors of all floors and storeys, the largest first, of a frame whose specimen is linear."""
+    """Errors of all floors and storeys, the largest first."""
 
     each: tuple[ResponseError, ...]
-    # Peak of the interface under the ground motion over that in the test, less one [-]; None without it
-    disagreement: float | None
-    measured: bool = False  # Whether the specimen is measured: nothing is then computed
+    specimen: str = "linear"  # One of `_SPECIMENS`
+    # Factor by which the ground motion explains the test best [-]; None without a ground motion of this test
+    ground_factor: float | None = None
+    other_motion: bool = False  # Whether a ground motion was given, and is another test's
+    over_peaks: bool = False  # Whether errors over the largest responses are known
 
     @property
     def governing_storey(self) -> ResponseError | None:
@@ -74,27 +91,26 @@ class ResponseErrors:
     def sentence(self) -> str:
         """Which storey governs, or what is needed to say so."""
         governing = self.governing_storey
-        if self.measured:
-            return _MEASURED
         if governing is None or governing.rms is None:
             return _NEEDS
         rms = governing.rms
         return (
             f"Of all storeys, the drift of {governing.name} is most wrong: RMS^R "
-            f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, the specimen being "
-            "linear."
+            f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, "
+            f"{_SPECIMENS[self.specimen]}."
         )
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Where the ground motion is not that of the test, in a sentence."""
-        if self.disagreement is None or abs(self.disagreement) <= _AGREES:
+        if self.other_motion:
+            return (_OTHER_MOTION,)
+        if self.ground_factor is None:
             return ()
-        more = "larger" if self.disagreement > 0.0 else "smaller"
         sentence = (
-            f"Under the ground motion the largest displacement of the interface would be {more} than the "
-            f"test shows, by {percent(abs(self.disagreement))}: errors of floors and storeys are over peaks "
-            "that are scaled to the test's, and wrong if this was not its motion."
+            "The ground motion explains the test when it is multiplied by "
+            f"{significant(self.ground_factor, 2)}: errors of floors and storeys are over peaks under that, "
+            "and wrong if this was not its motion."
         )
         return (sentence,)
 
@@ -103,33 +119,60 @@ class ResponseErrors:
         governing = self.governing_storey
         return {
             "in_words": self.sentence,
-            "specimen": "measured" if self.measured else "linear",
+            "specimen": self.specimen,
             "governing_storey": None if governing is None else governing.name,
             "each": [error.to_dict() for error in self.each],
-            "peak_disagreement": self.disagreement,
-            "needs": _NEEDS if self.disagreement is None and not self.measured else None,
+            "ground_factor": self.ground_factor,
+            "needs": None if self.over_peaks else _NEEDS,
         }
 
 
 def errors_of_responses(
-    rebuilt: RebuiltError, partition: Partition, recording: Recording, motion: Motion | None
+    test: ExactTest, motion: Motion | None = None, error: ErrorOfTest | None = None
 ) -> ResponseErrors:
-    """Compute the errors of all floors and storeys; the ground motion may be a channel of the recording."""
-    names, weights = _responses(partition)
-    ground = _ground(partition, recording, motion)
-    strayed = stray_of_responses(rebuilt, weights, ground)
-    errors = [_response(strayed, place, *name) for place, name in enumerate(names)]
+    """Compute the errors of all floors and storeys of a frame.
+
+    `motion`: ground motion, by default the recorded one; `error`: of a test with one actuator, whose specimen
+    may have yielded, or is known by its force.
+    """
+    names, weights = _responses(test)
+    found = ground_of_test(test, motion)
+    looking = _Looking(test=test, weights=weights, ground=found)
+    sizes = looking.as_stated()
+    draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
+    share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
+    yielded = draws[:0]
+    if error is not None and share:
+        of_yielding = exact_if_yielding(error.rebuilt)
+        yielded = looking.of_draws((Substructures.of_partition(one), exact) for one, exact in of_yielding)
+    errors = [
+        _response(sizes[:, place], draws[..., place], yielded[..., place], share, *name)
+        for place, name in enumerate(names)
+    ]
+    given = motion is not None or test.ground is not None
     return ResponseErrors(
-        each=tuple(sorted(errors, key=lambda error: -error.size)), disagreement=strayed.disagreement
+        each=tuple(sorted(errors, key=lambda one: -one.size)),
+        specimen="may_have_yielded" if share else "linear" if error is None else _known(error),
+        ground_factor=found.factor if found is not None and found.differs else None,
+        other_motion=given and found is None and not test.stated.structure.all_driven,
+        over_peaks=looking.over_peaks,
     )
 
 
-def _responses(partition: Partition) -> tuple[list[tuple[str, str]], Array]:
+def _known(error: ErrorOfTest) -> str:
+    return "linear" if error.specimen is None else "measured"
+
+
+def _responses(test: ExactTest) -> tuple[list[tuple[str, str]], Array]:
     """Kinds and names of floors and storeys, and their weights of the degrees of freedom."""
-    frame = partition.frame
-    storeys, drifts = weights_of_storeys(frame.names, np.asarray(frame.influence))
-    names = [("floor", name) for name in frame.names] + [("storey", name) for name in storeys]
-    return names, np.vstack([np.eye(frame.size), drifts])
+    influence = test.stated.structure.influence
+    degrees = test.degrees or tuple(str(place + 1) for place in range(influence.size))
+    storeys, drifts = weights_of_storeys(degrees, influence)
+    names = [
+        ("floor" if moved else "degree", name)
+        for name, moved in zip(degrees, influence.tolist(), strict=True)
+    ]
+    return names + [("storey", name) for name in storeys], np.vstack([np.eye(influence.size), drifts])
 
 
 def weights_of_storeys(names: tuple[str, ...], influence: Array) -> tuple[list[str], Array]:
@@ -142,32 +185,70 @@ def weights_of_storeys(names: tuple[str, ...], influence: Array) -> tuple[list[s
     return [names[place] for place in along], drifts
 
 
-def _ground(partition: Partition, recording: Recording, motion: Motion | None) -> Ground | None:
-    if motion is not None:
-        acceleration, step = motion.acceleration, motion.time_step
-    elif recording.ground is not None:
-        acceleration, step = recording.ground, recording.time_step
-    else:
-        return None
-    return Ground(
-        acceleration=np.asarray(acceleration),
-        time_step=step,
-        influence=np.asarray(partition.frame.influence, dtype=np.float64),
-    )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Looking:
+    """Looks at responses of a test: their RMS and largest deviations, and largest undisturbed values [m]."""
+
+    test: ExactTest
+    weights: Array  # Of the degrees of freedom in each response [-], shape (responses, n)
+    ground: GroundOfTest | None
+
+    @property
+    def over_peaks(self) -> bool:
+        """Whether the undisturbed responses are known."""
+        return self.ground is not None or self.test.stated.structure.all_driven
+
+    def as_stated(self) -> Array:
+        """With all as stated, shape (3, responses)."""
+        return self._sizes(self.test.stated.structure, self.test.stated.at_interface, 1)
+
+    def of_draws(self, drawn: Iterator[tuple[Substructures, Array]]) -> Array:
+        """Of draws of structures and exact responses at the interface, shape (draws, 3, responses)."""
+        test = self.test
+        every = test.every
+        coarse = self._sizes(test.stated.structure, test.stated.at_interface[:, ::every], every)
+        between = np.divide(self.as_stated(), coarse, out=np.ones_like(coarse), where=coarse > 0.0)
+        sizes = np.stack([self._sizes(structure, exact, every) for structure, exact in drawn])
+        computed = 1.0 + ACCURACY * np.random.default_rng(0).standard_normal((len(sizes), 2, 1))
+        sizes[:, :2] *= computed
+        return np.asarray(between * sizes)
+
+    def _sizes(self, structure: Substructures, exact: Array, every: int) -> Array:
+        step = every * self.test.time_step
+        none = np.zeros(exact.shape[1])
+        strayed = structure.displacements(self.test.command[:, ::every] - exact, none, step)
+        strayed = np.ascontiguousarray(self.weights @ strayed)
+        peaks = np.full(len(strayed), np.nan)
+        if self.over_peaks:
+            ground = none if self.ground is None else self.ground.acceleration[::every]
+            peaks = np.abs(self.weights @ structure.displacements(exact, ground, step)).max(axis=1)
+        rms = np.sqrt([mean_square(row) for row in strayed])
+        return np.stack([rms, np.abs(strayed).max(axis=1), peaks])
 
 
-def _response(strayed: StrayedResponses, place: int, kind: str, name: str) -> ResponseError:
-    """Error of one response."""
-    values = strayed.sizes[:, place]
-    rms_mm, peak_mm = _estimates(strayed.spread(place, scale=1.0 / MILLI), MILLI * values)
+def _response(
+    sizes: Array, draws: Array, yielded: Array, share: float, kind: str, name: str
+) -> ResponseError:
+    """Error of one response from RMS, largest deviation and peak, (3,), and those of draws, (draws, 3)."""
+
+    def estimates(values: Array, unit: float | None) -> list[Estimate]:
+        linear = _spread(draws, unit)
+        both = linear if not share else linear.together(_spread(yielded, unit), share)
+        metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
+        return [
+            linear.estimate(metric, value).with_ends_of(both.estimate(metric, value))
+            for metric, value in metrics
+        ]
+
+    rms_mm, peak_mm = estimates(MILLI * sizes[:2], 1.0 / MILLI)
     rms = mte = None
-    if strayed.largest is not None and strayed.largest_of_draws is not None:
-        spread = strayed.spread(place, scale=strayed.largest_of_draws[:, place])
-        rms, mte = _estimates(spread, values / strayed.largest[place])
+    if np.isfinite(sizes[2]):
+        rms, mte = estimates(sizes[:2] / sizes[2], None)
     return ResponseError(name=f"{kind} {name}", kind=kind, rms_mm=rms_mm, peak_mm=peak_mm, rms=rms, mte=mte)
 
 
-def _estimates(spread: Spread, values: Array) -> list[Estimate]:
-    """RMS and peak with their intervals."""
-    metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
-    return [spread.estimate(metric, value) for metric, value in metrics]
+def _spread(draws: Array, unit: float | None) -> Spread:
+    """Draws of a response's RMS and largest deviation over a length [m], or over its peak in each draw."""
+    rms, largest, peak = draws.T
+    over = peak if unit is None else unit
+    return Spread(rms=rms / over, mte=largest / over, mean=np.zeros(0), deviation=np.zeros(0))

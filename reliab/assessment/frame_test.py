@@ -22,11 +22,12 @@ from reliab.assessment.error_of_test import (
     that_may_have_yielded,
     with_learned,
 )
+from reliab.assessment.exact_response import exact_test_of_one
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import find_faults, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import FrameAssessment
-from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
+from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
@@ -162,10 +163,8 @@ def _examined(
         over_frequency=over_frequency,
         error=error,
         resolved=_resolved(sound, over_frequency, error),
-        responses=(
-            errors_of_responses(error.rebuilt, frame.partition, recording, motion)
-            if error.specimen is None
-            else ResponseErrors(each=(), disagreement=None, measured=True)
+        responses=errors_of_responses(
+            exact_test_of_one(error, frame.partition.frame.names, recording.ground), motion, error
         ),
         faults=effects,
         verdict=turning.limit(_verdict(error, effects)),

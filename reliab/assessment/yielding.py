@@ -6,23 +6,26 @@ any share beyond, with a sharp or a round corner. The error of each follows from
 and all that is not known of channels and structure is drawn as well.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.interval import Histories
+from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import (
     errors_with_specimens,
+    exact_of_yielding,
     sweep_yielding,
     yielding_specimen,
 )
-from reliab.effects import CubicStiffness, SteppedEffect
+from reliab.effects import CubicStiffness, Hysteresis, SteppedEffect
+from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
@@ -81,26 +84,38 @@ def draw_yielding(rebuilt: RebuiltError) -> Spread:
     >>> draw_yielding(rebuild(command, 0.98 * command, 1.0 / 128.0, structure)).rms.size
     64
     """
-    differences = rebuilt.differences[-_DRAWS:]
+    return sweep_yielding(_drawn_specimens(rebuilt), *_of_test(rebuilt), seed=rebuilt.seed)
+
+
+def exact_if_yielding(rebuilt: RebuiltError) -> Iterator[tuple[Partition, Array]]:
+    """Structures and exact responses at the interface [m] of these draws, each shape (1, m)."""
+    return exact_of_yielding(_drawn_specimens(rebuilt), *_of_test(rebuilt), seed=rebuilt.seed)
+
+
+def _of_test(rebuilt: RebuiltError) -> tuple[Histories, Partition, Unknown, Array, int]:
+    """Give what the sweep takes of a test, whose frequency was learned of a linear specimen."""
+    unknown = replace(rebuilt.unknown, own_frequency=None)
+    return (
+        rebuilt.histories,
+        rebuilt.structure,
+        unknown,
+        rebuilt.differences[-_DRAWS:],
+        rebuilt.every,
+    )
+
+
+def _drawn_specimens(rebuilt: RebuiltError) -> list[Hysteresis]:
+    """Draw specimens that yield."""
+    size = len(rebuilt.differences[-_DRAWS:])
     generator = np.random.default_rng(rebuilt.seed)
     peak = float(np.abs(rebuilt.histories.measured).max())
-    size = len(differences)
     ductility = DUCTILITIES[-1] ** generator.permutation((np.arange(size) + 0.5) / size)
     hardening = _MOST_HARDENING * generator.uniform(size=size)
     sharpness = _ROUNDEST * (_SHARPEST / _ROUNDEST) ** generator.uniform(size=size)
-    specimens = [
+    return [
         yielding_specimen(peak / largest, harder, sharp)
         for largest, harder, sharp in zip(ductility, hardening, sharpness, strict=True)
     ]
-    return sweep_yielding(
-        specimens,
-        rebuilt.histories,
-        rebuilt.structure,
-        replace(rebuilt.unknown, own_frequency=None),  # which was learned of a linear specimen
-        differences,
-        rebuilt.every,
-        seed=rebuilt.seed,
-    )
 
 
 def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltError:
@@ -113,8 +128,8 @@ def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltE
     half = HALF_WIDTH * both.deviation
 
     def estimate(metric: Metric) -> Estimate:
-        of_both, linear = both.estimate(metric, rebuilt.estimate(metric).value), rebuilt.estimate(metric)
-        return replace(linear, low=min(of_both.low, linear.low), high=max(of_both.high, linear.high))
+        linear = rebuilt.estimate(metric)
+        return linear.with_ends_of(both.estimate(metric, linear.value))
 
     return replace(
         rebuilt,

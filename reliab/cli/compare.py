@@ -91,7 +91,8 @@ def _show(content: dict[str, Any]) -> None:
         shown.add_row(*_row(test, content["metric"]))
     terminal = console()
     terminal.print(shown)
-    for sentence in (*content["notes"], *(f"{file}: {why}" for file, why in content["faults"].items())):
+    faults = (f"{file}: {why}" for file, why in content["faults"].items())
+    for sentence in (content["assumed"], *content["notes"], *faults):
         terminal.print(sentence, highlight=False, markup=False)
 
 

@@ -1,7 +1,8 @@
 """A test with several actuators: commands and measured displacements at equal steps, checked."""
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -11,8 +12,9 @@ from reliab.errors import InputError
 from reliab.recordings.channel import DISPLACEMENTS, Channel, Part
 from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers import is_frame, read_frame
-from reliab.recordings.reading import Histories, histories_of, read_test
+from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES, Recording, require_few_samples, require_finite
+from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,6 +43,9 @@ class CoupledRecording:
     notes: tuple[str, ...] = ()  # What was assumed when the test was read, in sentences
     channels: tuple[Channel, ...] = ()  # Which columns of the file were taken as what
     ground: Array | None = None  # Ground acceleration [m/s²], shape (n,); None where it is not recorded
+    stated: Mapping[str, StatedValue] = field(
+        default_factory=dict
+    )  # As of `Recording`, of all channels alike
 
     def __post_init__(self) -> None:
         shape = np.shape(self.command)
@@ -99,7 +104,8 @@ def read_coupled_recording(
     parts = {name: (match[1], match[2]) for name, match in matches.items()}
     if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
         columns = replace(columns, parts={**columns.parts, **parts})
-    return coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
+    recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
+    return replace(recording, stated=laboratory.beside(stated_in(columns)))
 
 
 def coupled_recording_of(histories: Histories) -> CoupledRecording:

@@ -1,12 +1,14 @@
 """Tests of linear frames with one actuator, simulated by code that shares nothing with the product.
 
-A frame M, C, K is tested through one interface γ: its specimen k_e, c_e, m_e stands in the laboratory, and
-all else is computed. The actuator is of second order. The loop is one linear system, which is stepped exactly
-for a ground motion that is a straight line between samples.
+A frame M, C, K is tested through one interface γ, or several: its specimen k_e, c_e, m_e stands in the
+laboratory, and all else is computed. Actuators are of second order. The loop is one linear system, which is
+stepped exactly for a ground motion that is a straight line between samples; with a specimen that yields
+(bilinear, kinematic hardening) it is stepped in sixteenths of a sample.
 """
 
 from dataclasses import dataclass, replace
 
+import numba
 import numpy as np
 import scipy
 
@@ -18,9 +20,9 @@ class Matrices:
     mass: np.ndarray
     damping: np.ndarray
     stiffness: np.ndarray
-    interface: np.ndarray
+    interface: np.ndarray  # γ, shape (n,), or of several actuators, shape (n, p)
     influence: np.ndarray
-    specimen: tuple[float, float, float]  # k_e [N/m], c_e [N·s/m], m_e [kg]
+    specimen: tuple[float, float, float]  # At each interface k_e [N/m], c_e [N·s/m], m_e [kg]
 
     def with_storeys(self, name: str, factors: np.ndarray) -> "Matrices":
         """Shear frame whose storeys are as stiff, or as damped, as these factors say.
@@ -70,11 +72,12 @@ def shear(storeys: np.ndarray) -> np.ndarray:
 class Outcome:
     """What was recorded, and what an actuator without error would have made of it."""
 
-    command: np.ndarray  # x_c [m], shape (n,)
-    measured: np.ndarray  # x_m [m], shape (n,)
+    command: np.ndarray  # x_c [m], shape (n,); of several actuators (p, n)
+    measured: np.ndarray  # x_m [m], as x_c
     floors: np.ndarray  # Displacements that the computer had in the test [m], shape (floors, n)
     ideal: np.ndarray  # Those without an actuator's error [m], shape (floors, n)
     interface: np.ndarray
+    force: np.ndarray | None = None  # Of a specimen that yields [N], shape (n,)
 
     @property
     def rms(self) -> float:
@@ -88,23 +91,41 @@ class Outcome:
 
 
 def run(
-    frame: Matrices, gain: float, corner: float, ground: np.ndarray, step: float, damping: float = 0.7
+    frame: Matrices,
+    gain: float | np.ndarray,
+    corner: float | np.ndarray,
+    ground: np.ndarray,
+    step: float,
+    damping: float = 0.7,
 ) -> Outcome | None:
-    """Run a test with an actuator of second order [rad/s]; None where the loop is unstable."""
-    n, gamma, (k, c, m) = frame.interface.size, frame.interface, frame.specimen
-    grid = np.outer(gamma, gamma)
+    """Run a test with actuators of second order [rad/s]; None where the loop is unstable."""
+    n, gamma, (k, c, m) = (
+        frame.influence.size,
+        frame.interface.reshape(frame.influence.size, -1),
+        frame.specimen,
+    )
+    p, grid = gamma.shape[1], gamma @ gamma.T
+    gain, corner = np.broadcast_to(gain, p), np.broadcast_to(corner, p)
     mass, viscous, stiffness = frame.mass - m * grid, frame.damping - c * grid, frame.stiffness - k * grid
     # state: x, x', y, y'; y'' = corner² (gain γᵀx − y) − 2 damping corner y'
-    driven = np.concatenate([gain * corner**2 * gamma, np.zeros(n), [-(corner**2), -2.0 * damping * corner]])
-    force = m * driven + np.concatenate([np.zeros(2 * n), [k, c]])
-    solved = np.linalg.solve(mass, np.column_stack([stiffness, viscous, np.outer(gamma, force)]))
-    a = np.zeros((2 * n + 2, 2 * n + 2))
+    driven = np.hstack(
+        [
+            (gain * corner**2)[:, np.newaxis] * gamma.T,
+            np.zeros((p, n)),
+            -np.diag(corner**2),
+            -2.0 * damping * np.diag(corner),
+        ]
+    )
+    force = m * driven + np.hstack([np.zeros((p, 2 * n)), k * np.eye(p), c * np.eye(p)])
+    solved = np.linalg.solve(mass, np.column_stack([stiffness, viscous, gamma @ force]))
+    size = 2 * (n + p)
+    a = np.zeros((size, size))
     a[:n, n : 2 * n] = np.eye(n)
     a[n : 2 * n] = -solved[:, 2 * n :]
     a[n : 2 * n, : 2 * n] -= solved[:, : 2 * n]
-    a[2 * n, 2 * n + 1] = 1.0
-    a[2 * n + 1] = driven
-    b = np.zeros((2 * n + 2, 1))
+    a[2 * n : 2 * n + p, 2 * n + p :] = np.eye(p)
+    a[2 * n + p :] = driven
+    b = np.zeros((size, 1))
     b[n : 2 * n, 0] = -np.linalg.solve(mass, frame.mass @ frame.influence)
     if np.linalg.eigvals(a).real.max() > 0.0:
         return None
@@ -114,12 +135,84 @@ def run(
     states = _simulated(a, b, ground, step)
     ideal = _simulated(whole, np.append(np.zeros(n), -frame.influence)[:, np.newaxis], ground, step)[:n]
     return Outcome(
-        command=gamma @ states[:n],
-        measured=states[2 * n],
+        command=frame.interface.T @ states[:n],
+        measured=states[2 * n : 2 * n + p].reshape(*frame.interface.shape[1:], -1),
         floors=states[:n],
         ideal=ideal,
-        interface=gamma,
+        interface=frame.interface,
     )
+
+
+def run_yielding(
+    frame: Matrices,
+    gain: float,
+    corner: float,
+    ground: np.ndarray,
+    step: float,
+    ductility: float,
+    hardening: float = 0.05,
+) -> Outcome:
+    """Run a test whose specimen yields, which has neither mass nor dashpot of its own.
+
+    `ductility`: largest displacement of the linear specimen over that at which it yields.
+    """
+    k, gamma = frame.specimen[0], frame.interface
+    inverse = np.linalg.inv(frame.mass)
+    loads = inverse @ (frame.stiffness - k * np.outer(gamma, gamma)), inverse @ frame.damping
+    shares = inverse @ gamma, frame.influence
+
+    def stepped(place: float, actuator: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return _yielding(*loads, *shares, gamma, k, hardening, place, *actuator, ground, step)
+
+    largest = float(np.abs(stepped(np.inf, (0.0, 0.0))[1]).max())
+    floors, measured, force = stepped(largest / ductility, (gain, corner))
+    ideal = stepped(largest / ductility, (0.0, 0.0))[0]
+    return Outcome(
+        command=gamma @ floors,
+        measured=measured,
+        floors=floors,
+        ideal=ideal,
+        interface=gamma,
+        force=force,
+    )
+
+
+@numba.njit(cache=True)
+def _yielding(
+    stiffness: np.ndarray,
+    damping: np.ndarray,
+    by_force: np.ndarray,
+    influence: np.ndarray,
+    gamma: np.ndarray,
+    k: float,
+    hardening: float,
+    yields: float,
+    gain: float,
+    corner: float,
+    ground: np.ndarray,
+    step: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Floors, displacement and force of the specimen; a corner of zero is a perfect actuator."""
+    finer, size = 16, ground.size
+    short, n = step / finer, influence.size
+    x, v, y, w, plastic = np.zeros(n), np.zeros(n), 0.0, 0.0, 0.0
+    floors, measured, force = np.zeros((n, size)), np.zeros(size), np.zeros(size)
+    for i in range(1, size):
+        for j in range(finer):
+            shaken = ground[i - 1] + (ground[i] - ground[i - 1]) * j / finer
+            if corner > 0.0:
+                w += short * (corner**2 * (gain * gamma @ x - y) - 1.4 * corner * w)
+                y += short * w
+            else:
+                y = gamma @ x
+            elastic = y - plastic
+            if abs(elastic) > yields:
+                plastic += elastic - yields * np.sign(elastic)
+            felt = k * (hardening * y + (1.0 - hardening) * (y - plastic))
+            v -= short * (stiffness @ x + damping @ v + by_force * felt + influence * shaken)
+            x += short * v
+        floors[:, i], measured[i], force[i] = x, y, felt
+    return floors, measured, force
 
 
 def _simulated(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) -> np.ndarray:

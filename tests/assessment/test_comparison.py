@@ -1,10 +1,13 @@
 """Tests that differ in their compensators only are ranked rightly, and more surely than each is judged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from late_runs import runs_of
 
 import reliab
+from reliab.assessment import rank_tests
 from reliab.errors import InputError
 
 
@@ -38,6 +41,18 @@ def test_numbers_are_those_of_the_verdicts(compared):
     assert content["rms"] == alone["error"]["rms"]
     assert (content["verdict"], content["A"]) == (alone["verdict"], alone["A"])
     assert list(comparison.to_frame()["rank"]) == [1, 2]
+
+
+def test_what_is_taken_to_be_the_same_is_said(compared):
+    comparison, _ = compared
+    assert "their skew, is the same in all of them" in comparison.to_dict()["assumed"]
+    first, second = comparison.tests
+    rebuilt = replace(second.assessment.error.rebuilt, seed=1)
+    apart = replace(second.assessment, error=replace(second.assessment.error, rebuilt=rebuilt))
+    other = rank_tests({first.file: first.assessment, second.file: apart})
+    assert "Other quantities are unknown in data frame 1" in other.notes[0]
+    difference, paired = other.tests[1].difference, second.difference
+    assert difference.high - difference.low > paired.high - paired.low
 
 
 @pytest.mark.slow

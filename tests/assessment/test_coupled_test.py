@@ -178,8 +178,31 @@ def test_what_takes_one_actuator_refuses_several(recorded):
     file, path, _ = recorded
     with pytest.raises(InputError, match="driven at one degree of freedom"):
         read_frame(path)
-    with pytest.raises(InputError, match="skew"):
-        reliab.assess(file, path, skew="0.1")
+    with pytest.raises(InputError, match="hysteresis"):
+        reliab.assess(file, path, hysteresis="0.001")
+
+
+def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recorded, assessed, tmp_path):
+    """By the header of the test, which goes before the file of the laboratory, and by options."""
+    file, path, _ = recorded
+    table = pd.read_csv(file)
+    for name in ("measured_1", "measured_2"):
+        table[name] = 1.02 * np.interp(table["time_s"] - 0.003, table["time_s"], table[name])
+    header, channels = tmp_path / "header.csv", tmp_path / "channels.toml"
+    header.write_text("# skew_ms: 3\n# scale: 1.02\n" + table.to_csv(index=False), encoding="utf-8")
+    channels.write_text("[calibration]\nskew_ms = -5.0\nscale = 0.9\n", encoding="utf-8")
+    spoiled, by_header, by_options = (
+        {degree.name: degree.rms.value for degree in found.error.degrees}
+        for found in (
+            reliab.assess(table, path),
+            reliab.assess(header, path, channels=channels),
+            reliab.assess(table, path, skew=3, scale=1.02),
+        )
+    )
+    sound = {degree.name: degree.rms.value for degree in assessed.error.degrees}
+    assert by_header == by_options
+    assert by_header == pytest.approx(sound, rel=0.05)
+    assert spoiled != pytest.approx(sound, rel=0.5)
 
 
 @pytest.mark.slow

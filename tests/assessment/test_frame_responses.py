@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.frames_by_matrices import TWO_STOREYS, run
+from assessment.frames_by_matrices import TWO_STOREYS, Outcome, run, run_yielding, shear
 
+from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.coupled_test import assess_coupled
 from reliab.assessment.frame_test import assess_frame
 from reliab.motions import Motion
-from reliab.recordings import Recording
+from reliab.recordings import CoupledRecording, Recording
 from reliab.report.kinds.assessment import frame_assessment_report
-from reliab.simulation.frames import FrameUnderTest
+from reliab.simulation.frames import CoupledFrame, FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
@@ -29,13 +31,18 @@ STATED = FrameUnderTest(
 )
 
 
+def shaken(seed: int) -> np.ndarray:
+    """Ground motion that begins at rest [m/s²]."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(int(DURATION * RATE)) / RATE
+    coarse = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
+    return coarse * np.minimum(time / 2.0, 1.0)
+
+
 @pytest.fixture(scope="module")
 def test_and_truth():
     """Recording without noise, its ground motion, and what the frame did with and without its actuator."""
-    rng = np.random.default_rng(8)
-    time = np.arange(int(DURATION * RATE)) / RATE
-    coarse = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
-    ground = coarse * np.minimum(time / 2.0, 1.0)
+    ground = shaken(8)
     outcome = run(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE)
     recording = Recording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, name="one"
@@ -96,17 +103,24 @@ def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, fou
 
 def test_another_ground_motion_is_noticed(test_and_truth, found):
     recording, motion, _ = test_and_truth
-    half = Motion(name="half", acceleration=0.5 * np.array(motion.acceleration), time_step=motion.time_step)
-    other = assess_frame(recording, STATED, motion=half)
+    acceleration = np.array(motion.acceleration)
+    half, unlike = (
+        assess_frame(
+            recording, STATED, motion=Motion(name="other", acceleration=other, time_step=motion.time_step)
+        )
+        for other in (0.5 * acceleration, np.random.default_rng(9).permutation(acceleration))
+    )
     assert not found.responses.warnings
-    assert "would be smaller than the test shows, by 50" in " ".join(other.warnings)
+    assert "when it is multiplied by 2:" in " ".join(half.warnings)
+    peaks = {one.name: one.rms.value for one in found.responses.each}
+    assert {one.name: one.rms.value for one in half.responses.each} == pytest.approx(peaks, rel=0.01)
+    assert "taken for another test's" in " ".join(unlike.warnings)
+    assert all(one.rms is None for one in unlike.responses.each)
 
 
 @pytest.mark.slow
 def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
-    rng = np.random.default_rng(8)
-    time = np.arange(int(DURATION * RATE)) / RATE
-    ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
+    ground = shaken(8)
     tested = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))
     outcome = run(tested, 1.01, 200.0, ground, 1.0 / RATE)
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE)
@@ -126,3 +140,77 @@ def test_the_report_lists_them(found):
     report = frame_assessment_report(found, provenance={})
     (section,) = [one for one in report.blocks if one.title == "Floors and storeys"]
     assert len(section.blocks[0].frame) == 4
+
+
+def true_errors(outcome: Outcome, names: tuple[str, ...]) -> dict[str, float]:
+    """RMS^R of floors and storeys."""
+    first = np.zeros((1, outcome.ideal.shape[1]))
+    pairs = [(outcome.floors, outcome.ideal)]
+    pairs.append(tuple(np.diff(rows, axis=0, prepend=first) for rows in pairs[0]))
+    return {
+        f"{kind} {name}": outcome.error_of(history, exact)
+        for kind, (rows, ideal) in zip(("floor", "storey"), pairs, strict=True)
+        for name, history, exact in zip(names, rows, ideal, strict=True)
+    }
+
+
+def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
+    frame = replace(
+        TWO_STOREYS,
+        mass=np.diag([2000.0, 1800.0, 1500.0]),
+        damping=shear(np.array([2400.0, 1800.0, 1500.0])),
+        stiffness=shear(np.array([5e5, 4e5, 3e5])),
+        interface=np.eye(3)[:, :2],
+        influence=np.ones(3),
+        specimen=(1e5, 0.0, 0.0),
+    )
+    names = ("low", "middle", "top")
+    ground = shaken(8)
+    outcome = run(frame, np.array([1.02, 0.99]), np.array([150.0, 220.0]), ground, 1.0 / RATE)
+    partition = Partition(
+        mass=frame.mass,
+        damping=frame.damping,
+        stiffness=frame.stiffness,
+        interface=frame.interface,
+        influence=frame.influence,
+        specimen_stiffness=1e5 * np.eye(2),
+        names=names[:2],
+    )
+    stated = CoupledFrame(
+        name="three",
+        partition=partition,
+        kinematics=np.eye(2),
+        channels_at_interface=True,
+        degrees_of_freedom=names,
+    )
+    recording = CoupledRecording(
+        command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
+    )
+    found = assess_coupled(recording, stated).responses
+    errors = {one.name: one.rms.value for one in found.each}
+    assert errors == pytest.approx(true_errors(outcome, names), rel=0.01)
+    assert found.to_dict()["governing_storey"] in found.sentence
+    lengths = assess_coupled(replace(recording, ground=None), stated).responses
+    assert all(one.rms is None for one in lengths.each)
+    assert "need the ground motion" in lengths.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("known", ["by its force", "not"])
+def test_intervals_hold_the_errors_of_floors_beside_a_specimen_that_yields(known):
+    ground = shaken(11)
+    outcome = run_yielding(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE, ductility=2.0)
+    recording = Recording(
+        command=outcome.command,
+        measured=outcome.measured,
+        force=outcome.force if known == "by its force" else None,
+        ground=ground,
+        time_step=1.0 / RATE,
+    )
+    found = assess_frame(
+        recording, STATED, equipment=ordinary_equipment(), measured_specimen=known == "by its force"
+    ).responses
+    assert {one.name for one in found.each} == {*true_errors(outcome, ("low", "top"))}
+    for one in found.each:
+        assert one.rms.low <= true_errors(outcome, ("low", "top"))[one.name] <= one.rms.high
+    assert found.specimen == ("measured" if known == "by its force" else "may_have_yielded")

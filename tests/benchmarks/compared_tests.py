@@ -3,7 +3,7 @@
     python tests/benchmarks/compared_tests.py FOLDER --seed S --count N --rate 256
 
 Structures and actuators are those of `tests/assessment/rebuilt_error/laboratory.py`, under the real records
-of FOLDER. The two tests have one motion and delays of their own; frequency, damping ratio, scale of the sensor
+of FOLDER. The two tests have one motion and delays of their own; frequency, damping ratio, scale of sensors
 and skew (up to a sample either way) are not as stated, by as much in both, or with `--apart` the skew of each
 by itself, which is not what `compare` assumes. Noise is 45 dB, no force is recorded. Printed: how often the
 test with the smaller error stands first, how often its probability is 95 % or more and how often it then is
@@ -91,8 +91,8 @@ def main() -> None:
     pairs = pd.DataFrame(compared(seed, records, asked.rate, apart=asked.apart) for seed in seeds)
     sure = pairs[pairs["probability"] >= CLASSES[-2]]
     print(
-        f"{len(pairs)} pairs at {asked.rate:g} Hz: order right {pairs['right'].mean():.0%}, stated as 95 % or "
-        f"more {len(sure)}, of which right {sure['right'].sum()}; Brier "
+        f"{len(pairs)} pairs at {asked.rate:g} Hz: order right {pairs['right'].mean():.0%}, stated as 95 % "
+        f"or more {len(sure)}, of which right {sure['right'].sum()}; Brier "
         f"{((pairs['probability'] - pairs['right']) ** 2).mean():.3f}"
     )
     for (_, of), low, high in zip(

@@ -33,7 +33,18 @@ RESPONSE = {
     "name": "storey 2", "rms_mm": LENGTH, "peak_mm": {**LENGTH, "value": 2.345},
     "rms": {"value": 0.0123, "low": 0.01, "high": 0.02}, "mte": {"value": 0.0456, "low": 0.04, "high": 0.05},
 }  # fmt: skip
+BUDGET = [
+    {
+        "quantity": "damping ratio",
+        "size": 15.0,
+        "unit": "%",
+        "source": "default",
+        "contribution": 0.0123,
+        "remedy": "Measure it.",
+    },
+]
 FRAME = {
+    "budget": BUDGET,
     "structure": "portal", "A": 0.9876, "d_ms": 2.345, "critical_delay_ms": 12.5, "stability_margin": 0.812,
     "by_index": {"index": 0.444, "verdict": "not_reliable"},
     "modes": [MODE, {**MODE, "f_hz": 3.5, "A": None, "d_ms": None}],
@@ -59,7 +70,7 @@ def test_details_of_a_frame_stand_beside_their_names(capsys):
         "Test of portal", "A 0.9876", "d 2.345 ms", "critical delay 12.500 ms", "stability margin 0.812",
         "index of the criterion 0.444: not reliable", "Tracking at the modes of the structure",
         "1 1.250 0.0300 0.400 0.9912 1.234", "2 3.500 0.0300 0.400 unknown unknown",
-        "Errors of floors and storeys", "Of storeys.",
+        "Errors of floors and storeys", "Of storeys.", "damping ratio 15 % default 1.23 %",
         "storey 2 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) 1.23 % (1.00 to 2.00 %) 4.56 % (4.00 to 5.00 %)",
         "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown",
         "Warning: Look at this.", "Note: A remark.", "Channels: command = 'u' (mm; its name).",

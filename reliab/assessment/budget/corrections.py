@@ -91,9 +91,14 @@ def without_skew(recording: Recording, skew: float) -> Recording:
     """Read the measured displacement at the times to which it belongs; `skew` [s]."""
     if skew == 0.0:
         return recording
-    times = np.arange(recording.measured.size) * recording.time_step
-    path = CubicPath.through(times, recording.measured)
-    return replace(recording, measured=path(np.clip(times + skew, times[0], times[-1])))
+    return replace(recording, measured=earlier(recording.measured, skew, recording.time_step))
+
+
+def earlier(values: Array, time: float, step: float) -> Array:
+    """Values of a history as much later [s], by a cubic through its samples, shape (n,)."""
+    times = np.arange(values.size) * step
+    path = CubicPath.through(times, values)
+    return np.asarray(path(np.clip(times + time, times[0], times[-1])))
 
 
 def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:

@@ -53,51 +53,35 @@ class Recursion:
         structure: Partition,
         time_step: float,
         *,
-        floors: bool = False,
         slips: bool = False,
         smooth: bool = False,
     ) -> "Recursion":
-        """Recursion from x_c − x_m to the error of the interface, or of all `floors`.
+        """Recursion from x_c − x_m to the error of the interface.
 
         `time_step` [s]; matrices may have a first axis of draws. `slips`: whether displacements that the
         specimen's stiffness has lost are further inputs, as many.
         """
-        gamma, size = structure.interface, structure.size
+        gamma = structure.interface
         at_once = np.linalg.solve(structure.mass, gamma @ structure.specimen_mass)
         by_rate = gamma @ structure.specimen_damping - structure.damping @ at_once
         by_size = gamma @ structure.specimen_stiffness - structure.stiffness @ at_once
-        rows = np.eye(size) if floors else gamma.T
-        feed_through = rows @ at_once
+        feed_through = gamma.T @ at_once
         if slips:
             slipped = gamma @ structure.specimen_stiffness
             by_rate = np.concatenate([by_rate, np.zeros_like(slipped)], axis=-1)
             by_size = np.concatenate([by_size, slipped], axis=-1)
             feed_through = np.concatenate([feed_through, np.zeros_like(feed_through)], axis=-1)
-        return cls._held(structure, by_rate, by_size, time_step, rows, feed_through, smooth=smooth)
+        return cls._held(structure, by_rate, by_size, time_step, gamma.T, feed_through, smooth=smooth)
 
     @classmethod
-    def of_force(cls, structure: Partition, time_step: float, *, floors: bool = False) -> "Recursion":
+    def of_force(cls, structure: Partition, time_step: float) -> "Recursion":
         """Recursion from a wrong force at the interface to the error, M e'' + C e' + K e = Γ u.
 
         Parameters and result as for `of_displacement`.
         """
         gamma = structure.interface
-        rows = np.eye(structure.size) if floors else gamma.T
-        return cls._of_load(structure, gamma, time_step, rows)
-
-    @classmethod
-    def of_ground(cls, structure: Partition, influence: Array, time_step: float) -> "Recursion":
-        """Recursion from a ground acceleration to all displacements of the undisturbed structure.
-
-        M x'' + C x' + K x = −M ι a_g; `influence`: ι [-], shape (n,); `time_step` [s].
-        """
-        load = -structure.mass @ influence
-        return cls._of_load(structure, load[..., np.newaxis], time_step, np.eye(structure.size))
-
-    @classmethod
-    def _of_load(cls, structure: Partition, load: Array, step: float, rows: Array) -> "Recursion":
-        none = np.zeros((len(rows), load.shape[-1]))
-        return cls._held(structure, np.zeros_like(load), load, step, rows, none)
+        none = np.zeros((structure.degrees, structure.degrees))
+        return cls._held(structure, np.zeros_like(gamma), gamma, time_step, gamma.T, none)
 
     @classmethod
     def _held(

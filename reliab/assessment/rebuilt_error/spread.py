@@ -10,7 +10,7 @@ no size of its error is likelier than another.
 `datasets/rebuilt_error/README.md` states the coverage with it, on tests that had no part in the choice.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -34,6 +34,10 @@ class Estimate:
     value: float  # value, low, high: Relative errors [-]
     low: float
     high: float
+
+    def with_ends_of(self, other: "Estimate") -> "Estimate":
+        """Widen the interval so that it holds another one; the value stays."""
+        return replace(self, low=min(self.low, other.low), high=max(self.high, other.high))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,7 @@ than nothing. The response x_c − e at a sample
 depends on the input there by (ω₀h)²/6 only, which two corrections take away.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.interval import (
     states_at_first_sample,
     structures_of_draws,
 )
-from reliab.assessment.rebuilt_error.recursion import Recursion, advance
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
@@ -80,6 +80,31 @@ def sweep_yielding(
     )
 
 
+def exact_of_yielding(
+    specimens: Sequence[Hysteresis],
+    histories: Histories,
+    structure: Partition,
+    unknown: Unknown,
+    differences: Array,
+    every: int,
+    *,
+    seed: int,
+) -> Iterator[tuple[Partition, Array]]:
+    """Structures and responses without actuator errors [m] of the draws of `sweep_yielding`, shape (1, m)."""
+    thin = histories.thinned(every)
+    drawn, phase = draw_unknown(unknown, len(specimens), seed)
+    columns, shifts = inputs_of_reading(thin, drawn)
+    for draw, specimen in enumerate(specimens):
+        one = {name: values[draw : draw + 1] for name, values in drawn.items()}
+        velocity = phase[draw : draw + 1] * unknown.error_at_start
+        difference = differences[draw % len(differences)]
+        strayed = np.zeros((2, thin.command.size))  # x_m − x_I and its square
+        reading = columns, shifts[draw : draw + 1]
+        _swept([specimen], thin, structure, one, velocity, difference[np.newaxis], strayed, reading)
+        measured = thin.command - difference - shifts[draw] @ columns
+        yield structure_of_draw(structures_of_draws(structure, one), 0), (measured - strayed[0])[np.newaxis]
+
+
 def errors_with_specimens(
     specimens: Sequence[SteppedEffect], histories: Histories, structure: Partition
 ) -> Array:
@@ -102,12 +127,13 @@ def _swept(
     velocity: Array,
     differences: Array,
     band: Array,
+    reading: tuple[Array, Array] | None = None,
 ) -> Array:
     changed = structures_of_draws(structure, drawn)
     recursion = Recursion.of_displacement(changed, thin.time_step, slips=True).of_draws(len(specimens))
     standing = np.array([thin.standing, 0.0])
     started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
-    columns, shifts = inputs_of_reading(thin, drawn)
+    columns, shifts = reading or inputs_of_reading(thin, drawn)
     setting = Setting(step=thin.time_step)
     return np.asarray(
         _sweep(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from reliab.cli.output import console
+from reliab.cli.output import console, table
 from reliab.significant import counted, percent, percent_with_interval, significant
 from reliab.vocabulary import Metric
 
@@ -81,6 +81,18 @@ def widest(content: dict[str, Any]) -> Iterator[str]:
         yield f"Most uncertain: {', '.join(entries)}."
     if budget and not content["would_decide"]:
         yield f"What would sharpen this most: {budget[0]['remedy']}"
+
+
+def budget_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    """Tabulate what is not known exactly, the largest contribution to the interval first."""
+    shown = table(
+        "Uncertain quantities, and the standard deviation of the error that each causes alone",
+        {"quantity": "left", "std. deviation": "right", "source": "left", "of the error": "right"},
+    )
+    for item in content["budget"]:
+        size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
+        shown.add_row(item["quantity"], size, item["source"], percent(item["contribution"], decimals=2))
+    return shown
 
 
 def _tracking(content: dict[str, Any]) -> str:

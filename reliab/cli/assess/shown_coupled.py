@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.assess.shown_briefly import widest
+from reliab.cli.assess.shown_briefly import budget_table, widest
 from reliab.cli.assess.shown_channels import show_channels
+from reliab.cli.assess.shown_frame import responses_table
 from reliab.cli.output import console, table
 from reliab.significant import percent, percent_with_interval, significant
 
@@ -33,6 +34,9 @@ def show_coupled(assessment: "CoupledAssessment", *, details: bool) -> None:
         terminal.print("For all results, add --details.", highlight=False)
         return
     terminal.print(_parts(content))
+    terminal.print(budget_table(content))
+    terminal.print(responses_table(content))
+    terminal.print(content["responses"]["in_words"], markup=False, highlight=False)
     show_channels(content["recording"]["channels"])
     for note in content["notes"]:
         terminal.print(f"Note: {note}", markup=False, highlight=False)

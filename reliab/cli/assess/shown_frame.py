@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import percent, percent_with_interval, significant
@@ -17,7 +18,8 @@ def show_frame(assessment: "FrameAssessment") -> None:
     terminal = console()
     terminal.print(_quantities(content))
     terminal.print(_modes(content))
-    terminal.print(_responses(content))
+    terminal.print(budget_table(content))
+    terminal.print(responses_table(content))
     for sentence in (content["responses"]["in_words"], *_sentences(content)):
         terminal.print(sentence, markup=False, highlight=False)
     for warning in content["warnings"]:
@@ -60,7 +62,8 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     return shown
 
 
-def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+def responses_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    """Errors of floors and storeys."""
     headings = ("response", "RMS, mm", "largest, mm", "RMS^R", "MTE^R")
     shown = table(
         "Errors of floors and storeys", {"response": "left", **dict.fromkeys(headings[1:], "right")}

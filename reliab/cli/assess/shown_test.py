@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import percent, significant
@@ -18,7 +19,7 @@ def show_assessment(assessment: "Assessment") -> None:
     terminal = console()
     terminal.print(_asked(assessment), highlight=False, markup=False)
     terminal.print(_errors(summary))
-    terminal.print(_budget(summary))
+    terminal.print(budget_table(summary))
     terminal.print(_indices(assessment, summary))
     for sentence in _sentences(assessment, summary):
         terminal.print(sentence, highlight=False, markup=False)
@@ -65,17 +66,6 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
             percent(part["rms"], decimals=2),
             f"RMS^R without it: {percent(part['remaining_rms'], decimals=2)}",
         )
-    return shown
-
-
-def _budget(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    shown = table(
-        "Uncertain quantities, and the standard deviation of the error that each causes alone",
-        {"quantity": "left", "std. deviation": "right", "source": "left", "of the error": "right"},
-    )
-    for item in summary["budget"]:
-        size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
-        shown.add_row(item["quantity"], size, item["source"], percent(item["contribution"], decimals=2))
     return shown
 
 

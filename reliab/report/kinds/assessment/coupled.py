@@ -10,7 +10,7 @@ from reliab.assessment.coupled_error import DegreeError
 from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import error_over_time
-from reliab.report.kinds.assessment.error import TONES, quantities_table
+from reliab.report.kinds.assessment.error import TONES, budget_table, quantities_table, responses_table
 from reliab.report.prose import Prose
 from reliab.report.provenance import provenance_of
 from reliab.report.wording import spelled_out
@@ -39,6 +39,8 @@ def coupled_assessment_report(assessment: CoupledAssessment, *, provenance: Mapp
                 title="Where the error comes from",
                 blocks=(*advice, _parts(assessment), _tracking(assessment)),
             ),
+            Section(title="What is not known", blocks=(budget_table(assessment.budget),)),
+            Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
             Section(title="How it was judged", blocks=(Paragraph(text=_METHOD),)),
         ),
         provenance=provenance_of(provenance),

@@ -7,13 +7,16 @@ import numpy as np
 import pandas as pd
 
 from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, Word, probability_text
+from reliab.assessment.budget import BudgetItem
+from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.recordings import Recording
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
+from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, spelled_out
-from reliab.significant import percent, significant
+from reliab.significant import percent, percent_with_interval, significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
@@ -49,7 +52,7 @@ def _with_interval(size: Estimate) -> tuple[str, str]:
     return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
 
 
-def budget_table(error: ErrorOfTest) -> Table:
+def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
     """Tabulate what is not known exactly, the largest contribution first."""
     rows = [
         (
@@ -58,18 +61,43 @@ def budget_table(error: ErrorOfTest) -> Table:
             str(item.source),
             f"{PERCENT * item.contribution:.2f}",
         )
-        for item in error.budget
+        for item in budget
     ]
     return quantities_table(
         rows,
         ("Not known exactly", "Its deviation", "Source", "Of the error [%]"),
         caption=(
             "Standard deviations of what is not known exactly, and of the error that each alone makes; what "
-            "would sharpen the verdict most: " + error.budget[0].remedy
-            if error.budget
+            "would sharpen the verdict most: " + budget[0].remedy
+            if budget
             else "Nothing widens the interval."
         ),
         label="tab:budget",
+    )
+
+
+def responses_table(responses: ResponseErrors) -> Table:
+    """Errors of floors and storeys, the largest first."""
+    rows = [
+        (
+            response.name.capitalize(),
+            *(
+                f"{significant(size.value)} ({significant(size.low)} to {significant(size.high)})"
+                for size in (response.rms_mm, response.peak_mm)
+            ),
+            *(
+                MISSING if size is None else percent_with_interval(size.value, size.low, size.high)
+                for size in (response.rms, response.mte)
+            ),
+        )
+        for response in responses.each
+    ]
+    return quantities_table(
+        rows,
+        ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
+        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
+        f"with 90 % intervals. {responses.sentence.replace('RMS^R', 'RMSᴿ')}",
+        label="tab:responses",
     )
 
 

@@ -9,17 +9,19 @@ from reliab.report.document import Block, Document, Figure, Paragraph, Points, S
 from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
 from reliab.report.kinds.assessment.error import (
     TONES,
+    budget_table,
     error_sentence,
     errors_table,
     histories_figure,
     improve_first,
     quantities_table,
+    responses_table,
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.significant import percent, percent_with_interval, significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
@@ -27,10 +29,13 @@ _KILO = 1e3
 
 def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[str, object]) -> Document:
     """Report the verdict on a test of a frame."""
-    of_test = assessment.error, assessment.recording
+    of_test, budget = (assessment.error, assessment.recording), assessment.error.budget
     sections = (
-        Section(title="The error of this test", blocks=(errors_table(*of_test), histories_figure(*of_test))),
-        Section(title="Floors and storeys", blocks=_responses(assessment)),
+        Section(
+            title="The error of this test",
+            blocks=(errors_table(*of_test), budget_table(budget), histories_figure(*of_test)),
+        ),
+        Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
         Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
         Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment)),
@@ -161,32 +166,6 @@ def _modes(assessment: FrameAssessment) -> Table:
         "tracked at their frequencies; empty where the test does not show it.",
         label="tab:modes",
     )
-
-
-def _responses(assessment: FrameAssessment) -> tuple[Block, ...]:
-    rows = [
-        (
-            response.name.capitalize(),
-            *(
-                f"{significant(size.value)} ({significant(size.low)} to {significant(size.high)})"
-                for size in (response.rms_mm, response.peak_mm)
-            ),
-            *(
-                MISSING if size is None else percent_with_interval(size.value, size.low, size.high)
-                for size in (response.rms, response.mte)
-            ),
-        )
-        for response in assessment.responses.each
-    ]
-    sentence = assessment.responses.sentence.replace("RMS^R", "RMSᴿ")
-    errors = quantities_table(
-        rows,
-        ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
-        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
-        f"with 90 % intervals; the specimen is taken as linear. {sentence}",
-        label="tab:responses",
-    )
-    return (Paragraph(text=sentence),) if assessment.responses.measured else (errors,)
 
 
 def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:

@@ -36,11 +36,11 @@ def assessment_report(
     notes: Sequence[Prose] = (),
 ) -> Document:
     """Report the verdict on a test."""
-    of_test = assessment.error, assessment.recording
+    of_test, budget = (assessment.error, assessment.recording), assessment.error.budget
     sections = [
         Section(
             title="The error of this test",
-            blocks=(errors_table(*of_test), budget_table(assessment.error), histories_figure(*of_test)),
+            blocks=(errors_table(*of_test), budget_table(budget), histories_figure(*of_test)),
         ),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
         Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),

@@ -1,0 +1,78 @@
+"""The ground acceleration of a test at its own samples: its own channel, or the part of a record that it saw.
+
+The computer's equation holds at the interface whatever the specimen does, and is linear in the ground motion:
+the force of the specimen, less what the command alone leaves for it, is what the ground motion leaves for it
+while the interface stands still. Where both histories are most alike lies the test in its record.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.alignment import Padded, similarity
+from reliab.assessment.exact_response import ExactTest
+from reliab.motions import Motion
+
+_ALIKE = 0.7  # correlation of the force with what the ground motion leaves for it, at least
+_ALIKE_SOMEWHERE = (
+    0.5  # of what the ground motion leaves with the rest of the force, at some place of a record
+)
+_AGREES = 0.25  # relative, of the factor by which the ground motion explains the force
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GroundOfTest:
+    """Ground motion of a test."""
+
+    acceleration: Array  # At the samples of the test [m/s²], shape (n,)
+    factor: float = 1.0  # By which what was given explains the test best [-]
+
+    @property
+    def differs(self) -> bool:
+        """Whether the motion was given at another scale, and was brought to that of the test."""
+        return abs(self.factor - 1.0) > _AGREES
+
+
+def ground_of_test(test: ExactTest, motion: Motion | None = None) -> GroundOfTest | None:
+    """Find the ground motion of a test, recorded or given; None where it is that of another one."""
+    if motion is not None:
+        return _placed(test, motion)
+    own = own_ground(test)
+    return None if own is None else GroundOfTest(acceleration=own)
+
+
+def own_ground(test: ExactTest) -> Array | None:
+    """Ground acceleration with which the computer's equation explains the force; None where none does."""
+    structure, step = test.stated.structure, test.time_step
+    if test.ground is None or structure.all_driven:
+        return None
+    for ground in (test.ground, -test.ground):
+        moved = structure.displacements(test.command, ground, step)
+        left = structure.force_of_computer(moved, ground, step)
+        if float(np.sum(left * test.fed_back)) > _ALIKE * float(
+            np.linalg.norm(left) * np.linalg.norm(test.fed_back)
+        ):
+            return ground
+    return None
+
+
+def _placed(test: ExactTest, motion: Motion) -> GroundOfTest | None:
+    """Find the part of a record that a test of one actuator saw."""
+    structure, step, size = test.stated.structure, test.time_step, test.command.shape[1]
+    if structure.all_driven:
+        return None
+    none = np.zeros(size)
+    alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
+    left = (test.fed_back - alone)[0]
+    history = Padded.around(motion, step * size).sampled(step)
+    still = structure.displacements(np.zeros((1, history.size)), history, step)
+    of_ground = structure.force_of_computer(still, history, step)[0]
+    alike = similarity(left, of_ground, in_size=False)
+    place = int(np.argmax(np.abs(alike)))
+    if abs(alike[place]) < _ALIKE_SOMEWHERE:
+        return None
+    seen = of_ground[place : place + size]
+    factor = float(seen @ left / (seen @ seen))
+    found = GroundOfTest(acceleration=history[place : place + size], factor=factor)
+    return GroundOfTest(acceleration=factor * found.acceleration, factor=factor) if found.differs else found
