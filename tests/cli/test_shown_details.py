@@ -197,6 +197,8 @@ DEGREE = {
     "parts": {"actuator_1_gain": {"rms": 0.0111}, "actuator_2_delay": {"rms": 0.0022}},
 }  # fmt: skip
 SEVERAL = {
+    "budget": BUDGET,
+    "responses": FRAME["responses"],
     "verdict": "not_reliable", "reasons": ["First of all this.", "It exceeds the threshold."],
     "would_decide": ["a longer test"], "structure": "corner", "warnings": ["Look at this."],
     "notes": ["A remark."],
@@ -248,6 +250,8 @@ def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_not
     assert "RMS^R of each part of the error" in " ".join(lines)
     assert "gain of actuator 1 1.11 %" in lines
     assert "delay of actuator 2 0.22 %" in lines
+    assert "damping ratio 15 % default 1.23 %" in lines
+    assert "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown" in lines
     assert "Channels: command = 'u' (mm; its name)." in lines
     assert "Note: A remark." in lines
     assert not any(line.startswith(("Improve first", "Unstable", "For all results")) for line in lines)
