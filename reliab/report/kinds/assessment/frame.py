@@ -1,4 +1,4 @@
-"""Report of one measured test of a partitioned frame: two pages, to be filed with it."""
+"""Report of one measured test of a partitioned frame, to be filed with it."""
 
 from collections.abc import Mapping
 
