@@ -218,7 +218,7 @@ class _Table:
 def _exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTest:
     """Say what a test should have been; not of a calibrated model's."""
     if isinstance(found, CoupledAssessment):
-        return exact_test_of_several(found.error, found.frame, found.recording)
+        return exact_test_of_several(found.error, found.recording)
     if isinstance(found, FrameAssessment):
         return exact_test_of_one(found.error, found.frame.partition.frame.names, found.recording.ground)
     unit = found.error.specimen is None and "mass" in found.stated

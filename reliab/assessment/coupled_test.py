@@ -94,7 +94,7 @@ def assess_coupled(
         doubt_of_skew=""
         if equipment is None or "skew" in stated
         else equipment.doubt_of_skew(recording.time_step),
-        responses=errors_of_responses(exact_test_of_several(error, frame, recording)),
+        responses=errors_of_responses(exact_test_of_several(error, recording)),
         shown_by_ground=shown,
         verdict=_verdict(error, metric, threshold, sizes, faults).doubted(
             *_doubts_of_ground(shown, sizes, frame.partition)

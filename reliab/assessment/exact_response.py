@@ -13,7 +13,6 @@ from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.assessment.rebuilt_error.responses import exact_of_draws
 from reliab.assessment.substructures import Substructures
 from reliab.recordings import CoupledRecording
-from reliab.simulation.frames import CoupledFrame
 from reliab.structures import Partition
 
 _DRAWS = 64
@@ -106,7 +105,7 @@ def exact_test_of_one(
     )
 
 
-def exact_test_of_several(error: CoupledError, frame: CoupledFrame, recording: CoupledRecording) -> ExactTest:
+def exact_test_of_several(error: CoupledError, recording: CoupledRecording) -> ExactTest:
     """Say what a test with several actuators should have been."""
     histories = error.histories
     step, carry = error.time_step, histories.carry
@@ -121,7 +120,7 @@ def exact_test_of_several(error: CoupledError, frame: CoupledFrame, recording: C
         time_step=step,
         every=error.every,
         interface=error.partition.names,
-        degrees=frame.degrees_of_freedom,
+        degrees=error.partition.degrees_of_freedom,
         ground=recording.ground,
         measured=measured,
         command=carry @ histories.command,

@@ -182,6 +182,7 @@ def test_what_takes_one_actuator_refuses_several(recorded):
         reliab.assess(file, path, hysteresis="0.001")
 
 
+@pytest.mark.slow
 def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recorded, assessed, tmp_path):
     """By the header of the test, which goes before the file of the laboratory, and by options."""
     file, path, _ = recorded

@@ -12,7 +12,7 @@ from reliab.assessment.frame_test import assess_frame
 from reliab.motions import Motion
 from reliab.recordings import CoupledRecording, Recording
 from reliab.report.kinds.assessment import frame_assessment_report
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest
+from reliab.simulation.frames import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.structures import Partition, Specimen
 from reliab.structures.frames import Frame
@@ -154,6 +154,7 @@ def true_errors(outcome: Outcome, names: tuple[str, ...]) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow
 def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
     frame = replace(
         TWO_STOREYS,
@@ -175,14 +176,9 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
         influence=frame.influence,
         specimen_stiffness=1e5 * np.eye(2),
         names=names[:2],
-    )
-    stated = CoupledFrame(
-        name="three",
-        partition=partition,
-        kinematics=np.eye(2),
-        channels_at_interface=True,
         degrees_of_freedom=names,
     )
+    stated = FrameUnderTest(name="three", partition=partition, several=True)
     recording = CoupledRecording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )

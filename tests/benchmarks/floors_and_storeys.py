@@ -30,9 +30,8 @@ from reliab.assessment.budget import ordinary_equipment  # noqa: E402
 from reliab.assessment.coupled_test import assess_coupled  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.recordings import CoupledRecording, Recording  # noqa: E402
-from reliab.simulation.frames import CoupledFrame, FrameUnderTest  # noqa: E402
-from reliab.structures import Partition, Specimen  # noqa: E402
-from reliab.structures.frames import Frame  # noqa: E402
+from reliab.simulation.frames import FrameUnderTest  # noqa: E402
+from reliab.structures import Partition  # noqa: E402
 
 RATE, LONGEST, DECIBELS = 512.0, 25.0, 45.0
 SMALLEST, LARGEST = 0.01, 0.12
@@ -113,15 +112,10 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
         influence=stated.influence,
         specimen_stiffness=k * np.eye(size),
         names=NAMES[:size],
+        degrees_of_freedom=NAMES,
     )
     if several:
-        frame = CoupledFrame(
-            name=kind,
-            partition=partition,
-            kinematics=np.eye(2),
-            channels_at_interface=True,
-            degrees_of_freedom=NAMES,
-        )
+        frame = FrameUnderTest(name=kind, partition=partition, several=True)
         recording = CoupledRecording(
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
@@ -136,7 +130,7 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
                 ground=ground,
                 force=noisy(outcome.force, rng) if by_force else None,
             ),
-            FrameUnderTest(name=kind, partition=in_frame(partition), output=None, error_of="interface"),
+            FrameUnderTest(name=kind, partition=partition, output=None, error_of="interface"),
             equipment=ordinary_equipment(),
             measured_specimen=by_force,
         )
@@ -154,21 +148,6 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
         "width": [(one.rms.high - one.rms.low) / true[one.name] for one in of.each],
         "governs": of.governing_storey.name == max(storeys, key=storeys.get),
     }
-
-
-def in_frame(partition: Partition) -> Partition:
-    """Structure of one actuator with its frame."""
-    return Partition.of_frame(
-        Frame(
-            mass=partition.mass,
-            damping=partition.damping,
-            stiffness=partition.stiffness,
-            influence=partition.influence,
-            names=NAMES,
-        ),
-        partition.interface[:, 0],
-        Specimen(stiffness=float(partition.specimen_stiffness[0, 0])),
-    )
 
 
 def main() -> None:
