@@ -8,7 +8,7 @@ import pytest
 
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import outside_terms
+from reliab.discrepancy.terms import ClockOffset, outside_terms
 from reliab.effects import find_effect
 from reliab.vocabulary import Block
 
@@ -354,3 +354,35 @@ def test_observations_are_the_tempered_rows_of_all_segments():
     models.problem.tempering = (0.5, 0.25)
     models.problem.segments = (SimpleNamespace(bins=10), SimpleNamespace(bins=4))
     assert models.observations == pytest.approx(0.5 * 19.0 + 0.25 * 7.0)
+
+
+@pytest.mark.parametrize(
+    ("effects", "pair_matters", "stands"),
+    [
+        ((ClockOffset, VISCOUS), False, False),
+        ((ClockOffset, VISCOUS), True, True),
+        ((ClockOffset,), False, True),
+        ((VISCOUS,), False, True),
+    ],
+)
+def test_a_damper_and_an_offset_of_the_clocks_that_cancel_each_other_must_matter_together(
+    effects, pair_matters, stands
+):
+    def model(kinds):
+        return SimpleNamespace(space=SimpleNamespace(effects=tuple(kinds)))
+
+    compared = []
+
+    def matters(candidate, smaller):
+        compared.append((candidate.space.effects, smaller.space.effects))
+        return pair_matters
+
+    search = SimpleNamespace(
+        problem=SimpleNamespace(block=SimpleNamespace(twins={ClockOffset: (VISCOUS,)})),
+        without=lambda larger, kind: model(k for k in larger.space.effects if k is not kind),
+        _matters=matters,
+    )
+    candidate = model((CUBIC, *effects))
+    assert Search._shifts_what_matters(search, candidate) is stands  # noqa: SLF001 - what is tested
+    assert all(smaller == (CUBIC,) for _, smaller in compared)
+    assert len(compared) == (len(effects) == 2)

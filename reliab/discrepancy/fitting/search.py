@@ -201,6 +201,8 @@ class Search:
                 return False
             if not self._predicts(candidate, smaller, 1.0 - NOTICEABLE):
                 return False
+        if not self._shifts_what_matters(candidate):
+            return False
         if not self.problem.flat:
             return True
         known = self._best_known()
@@ -208,6 +210,20 @@ class Search:
         limits = [(known, BESIDE)] if outside else []
         limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
+
+    def _shifts_what_matters(self, candidate: Fit) -> bool:
+        """Whether an offset of the clocks and what looks like one matter together, beside other effects.
+
+        Each of them moves the parameters of the other: a damper and an offset that cancel it explain nothing.
+        """
+        twins = self.problem.block.twins.get(ClockOffset, ())
+        alike = [kind for kind in candidate.space.effects if kind is ClockOffset or kind in twins]
+        if ClockOffset not in alike or len(alike) == 1:
+            return True
+        smaller = candidate
+        for kind in alike:
+            smaller = self.without(smaller, kind)
+        return self._matters(candidate, smaller)
 
     @staticmethod
     def _acts(candidate: Fit, kind: type[Effect]) -> bool:
