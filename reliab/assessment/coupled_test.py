@@ -77,11 +77,7 @@ def assess_coupled(
         feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
         tolerances=tolerances_of(sizes),
     )
-    shown = (
-        None
-        if recording.ground is None
-        else compare_with_ground(error.histories, error.structure, recording.ground)
-    )
+    shown = _shown_by_ground(error, recording.ground)
     gains = frame.to_interface @ error.parts.gain @ np.linalg.inv(frame.to_interface)
     return CoupledAssessment(
         recording=recording,
@@ -91,9 +87,7 @@ def assess_coupled(
         threshold=threshold,
         faults=faults,
         sizes=sizes,
-        doubt_of_skew=""
-        if equipment is None or "skew" in stated
-        else equipment.doubt_of_skew(recording.time_step),
+        doubt_of_skew=_doubt_of_skew(equipment, stated, recording.time_step),
         responses=errors_of_responses(exact_test_of_several(error, recording)),
         shown_by_ground=shown,
         verdict=_verdict(error, metric, threshold, sizes, faults).doubted(
@@ -101,6 +95,14 @@ def assess_coupled(
         ),
         **_limit(frame.partition, gains),
     )
+
+
+def _doubt_of_skew(equipment: Equipment | None, stated: Mapping[str, StatedValue], step: float) -> str:
+    return "" if equipment is None or "skew" in stated else equipment.doubt_of_skew(step)
+
+
+def _shown_by_ground(error: CoupledError, ground: Array | None) -> ShownByGround | None:
+    return None if ground is None else compare_with_ground(error.histories, error.structure, ground)
 
 
 def _calibrated(recording: CoupledRecording, stated: Mapping[str, StatedValue]) -> CoupledRecording:
