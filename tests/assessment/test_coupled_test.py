@@ -106,8 +106,8 @@ def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed,
     (tmp_path / "interface.toml").write_text(text, encoding="utf-8")
     command, measured = (frame.to_interface @ history for history in at_actuators)
     recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
-    found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))  # type: ignore[attr-defined]  # the type of one actuator
-    for one, another in zip(found.error.degrees, assessed.error.degrees, strict=True):
+    found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
+    for one, another in zip(found.error.degrees, assessed.error.degrees, strict=True):  # type: ignore[attr-defined]  # typed as that of one actuator
         assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
 
 

@@ -32,7 +32,6 @@ from reliab.motions import Motion  # noqa: E402
 from reliab.recordings import Recording  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
 from reliab.simulation.frames import FrameUnderTest, read_frame  # noqa: E402
-from reliab.structures.frames import Frame  # noqa: E402
 
 RATE, LONGEST = 1024.0, 30.0
 THRESHOLD, SMALLEST, LARGEST = 0.05, 0.01, 0.12
@@ -78,6 +77,13 @@ def together(of: Matrices, rng: np.random.Generator) -> Matrices:
     return of.with_storeys("stiffness", common * own)
 
 
+def in_entry(of: Matrices, rng: np.random.Generator) -> Matrices:
+    """Stiffness between the first two floors 5 % off, in its entry and the opposite one alone."""
+    factors = np.ones_like(of.stiffness)
+    factors[[0, 1], [1, 0]] = by_factors(1, 0.05, rng)
+    return replace(of, stiffness=of.stiffness * factors)
+
+
 ROWS: dict[str, tuple[Change, dict[str, object] | None]] = {
     "K +3 %, not stated": (lambda of, _: stiffer(of, 1.03), None),
     "K 3 %": (lambda of, rng: stiffer(of, by_factors(1, 0.03, rng)[0]), {"stiffness": 0.03}),
@@ -92,6 +98,10 @@ ROWS: dict[str, tuple[Change, dict[str, object] | None]] = {
     "half in common": (together, {"storey_stiffnesses": 0.05, "storey_correlation": 0.5}),
     "floors' masses 5 %": (in_floors, {"floor_masses": 0.05}),
     "storeys' dashpots 30 %": (in_storeys("damping", 0.3), {"storey_dampings": 0.3}),
+    "entry of storeys 5 %": (
+        in_entry,
+        {"entries": [{"matrix": "stiffness", "places": [["1", "2"]], "deviation": 0.05}]},
+    ),
 }
 
 
@@ -102,19 +112,7 @@ def frame_of(name: str, *, dashpots: bool) -> FrameUnderTest:
         whole = frame.partition.frame
         omega = 2.0 * np.pi * float(whole.modes.frequency[0])
         damping = 2.0 * 0.02 / omega * whole.stiffness
-        frame = replace(
-            frame,
-            partition=replace(
-                frame.partition,
-                frame=Frame(
-                    mass=whole.mass,
-                    stiffness=whole.stiffness,
-                    damping=damping,
-                    influence=whole.influence,
-                    names=whole.names,
-                ),
-            ),
-        )
+        frame = replace(frame, partition=replace(frame.partition, damping=damping))
     return replace(frame, output=None, tolerances=type(frame.tolerances)())
 
 
@@ -150,7 +148,10 @@ def judged(row: str, name: str, seed: int, records: list[Path]) -> dict[str, obj
     read = outcome.measured + 10.0 ** (-DECIBELS / 20.0) * outcome.measured.std() * rng.standard_normal(
         outcome.measured.size
     )
-    tolerances = type(frame.tolerances)(**(stated or {}))
+    whole = frame.partition
+    tolerances = type(frame.tolerances)(**(stated or {})).of_structure(
+        whole.degrees_of_freedom, whole.mass, whole.damping, whole.stiffness
+    )
     found = assess_frame(
         Recording(command=outcome.command, measured=read, time_step=1.0 / RATE, name=name),
         replace(frame, tolerances=tolerances),

@@ -1,7 +1,7 @@
 """The rebuilt error of a test with several actuators: by interface displacement, with what widens it."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -181,8 +181,8 @@ def conclude(
                 error=strayed[place],
                 reference=reference[place],
                 draws=drawn,
-                rms=drawn.estimate(Metric.RMS, float(np.median(stated.rms))),
-                mte=drawn.estimate(Metric.MTE, float(np.median(stated.mte))),
+                rms=_estimate(Metric.RMS, stated, drawn),
+                mte=_estimate(Metric.MTE, stated, drawn),
                 noise=float(loose[place] / peak) if moves else np.inf,
             )
         )
@@ -199,6 +199,15 @@ def conclude(
         every=every,
         exact=exact,
     )
+
+
+def _estimate(metric: Metric, stated: Spread, drawn: Spread) -> Estimate:
+    """Error of what is stated, with an interval that reaches down to what noise alone leaves of it.
+
+    An offset that is drawn can only add to the squares of an error, and sensors may have none.
+    """
+    found = drawn.estimate(metric, float(np.median(stated.errors(metric))))
+    return replace(found, low=min(found.low, stated.interval(metric)[0]))
 
 
 def _spread(swept: tuple[Array, Array, Array], place: int) -> Spread:

@@ -75,6 +75,16 @@ def test_with_noise_it_stays_near_the_true_error(frame, run):
     np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.02)
 
 
+def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(frame, run):
+    """An offset that is drawn can only add to an error, so that its draws alone leave out sensors of none."""
+    unknown = Tolerances(sensor_offset=0.5 * float(np.abs(run.measured[0]).max()))
+    exact, found = (rebuilt(frame, run, noise=0.01, tolerances=one) for one in (Tolerances(), unknown))
+    for least, degree in zip(exact.degrees, found.degrees, strict=True):
+        assert degree.draws.interval(Metric.RMS)[0] > least.rms.value
+        assert degree.rms.low < 0.5 * (least.rms.low + least.rms.value)
+        assert degree.rms.high > least.rms.high
+
+
 def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
     """Theta's mode of 24 Hz hardly decays in the loop; their noise hides its motion."""
     lags = ((lag(1.0, 850.0), lag(0.03, 850.0)), (None, lag(1.0, 850.0)))
