@@ -59,16 +59,17 @@ class Outcome:
         """Calibrated values that tell what a variant stated wrongly, as far as the channels show it.
 
         Where nearly all of the stiffness is the specimen's, and in one channel, a frequency shows as its
-        stiffness, and a mass in one channel not at all.
+        stiffness, and a mass in one channel, or one that is not stated, not at all.
         """
         wrong = {WRONG_STRUCTURE[name] for name in self.changed & set(WRONG_STRUCTURE)}
         one_channel = self.label.observation in ONE_CHANNEL
         if not one_channel and self.label.observation != Observation.FULL:
             return set()
-        share = (self.label.structure or {}).get("experimental_fraction", 0.0)
-        if one_channel or share > _NEARLY_ALL:
+        structure = self.label.structure or {}
+        if one_channel or structure.get("experimental_fraction", 0.0) > _NEARLY_ALL:
             wrong = {"stiffness" if value == "structure_frequency" else value for value in wrong}
-        return wrong - {"structure_mass"} if one_channel else wrong
+        unseen = one_channel or structure.get("mass_kg", 1.0) is None
+        return wrong - {"structure_mass"} if unseen else wrong
 
     @property
     def told(self) -> bool:

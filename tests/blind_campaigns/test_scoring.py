@@ -178,6 +178,11 @@ def test_what_is_stated_wrongly_is_asked_for_where_the_channels_show_it(changed,
     assert told.told
 
 
+def test_a_mass_that_no_table_states_is_not_stated_wrongly() -> None:
+    per_mass = replace(label("none"), structure={"experimental_fraction": 1.0, "mass_kg": None})
+    assert not Outcome(label=per_mass, result=answer("named", changed=["mass"])).wrongly_stated
+
+
 @pytest.mark.parametrize(("verdict", "told"), [("not_identifiable", True), ("named", False)])
 def test_one_of_two_dampings_that_no_data_tell_apart_is_told_where_both_are_said(verdict, told):
     one = replace(label("none"), observation="one_channel_oscillator", structure={})
