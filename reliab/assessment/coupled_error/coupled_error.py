@@ -201,13 +201,13 @@ def conclude(
     )
 
 
-def _estimate(metric: Metric, stated: Spread, drawn: Spread) -> Estimate:
+def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
     """Error of what is stated, with an interval that reaches down to what noise alone leaves of it.
 
     An offset that is drawn can only add to the squares of an error, and sensors may have none.
     """
-    found = drawn.estimate(metric, float(np.median(stated.errors(metric))))
-    return replace(found, low=min(found.low, stated.interval(metric)[0]))
+    found = drawn.estimate(metric, float(np.median(of_noise.errors(metric))))
+    return replace(found, low=min(found.low, of_noise.interval(metric)[0]))
 
 
 def _spread(swept: tuple[Array, Array, Array], place: int) -> Spread:
