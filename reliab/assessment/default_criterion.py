@@ -16,11 +16,13 @@ from reliab.criterion import (
     Population,
     ResponseMeasures,
     carry_to_response,
+    compared_by_ellipse,
     derive_criterion,
     protect_over_lengths,
     range_of,
     shipped_ellipses,
     shipped_measures,
+    shipped_windows,
 )
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
@@ -28,6 +30,8 @@ from reliab.structures import Structure
 from reliab.vocabulary import MILLI, CurveName, Metric, Side
 
 SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
+_OF_FINITE_ERRORS = 1.03  # ellipses of the smallest shipped error, 1 %, over those of small errors
+_FEWEST_ALIKE = 10
 
 
 def default_criterion(
@@ -84,11 +88,10 @@ def _derived(
     if metric not in _shipped_ellipses().at["metric"]:
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     population = _population(window, without, metric, confidence)
-    near = population.take(
-        f=_neighbours(population.at["f"], frequency),
-        xi=_neighbours(population.at["xi"], damping_ratio),
-        metric=population.at["metric"] == metric,
+    around = population.take(
+        f=_neighbours(population.at["f"], frequency), xi=_neighbours(population.at["xi"], damping_ratio)
     )
+    near = around.take(metric=around.at["metric"] == metric)
     criterion = derive_criterion(
         _at_threshold(near, threshold),
         method=method_of(RECOMMENDED),
@@ -98,9 +101,49 @@ def _derived(
         confidence=confidence,
         source=SOURCE,
     )
+    if window.label != RECORD:
+        alike = _are_alike(around)
+        criterion = replace(
+            criterion,
+            population=_of_motions(criterion.population, alike),
+            lead_population=_of_motions(criterion.lead_population, alike),
+        )
     of_responses = _of_nearest(frequency, damping_ratio).compared
     scope = criterion.provenance.scope | {name: range_of(values) for name, values in of_responses.items()}
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
+
+
+def _are_alike(ellipses: EllipseTable) -> NDArray[np.bool_]:
+    """Whether responses in a window are like those to whole records, shape (motions, f, ξ).
+
+    By the ellipses of the smallest error. Motions with hardly any response in the first seconds made the
+    probabilities of tests of 10 s a fifth too high. All motions count where fewer than ten would be left.
+    """
+    smallest = ellipses.take(
+        threshold=[int(np.argmin(ellipses.at["threshold"]))],
+        metric=ellipses.at["metric"] == str(Metric.RMS),
+        side=ellipses.at["side"] == str(Side.LAG),
+    )
+    unit = float(smallest.at["threshold"][0]) ** 2
+    a, b = (values.reshape(values.shape[:3]) / unit for values in (smallest.a, smallest.b))
+    f, xi = (smallest.at[name].astype(np.float64) for name in ("f", "xi"))
+    measures = shipped_measures()
+    whole = measures.at(*measures.nearest(f, xi)).compared
+    alike = np.ones(a.shape, dtype=bool)
+    for name, values in compared_by_ellipse(a, b, f[:, None], xi[None, :]).items():
+        low, high = whole[name].min(axis=0) / _OF_FINITE_ERRORS, whole[name].max(axis=0) * _OF_FINITE_ERRORS
+        alike &= (values >= low) & (values <= high)
+    return np.asarray(alike | (alike.sum(axis=0) < _FEWEST_ALIKE))
+
+
+def _of_motions(population: Population | None, chosen: NDArray[np.bool_]) -> Population | None:
+    """Take some of the motions at each structure."""
+    if population is None:
+        return None
+    alpha, beta = (
+        np.where(chosen, logarithms, np.nan) for logarithms in (population.log_alpha, population.log_beta)
+    )
+    return replace(population, log_alpha=alpha, log_beta=beta)
 
 
 def criterion_of_response(
@@ -188,13 +231,8 @@ def shipped_frequencies() -> list[float]:
     return [float(frequency) for frequency in np.sort(_shipped_ellipses().at["f"])]
 
 
-def shipped_windows() -> tuple[str, ...]:
-    """Windows for which ellipses ship with the package."""
-    return tuple(_by_window())
-
-
 def _shipped_ellipses(window: str = RECORD) -> EllipseTable:
-    return _by_window()[window]
+    return shipped_ellipses(CurveName.INSCRIBED, window)
 
 
 @lru_cache(maxsize=8)
@@ -213,10 +251,6 @@ def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:
     measures = shipped_measures()
     f, xi = measures.nearest(np.array([frequency]), np.array([damping_ratio]))
     return measures.at(f, xi)
-
-
-def _by_window() -> dict[str, EllipseTable]:
-    return shipped_ellipses(CurveName.INSCRIBED)
 
 
 def _between(below: EllipseTable, above: EllipseTable, weight: float) -> EllipseTable:

@@ -39,7 +39,11 @@ from .provenance import (
     records_checksum as records_checksum,
 )
 from .published import printed_share as printed_share, published_criterion as published_criterion
-from .response_measures import BoundaryScales as BoundaryScales, ResponseMeasures as ResponseMeasures
+from .response_measures import (
+    BoundaryScales as BoundaryScales,
+    ResponseMeasures as ResponseMeasures,
+    compared_by_ellipse as compared_by_ellipse,
+)
 from .scaling import scales as scales
 from .scope import (
     Position as Position,
@@ -53,6 +57,10 @@ from .scope import (
     scope_of as scope_of,
 )
 from .share_comparison import compare_shares as compare_shares
-from .shipped_tables import shipped_ellipses as shipped_ellipses, shipped_measures as shipped_measures
+from .shipped_tables import (
+    shipped_ellipses as shipped_ellipses,
+    shipped_measures as shipped_measures,
+    shipped_windows as shipped_windows,
+)
 from .summary import describe_sample as describe_sample, summarise as summarise
 from .weights import Weights as Weights

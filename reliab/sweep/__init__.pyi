@@ -16,6 +16,7 @@ from .frame_table import (
 )
 from .grid import ExplicitGrid as ExplicitGrid, Grid as Grid, ScaledGrid as ScaledGrid
 from .netcdf import read_netcdf as read_netcdf, write_netcdf as write_netcdf
+from .packing import packed as packed
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,
     Motions as Motions,

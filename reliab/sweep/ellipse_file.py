@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +72,9 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴], `n` and, of this version, `no_ellipse` over (motion, f, xi,
-        threshold, metric, curve, side) and `error_at_rest`; the attribute `window` names the window.
+        `a` [-], `b` [ms²], `sse` [ms⁴], `n` (both not of the motions that ship) and, of this version,
+        `no_ellipse` over (motion, f, xi, threshold, metric, curve, side) and `error_at_rest`; the attribute
+        `window` names the window.
 
     Raises
     ------
@@ -83,24 +84,18 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     return _in_window(_read(path), window, path)
 
 
-def open_windows(path: str | Path, *, curve: str | None = None) -> dict[str, xr.Dataset]:
+def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     """Read a dataset of ellipses in each of its windows.
 
-    `path`: a file that `write_ellipses` wrote; `curve`: the only kind of ellipse to read, without misfits, of
-    those that the file holds. Returns for each window ("record", "arias" or a number of seconds) the dataset
-    that `open_ellipses` returns. Raises InputError if the file is not a file of ellipses.
+    `path`: a file that `write_ellipses` wrote. Returns for each window ("record", "arias" or a number of
+    seconds) the dataset that `open_ellipses` returns. Raises InputError if the file holds no ellipses.
     """
-
-    def curve_alone(whole: xr.Dataset) -> xr.Dataset:
-        place = whole[Dimension.CURVE].values.tolist().index(curve)
-        return whole[["a", "b", "error_at_rest"]].isel({Dimension.CURVE: slice(place, place + 1)})
-
-    dataset = _read(path, None if curve is None else curve_alone)
+    dataset = _read(path)
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _read(path: str | Path, subset: Callable[[xr.Dataset], xr.Dataset] | None = None) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY, subset=subset)
+def _read(path: str | Path) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(

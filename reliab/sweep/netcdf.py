@@ -1,6 +1,6 @@
 """Reading and writing NetCDF files; damaged files and full disks give an error for the user."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 
 import h5py
@@ -10,25 +10,24 @@ from reliab.errors import InputError
 from reliab.files import decoding, written_whole
 from reliab.received import objects_of, opened_hdf5
 from reliab.significant import significant
+from reliab.sweep.packing import unpacked
 
 _MOST_EXPANSION = 1032
 """Bytes that one byte of a file can stand for: the limit of DEFLATE, by which NetCDF files are compressed."""
 
 
-def read_netcdf(
-    path: str | Path, rule: str, remedy: str, *, subset: Callable[[xr.Dataset], xr.Dataset] | None = None
-) -> xr.Dataset:
+def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
     """Read a NetCDF file.
 
-    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message;
-    `subset`: takes what is to be read from the whole. Returns contents of the file, in memory. Raises
+    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message.
+    Returns contents of the file, in memory; of what is stored in steps of the logarithm the numbers. Raises
     InputError if it cannot be read.
     """
     with decoding(rule, remedy=remedy, where=path):
         with opened_hdf5(path) as file:
             _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
         with xr.open_dataset(path, engine="h5netcdf") as file:
-            return (file if subset is None else subset(file)).load()
+            return unpacked(file.load())
 
 
 def write_netcdf(

@@ -18,6 +18,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.shipped import or_shipped, shipped
+from reliab.steps_of_logarithm import STEP
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.sweep.store_layout import (
@@ -196,7 +197,6 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
 
 _SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
 _STEP = 5e-4  # of the logarithm
-_CODED = "step_of_logarithm"
 _NEIGHBOURS = (Dimension.GAIN, Dimension.DELAY)
 
 _READABLE = "Results are read from a Zarr store or from the NetCDF file of one"
@@ -213,7 +213,7 @@ def write_compact(results: xr.Dataset, path: str | Path) -> None:
         f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
         f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * _STEP:g}"
     )
-    compact.attrs[_CODED] = _STEP
+    compact.attrs[STEP] = _STEP
     sizes = compact.sizes
     chunk = tuple(1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims)
     encoding = {
@@ -235,8 +235,8 @@ def open_compact(path: Path) -> xr.Dataset:
             remedy="Simulate again, or use the version of reliab that wrote them",
         )
     with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
-        if _CODED in dataset.attrs:
-            step = float(dataset.attrs.pop(_CODED))
+        if STEP in dataset.attrs:
+            step = float(dataset.attrs.pop(STEP))
             for metric in Metric:
                 dataset[metric] = _decode_errors(dataset[metric], step)
         if Dimension.SHARE not in dataset.dims:

@@ -6,7 +6,7 @@ import pytest
 from reliab.assessment import default_criterion, tolerable_errors
 from reliab.assessment.default_criterion import _between
 from reliab.assessment.design import chart_frequencies
-from reliab.criterion import EllipseTable
+from reliab.criterion import EllipseTable, shipped_ellipses
 from reliab.errors import InputError
 
 
@@ -69,6 +69,18 @@ def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one(
     found = _between(below, above, 0.25)
     np.testing.assert_allclose(found.a, [2e-4, np.nan])
     np.testing.assert_allclose(found.b, [2.0, np.nan])
+
+
+def test_motions_with_hardly_any_response_in_a_window_do_not_count_for_probabilities():
+    """Small errors in the first seconds of a record that begins late say nothing of a test of that length."""
+    whole, short = (default_criterion(1.0, 0.05, duration=length).population for length in (None, 10.0))
+    counted = np.isfinite(short.log_alpha[:, 0, 0])
+    assert np.isfinite(whole.log_alpha).all()
+    assert 50 < counted.sum() < 100
+    ellipses = shipped_ellipses("inscribed", "10")
+    at = ellipses.take(f=[3], xi=[3], threshold=[3], metric=[0], side=[0])
+    a = at.a.ravel()
+    assert np.median(a[~counted]) > 2.0 * np.median(a[counted])
 
 
 def test_an_earthquake_is_left_out_between_two_windows():

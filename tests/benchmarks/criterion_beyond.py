@@ -45,7 +45,7 @@ STEP = 0.01  # s
 
 def shipped():
     """Inscribed ellipses at the threshold, of lags, of the structures."""
-    table = shipped_ellipses("inscribed")["record"]
+    table = shipped_ellipses("inscribed", "record")
     near = {"f": F, "xi": XI, "threshold": (THRESHOLD,)}
     places = {
         name: [int(np.abs(table.at[name] - value).argmin()) for value in wanted]
