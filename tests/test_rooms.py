@@ -55,6 +55,7 @@ GROUND = {
     "renamed",
     "shipped",
     "significant",
+    "steps_of_logarithm",
     "threads",
     "stated_value",
     "unfinished",

@@ -69,9 +69,9 @@ def make_part(records: str, index: int, folder: Path) -> None:
 
 
 def small(ellipses: xr.Dataset) -> xr.Dataset:
-    """Round a and b to steps of 0.4 % (0.2 % at most), and leave the misfits out."""
+    """Round a and b to 0.2 % at most, and leave out how many points were fitted."""
     return packed(
-        ellipses.drop_vars(["sse", "n"]),
+        ellipses.drop_vars("n"),
         ("a", "b"),
         step=4e-3,
         along=("xi", "threshold", "side"),

@@ -72,7 +72,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴], `n` (both not of the motions that ship) and, of this version,
+        `a` [-], `b` [ms²], `sse` [ms⁴], `n` (not of the motions that ship) and, of this version,
         `no_ellipse` over (motion, f, xi, threshold, metric, curve, side) and `error_at_rest`; the attribute
         `window` names the window.
 
