@@ -136,11 +136,11 @@ def errors_of_responses(
     may have yielded, or is known by its force.
     """
     names, weights = _responses(test)
-    found = ground_of_test(test, motion)
+    share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
+    found = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=found)
     sizes = looking.as_stated()
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
-    share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
     yielded = draws[:0]
     if error is not None and share:
         of_yielding = exact_if_yielding(error.rebuilt)

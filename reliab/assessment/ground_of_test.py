@@ -34,23 +34,32 @@ class GroundOfTest:
         return abs(self.factor - 1.0) > _AGREES
 
 
-def ground_of_test(test: ExactTest, motion: Motion | None = None) -> GroundOfTest | None:
-    """Find the ground motion of a test, recorded or given; None where it is that of another one."""
+def ground_of_test(
+    test: ExactTest, motion: Motion | None = None, *, force_known: bool = True
+) -> GroundOfTest | None:
+    """Find the ground motion of a test, recorded or given; None where it is that of another one.
+
+    `force_known`: whether the specimen's force is that of the test; that of a linear one, which may have
+    yielded, says of a recorded ground motion only its sign.
+    """
     if motion is not None:
         return _placed(test, motion)
-    own = own_ground(test)
+    own = own_ground(test, _ALIKE if force_known else 0.0)
     return None if own is None else GroundOfTest(acceleration=own)
 
 
-def own_ground(test: ExactTest) -> Array | None:
-    """Ground acceleration with which the computer's equation explains the force; None where none does."""
+def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
+    """Ground acceleration with which the computer's equation explains the force; None where none does.
+
+    `least`: smallest correlation of both.
+    """
     structure, step = test.stated.structure, test.time_step
     if test.ground is None or structure.all_driven:
         return None
     for ground in (test.ground, -test.ground):
         moved = structure.displacements(test.command, ground, step)
         left = structure.force_of_computer(moved, ground, step)
-        if float(np.sum(left * test.fed_back)) > _ALIKE * float(
+        if float(np.sum(left * test.fed_back)) > least * float(
             np.linalg.norm(left) * np.linalg.norm(test.fed_back)
         ):
             return ground
