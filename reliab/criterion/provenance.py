@@ -3,29 +3,35 @@
 import hashlib
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
+from reliab.version import __version__
 from reliab.vocabulary import CurveName
 
 SCHEMA_VERSION = 2
 """Version of the JSON of a criterion; version 1 had neither limits for leads nor inscribed ellipses."""
 
 _SYNTHETIC = re.compile(r"SYN\d{3,}")  # as `reliab.motions.synthetic` names its earthquakes
-_PACKAGES = ("reliab", "numpy", "scipy", "xarray")
+_PACKAGES = ("numpy", "scipy", "xarray")
 
 
 def installed_versions() -> dict[str, str]:
-    """Versions of the packages that computed a criterion."""
+    """Versions of the packages that computed a criterion; without those that are not installed."""
     return dict(_versions())
 
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    return tuple((name, version(name)) for name in _PACKAGES)
+    installed = [("reliab", __version__)]
+    for name in _PACKAGES:
+        with suppress(PackageNotFoundError):
+            installed.append((name, version(name)))
+    return tuple(installed)
 
 
 @dataclass(frozen=True, kw_only=True)

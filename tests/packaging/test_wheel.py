@@ -42,14 +42,14 @@ def test_every_dataset_is_named_for_the_wheel():
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Wheel and source distribution."""
+    """Wheel, source distribution, and the Python that can build them."""
     folder = tmp_path_factory.mktemp("dist")
     environment = tmp_path_factory.mktemp("build") / "venv"
     python = made(environment)
     assert called(python, "-m", "pip", "install", "--quiet", "build").returncode == 0
     building = called(python, "-m", "build", "--outdir", folder, ROOT)
     assert building.returncode == 0, building.stderr
-    return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz"))
+    return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz")), python
 
 
 def called(*arguments, **options):
@@ -64,7 +64,7 @@ def made(environment):
 
 @pytest.mark.slow
 def test_contents_and_sizes(built):
-    wheel, sources = built
+    wheel, sources, _ = built
     names = set(zipfile.ZipFile(wheel).namelist())
     begin = "reliab/shipped/datasets/"
     inside = {name.removeprefix(begin) for name in names if name.startswith(begin)}
@@ -101,3 +101,20 @@ def test_an_empty_environment_runs_the_main_job(built, tmp_path):
     fetched = reliab("fetch", ROOT / "datasets/real_suite/results.nc")
     assert fetched.returncode == 0, fetched.stderr
     assert reliab(*asked).returncode == 0
+
+
+@pytest.mark.slow
+def test_a_control_room_needs_few_packages(built, tmp_path):
+    """What `assess` and `monitor` need is installed without a conflict, and is enough for them."""
+    building = called(built[2], ROOT / ".ci/release/core.py", tmp_path)
+    assert building.returncode == 0, building.stderr
+    python = made(tmp_path / "venv")
+    assert called(python, "-m", "pip", "install", "--quiet", *tmp_path.glob("*.whl")).returncode == 0
+    assert called(python, "-m", "pip", "check").returncode == 0
+    environment = {**os.environ, "RELIAB_DATA": str(tmp_path / "data"), "PYTHONPATH": ""}
+    reliab = partial(called, python.with_name(f"reliab{python.suffix}"), cwd=tmp_path, env=environment)
+    asked = ("sample_test", "--f", "1", "--xi", "0.02", "--json", "-")
+    assert json.loads(reliab("assess", *asked).stdout)["verdict"] == "reliable"
+    assert json.loads(reliab("monitor", *asked).stdout.splitlines()[-1])["verdict"]
+    criterion = reliab("criterion", "--ellipses", "real_suite")
+    assert (criterion.returncode, "needs the package" in criterion.stderr) == (2, True)
