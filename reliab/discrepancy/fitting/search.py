@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import reduce
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -11,7 +12,7 @@ from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
-from reliab.discrepancy.fitting.space import ModelSpace, further_parameters
+from reliab.discrepancy.fitting.space import ModelSpace, further_than
 from reliab.discrepancy.terms import ClockOffset, is_outside
 from reliab.effects import Effect, library
 from reliab.signals import NoiseModel
@@ -128,9 +129,8 @@ class Search:
 
     def plain(self, calibrated: Fit) -> Fit:
         """Calibrate by ordinary least squares, without a noise model, as a laboratory would."""
-        variance = float(
-            np.mean(self.null.noise.density(np.linspace(0.0, 0.5 * self.problem.block.rate, 99)))
-        )
+        grid = np.linspace(0.0, 0.5 * self.problem.block.rate, 99)
+        variance = float(np.mean(self.null.noise.density(grid)))
         white = NoiseModel.white(self.null.noise.rate, variance)
         return fit(self.problem, calibrated.space, [calibrated.coordinates], white)
 
@@ -146,19 +146,19 @@ class Search:
         that has effects, where errors judge.
         """
         rows = candidate.residual
-        remaining = float(rows @ rows)
+        remaining, held = float(rows @ rows), smaller.space.effects
         gained = self._energy(smaller, candidate.noise) - remaining
-        added = set(candidate.space.effects) - set(smaller.space.effects)
+        added = set(candidate.space.effects) - set(held)
         unknown = any(is_outside(kind) for kind in added)
         if unknown and gained < AUDIBLE * remaining:
             return False
         if self.problem.flat:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
             of_the_whole = gained > least * self._energy(self.null, candidate.noise)
-            simple = not unknown and all(_further(kind, smaller) <= _SIMPLE for kind in added)
+            simple = not unknown and all(further_than(kind, held) <= _SIMPLE for kind in added)
             of_what_is_left = MATERIAL if of_the_whole else BESIDE
             large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
-            share = beside if smaller.space.effects else MATERIAL
+            share = beside if held else MATERIAL
             return large and self._predicts(candidate, smaller, 1.0 - share)
         if smaller is self.null:
             return True
@@ -197,9 +197,8 @@ class Search:
         if not all(self._acts(candidate, kind) for kind in effects):
             return False
         for smaller in [self.without(candidate, kind) for kind in effects]:
-            if not self._matters(candidate, smaller, beside=BESIDE):
-                return False
-            if not self._predicts(candidate, smaller, 1.0 - NOTICEABLE):
+            noticed = self._predicts(candidate, smaller, 1.0 - NOTICEABLE)
+            if not (noticed and self._matters(candidate, smaller, beside=BESIDE)):
                 return False
         if not self._shifts_what_matters(candidate):
             return False
@@ -212,18 +211,11 @@ class Search:
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
 
     def _shifts_what_matters(self, candidate: Fit) -> bool:
-        """Whether an offset of the clocks and what looks like one matter together, beside other effects.
-
-        Each of them moves the parameters of the other: a damper and an offset that cancel it explain nothing.
-        """
+        """Whether an offset of the clocks and what looks like one, which may cancel it, matter together."""
         twins = self.problem.block.twins.get(ClockOffset, ())
-        alike = [kind for kind in candidate.space.effects if kind is ClockOffset or kind in twins]
-        if ClockOffset not in alike or len(alike) == 1:
-            return True
-        smaller = candidate
-        for kind in alike:
-            smaller = self.without(smaller, kind)
-        return self._matters(candidate, smaller)
+        alike = [kind for kind in candidate.space.effects if kind in (ClockOffset, *twins)]
+        both = ClockOffset in alike and len(alike) > 1
+        return not both or self._matters(candidate, reduce(self.without, alike, candidate))
 
     @staticmethod
     def _acts(candidate: Fit, kind: type[Effect]) -> bool:
@@ -506,11 +498,3 @@ class Search:
                 break
             best = challenger
         return best
-
-
-def _further(kind: type[Effect], smaller: Fit) -> int:
-    """Parameters that an effect brings beside those of the simpler one that a smaller model holds."""
-    simple = kind.refines
-    if simple is None or simple not in smaller.space.effects:
-        return len(kind.parameters)
-    return len(further_parameters(kind, simple))

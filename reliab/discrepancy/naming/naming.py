@@ -52,9 +52,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     judged = _judged_by_noise(problem, best)
     noise = is_noise(*judged)
     structured = structured_share(*judged)
-    most = 1.0 if structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE
-    bounds = best.space.on_bounds(best.coordinates)
-    naming = _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
+    naming = _naming(search, ranked, best, proof, structured)
     shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
     biases = [shift for shift in shifts if shift.probability >= SURE]
     before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
@@ -63,10 +61,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     inside = [kind for kind in missing if not is_outside(kind)]
     shown = gap(proof, before, after, noise_like_tests(proof, judged[1]))
     proved = replace(shown, missing=bool(missing or biases))
-    sure = [effect for kind in inside if kind in sure_effects for effect in naming.members(kind)]
-    doubted = [effect for kind in inside if kind in doubtful for effect in naming.members(kind)]
-    named = (*(effect for effect in sure if effect.probability >= SURE), *biases)
-    unsettled = (*(effect for effect in sure if effect.probability < SURE), *doubted)
+    named, unsettled = naming.settled(inside, sure_effects, doubtful, biases)
     remaining = None if noise else _located(problem, best, judged)
     unknown = unexplained(judged, best, proved, remaining, named=bool(named) and not unsettled)
     return BlockDiagnosis(
@@ -89,6 +84,15 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibration=calibration(best, restated=bool(restated)),
         further=expected_error(_as_recorded(search, best)),
     )
+
+
+def _naming(
+    search: Search, ranked: Sequence[Ranked], best: Fit, proof: Problem, structured: float
+) -> "_Naming":
+    """Gather what is needed to state effects, for a share of what is left that is no noise."""
+    most = 1.0 if structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE
+    bounds = best.space.on_bounds(best.coordinates)
+    return _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
 
 
 def _as_recorded(search: Search, best: Fit) -> LeftOut:
@@ -151,6 +155,20 @@ class _Naming:
         if others:
             missing = replace(missing, estimates=widened(missing.estimates, others))
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
+
+    def settled(
+        self,
+        inside: Sequence[type[Effect]],
+        sure: set[type[Effect]],
+        doubtful: set[type[Effect]],
+        biases: Sequence[MissingEffect],
+    ) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
+        """State effects: those that are named, offsets among them, and those of which one acts."""
+        likely = [effect for kind in inside if kind in sure for effect in self.members(kind)]
+        doubted = [effect for kind in inside if kind in doubtful for effect in self.members(kind)]
+        unsure = [effect for effect in likely if effect.probability < SURE]
+        named = [effect for effect in likely if effect.probability >= SURE]
+        return (*named, *biases), (*unsure, *doubted)
 
     def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
         """State an effect of the library, or the members of a composition."""
