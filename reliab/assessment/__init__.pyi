@@ -32,6 +32,7 @@ from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_
 from .error_of_test import PART_NAMES as PART_NAMES, ErrorOfTest as ErrorOfTest
 from .faults import plain_faults as plain_faults
 from .frame_assessment import FrameAssessment as FrameAssessment, ModeOfTest as ModeOfTest
+from .frame_responses import ResponseErrors as ResponseErrors
 from .frame_test import (
     assess_frame as assess_frame,
     require_linear_interface as require_linear_interface,

@@ -73,14 +73,28 @@ class ResponseError:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseErrors:
-    """Errors of all floors and storeys, the largest first."""
+    """Errors of all floors and storeys of a frame, the largest first.
+
+    Parameters
+    ----------
+    each : tuple of ResponseError
+        Error of each floor and storey, with its interval.
+    specimen : str
+        How the specimen is known: "linear", "measured" or "may_have_yielded".
+    ground_factor : float, optional
+        Factor by which the ground motion explains the test best [-]; None without a ground motion of this
+        test.
+    other_motion : bool
+        Whether a ground motion was given, and is another test's.
+    over_peaks : bool
+        Whether errors over the largest responses are known, beside those in millimetres.
+    """
 
     each: tuple[ResponseError, ...]
-    specimen: str = "linear"  # One of `_SPECIMENS`
-    # Factor by which the ground motion explains the test best [-]; None without a ground motion of this test
+    specimen: str = "linear"
     ground_factor: float | None = None
-    other_motion: bool = False  # Whether a ground motion was given, and is another test's
-    over_peaks: bool = False  # Whether errors over the largest responses are known
+    other_motion: bool = False
+    over_peaks: bool = False
 
     @property
     def governing_storey(self) -> ResponseError | None:
@@ -137,8 +151,8 @@ def errors_of_responses(
     """
     names, weights = _responses(test)
     share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
-    found = ground_of_test(test, motion, force_known=not share)
-    looking = _Looking(test=test, weights=weights, ground=found)
+    ground = ground_of_test(test, motion, force_known=not share)
+    looking = _Looking(test=test, weights=weights, ground=ground)
     sizes = looking.as_stated()
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     yielded = draws[:0]
@@ -149,17 +163,17 @@ def errors_of_responses(
         _response(sizes[:, place], draws[..., place], yielded[..., place], share, *name)
         for place, name in enumerate(names)
     ]
-    given = motion is not None or test.ground is not None
+    expected = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda one: -one.size)),
-        specimen="may_have_yielded" if share else "linear" if error is None else _known(error),
-        ground_factor=found.factor if found is not None and found.differs else None,
-        other_motion=given and found is None and not test.stated.structure.all_driven,
+        specimen="may_have_yielded" if share else "linear" if error is None else _specimen_of(error),
+        ground_factor=ground.factor if ground is not None and ground.differs else None,
+        other_motion=expected and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.over_peaks,
     )
 
 
-def _known(error: ErrorOfTest) -> str:
+def _specimen_of(error: ErrorOfTest) -> str:
     return "linear" if error.specimen is None else "measured"
 
 

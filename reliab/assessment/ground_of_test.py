@@ -5,7 +5,7 @@ the force of the specimen, less what the command alone leaves for it, is what th
 while the interface stands still. Where both histories are most alike lies the test in its record.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -58,9 +58,9 @@ def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
         return None
     for ground in (test.ground, -test.ground):
         moved = structure.displacements(test.command, ground, step)
-        left = structure.force_of_computer(moved, ground, step)
-        if float(np.sum(left * test.fed_back)) > least * float(
-            np.linalg.norm(left) * np.linalg.norm(test.fed_back)
+        needed = structure.force_of_computer(moved, ground, step)
+        if float(np.sum(needed * test.fed_back)) > least * float(
+            np.linalg.norm(needed) * np.linalg.norm(test.fed_back)
         ):
             return ground
     return None
@@ -73,15 +73,15 @@ def _placed(test: ExactTest, motion: Motion) -> GroundOfTest | None:
         return None
     none = np.zeros(size)
     alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
-    left = (test.fed_back - alone)[0]
+    by_ground = (test.fed_back - alone)[0]
     history = Padded.around(motion, step * size).sampled(step)
     still = structure.displacements(np.zeros((1, history.size)), history, step)
     of_ground = structure.force_of_computer(still, history, step)[0]
-    alike = similarity(left, of_ground, in_size=False)
+    alike = similarity(by_ground, of_ground, in_size=False)
     place = int(np.argmax(np.abs(alike)))
     if abs(alike[place]) < _ALIKE_SOMEWHERE:
         return None
-    seen = of_ground[place : place + size]
-    factor = float(seen @ left / (seen @ seen))
-    found = GroundOfTest(acceleration=history[place : place + size], factor=factor)
-    return GroundOfTest(acceleration=factor * found.acceleration, factor=factor) if found.differs else found
+    of_record = of_ground[place : place + size]
+    factor = float(of_record @ by_ground / (of_record @ of_record))
+    placed = GroundOfTest(acceleration=history[place : place + size], factor=factor)
+    return replace(placed, acceleration=factor * placed.acceleration) if placed.differs else placed

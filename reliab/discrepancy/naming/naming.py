@@ -59,11 +59,11 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     after = residuals(proof, best)
     missing = [kind for kind in best.space.effects if kind not in restated]
     inside = [kind for kind in missing if not is_outside(kind)]
-    shown = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    proved = replace(shown, missing=bool(missing or biases))
-    named, unsettled = naming.settled(inside, sure_effects, doubtful, biases)
+    held_out = gap(proof, before, after, noise_like_tests(proof, judged[1]))
+    proved = replace(held_out, missing=bool(missing or biases))
+    effects, unsettled = naming.settled(inside, sure_effects, doubtful, biases)
     remaining = None if noise else _located(problem, best, judged)
-    unknown = unexplained(judged, best, proved, remaining, named=bool(named) and not unsettled)
+    unknown = unexplained(judged, best, proved, remaining, named=bool(effects) and not unsettled)
     return BlockDiagnosis(
         block=problem.block,
         problem=problem,
@@ -71,7 +71,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibrated=calibrated,
         best=best,
         ranked=ranked,
-        effects=named,
+        effects=effects,
         doubtful=unsettled,
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unknown,
@@ -167,8 +167,8 @@ class _Naming:
         likely = [effect for kind in inside if kind in sure for effect in self.members(kind)]
         doubted = [effect for kind in inside if kind in doubtful for effect in self.members(kind)]
         unsure = [effect for effect in likely if effect.probability < SURE]
-        named = [effect for effect in likely if effect.probability >= SURE]
-        return (*named, *biases), (*unsure, *doubted)
+        probable = [effect for effect in likely if effect.probability >= SURE]
+        return (*probable, *biases), (*unsure, *doubted)
 
     def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
         """State an effect of the library, or the members of a composition."""

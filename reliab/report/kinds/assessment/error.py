@@ -6,9 +6,8 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, Word, probability_text
+from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, ResponseErrors, Word, probability_text
 from reliab.assessment.budget import BudgetItem
-from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.recordings import Recording
 from reliab.report.document import Column, Figure, Table
