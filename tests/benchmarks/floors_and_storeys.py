@@ -120,9 +120,9 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
         found = assess_coupled(recording, frame, equipment=ordinary_equipment())
-        sizes = [degree.rms for degree in found.error.degrees]
+        sizes, of = [degree.rms for degree in found.error.degrees], found.responses
     else:
-        found = assess_frame(
+        alone = assess_frame(
             Recording(
                 command=outcome.command,
                 measured=read[0],
@@ -134,10 +134,9 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
             equipment=ordinary_equipment(),
             measured_specimen=by_force,
         )
-        sizes = [found.error.rebuilt.rms]
+        sizes, of = [alone.error.rebuilt.rms], alone.responses
     true = true_errors(outcome)
     storeys = {name: error for name, error in true.items() if name.startswith("storey")}
-    of = found.responses
     return {
         "kind": kind,
         "held": np.mean(

@@ -148,13 +148,9 @@ def test_three_storeys_of_which_one_is_tested():
     rebuilt = rebuild(tested[0], tested[6], STEP, whole)
     true = tested[6] - ideal[0]
     assert np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)) < 1e-4
-    floors = respond(Recursion.of_displacement(whole, STEP, floors=True), tested[0] - tested[6])
-    off = floors - (tested[:3] - ideal[:3])
-    assert np.abs(off).max() < 1e-4 * np.abs(floors).max()
 
 
-@pytest.mark.parametrize("floors", [False, True])
-def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says(floors):
+def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says():
     two = Partition(
         mass=np.diag([1.0, 1.5]),
         damping=np.array([[12.0, -4.0], [-4.0, 6.0]]),
@@ -162,8 +158,6 @@ def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says(floo
         interface=np.array([1.0, -1.0]),
         specimen_stiffness=50.0,
     )
-    still = respond(Recursion.of_force(two, 0.05, floors=floors), np.full(2000, 3.0))[..., -1]
+    still = respond(Recursion.of_force(two, 0.05), np.full(2000, 3.0))[..., -1]
     bent = np.linalg.solve(two.stiffness, 3.0 * two.interface)
-    np.testing.assert_allclose(
-        still, bent[:, 0] if floors else two.interface.T @ bent[:, 0], rtol=1e-6, atol=1e-12
-    )
+    np.testing.assert_allclose(still, two.interface.T @ bent[:, 0], rtol=1e-6, atol=1e-12)
