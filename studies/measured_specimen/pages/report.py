@@ -25,6 +25,7 @@ from ..pages.ratios import ratios_by_family
 from ..summary import ALL, compare_with_stated
 
 _SHARE = Fixed(decimals=0, factor=PERCENT)
+_SMALL_SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
 def measured_specimen_report(
@@ -124,7 +125,7 @@ def _verdicts(rates: pd.DataFrame) -> Section:
     columns = (
         Column(key="family", heading="Specimen", wide=True),
         Column(key="bad", heading="Bad tests", number=Whole()),
-        Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SHARE),
+        Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SMALL_SHARE),
         Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
         Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),
         Column(key="undecided", heading="Undecided", unit="%", number=_SHARE),
