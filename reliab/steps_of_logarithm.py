@@ -37,6 +37,8 @@ def from_steps(stored: NDArray[np.uint32], step: float, axes: Sequence[int]) -> 
     >>> from_steps(to_steps(np.array([1.0, 2.0]), 0.01, [0]), 0.01, [0]).round(2).tolist()
     [1.0, 1.9900000095367432]
     """
+    if not 0.0 < step < 1.0:
+        raise ValueError(f"a step of {step} of the logarithm")
     halves = (stored >> 1).astype(np.int32)
     steps = np.where(stored & 1, -1 - halves, halves)
     for axis in axes:

@@ -49,3 +49,9 @@ def test_both_readers_of_what_ships_agree():
 def test_what_ships_has_an_ellipse_wherever_no_reason_against_it_is_stored():
     ellipses = read_ellipses("real_suite")
     assert (np.isfinite(ellipses["a"]) == (ellipses["no_ellipse"] == 0)).all()
+
+
+@pytest.mark.parametrize("step", [0.0, -0.1, 1e300, np.nan])
+def test_a_damaged_step_is_refused(step):
+    with pytest.raises(ValueError, match="a step of"):
+        from_steps(np.zeros(3, dtype=np.uint32), step, [0])

@@ -7,6 +7,7 @@ alone. Over the largest undisturbed response it needs that response, and so the 
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -153,7 +154,7 @@ def errors_of_responses(
     share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
     ground = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=ground)
-    sizes = looking.as_stated()
+    sizes = looking.as_stated
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     yielded = draws[:0]
     if error is not None and share:
@@ -212,20 +213,24 @@ class _Looking:
         """Whether the undisturbed responses are known."""
         return self.ground is not None or self.test.stated.structure.all_driven
 
+    @cached_property
     def as_stated(self) -> Array:
         """With all as stated, shape (3, responses)."""
         return self._sizes(self.test.stated.structure, self.test.stated.at_interface, 1)
 
+    @cached_property
+    def _between(self) -> Array:
+        """What all samples give over what each `every`-th gives, shape (3, responses)."""
+        stated, every = self.test.stated, self.test.every
+        coarse = self._sizes(stated.structure, stated.at_interface[:, ::every], every)
+        return np.divide(self.as_stated, coarse, out=np.ones_like(coarse), where=coarse > 0.0)
+
     def of_draws(self, drawn: Iterator[tuple[Substructures, Array]]) -> Array:
         """Of draws of structures and exact responses at the interface, shape (draws, 3, responses)."""
-        test = self.test
-        every = test.every
-        coarse = self._sizes(test.stated.structure, test.stated.at_interface[:, ::every], every)
-        between = np.divide(self.as_stated(), coarse, out=np.ones_like(coarse), where=coarse > 0.0)
-        sizes = np.stack([self._sizes(structure, exact, every) for structure, exact in drawn])
+        sizes = np.stack([self._sizes(structure, exact, self.test.every) for structure, exact in drawn])
         computed = 1.0 + ACCURACY * np.random.default_rng(0).standard_normal((len(sizes), 2, 1))
         sizes[:, :2] *= computed
-        return np.asarray(between * sizes)
+        return np.asarray(self._between * sizes)
 
     def _sizes(self, structure: Substructures, exact: Array, every: int) -> Array:
         step = every * self.test.time_step

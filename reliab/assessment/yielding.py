@@ -13,15 +13,14 @@ from typing import Final
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown
+from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import (
+    YieldingDraws,
     errors_with_specimens,
-    exact_of_yielding,
-    sweep_yielding,
     yielding_specimen,
 )
 from reliab.effects import CubicStiffness, Hysteresis, SteppedEffect
@@ -84,23 +83,24 @@ def draw_yielding(rebuilt: RebuiltError) -> Spread:
     >>> draw_yielding(rebuild(command, 0.98 * command, 1.0 / 128.0, structure)).rms.size
     64
     """
-    return sweep_yielding(_drawn_specimens(rebuilt), *_of_test(rebuilt), seed=rebuilt.seed)
+    return _draws(rebuilt).errors()
 
 
 def exact_if_yielding(rebuilt: RebuiltError) -> Iterator[tuple[Partition, Array]]:
     """Structures and exact responses at the interface [m] of these draws, each shape (1, m)."""
-    return exact_of_yielding(_drawn_specimens(rebuilt), *_of_test(rebuilt), seed=rebuilt.seed)
+    return _draws(rebuilt).exact()
 
 
-def _of_test(rebuilt: RebuiltError) -> tuple[Histories, Partition, Unknown, Array, int]:
-    """Give what the sweep takes of a test, whose frequency was learned of a linear specimen."""
-    unknown = replace(rebuilt.unknown, own_frequency=None)
-    return (
-        rebuilt.histories,
-        rebuilt.structure,
-        unknown,
-        rebuilt.differences[-_DRAWS:],
-        rebuilt.every,
+def _draws(rebuilt: RebuiltError) -> YieldingDraws:
+    """Draws of a test, whose frequency was learned of a linear specimen."""
+    return YieldingDraws(
+        specimens=_drawn_specimens(rebuilt),
+        histories=rebuilt.histories,
+        structure=rebuilt.structure,
+        unknown=replace(rebuilt.unknown, own_frequency=None),
+        differences=rebuilt.differences[-_DRAWS:],
+        every=rebuilt.every,
+        seed=rebuilt.seed,
     )
 
 

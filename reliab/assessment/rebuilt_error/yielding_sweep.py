@@ -11,6 +11,8 @@ depends on the input there by (ω₀h)²/6 only, which two corrections take away
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -47,62 +49,68 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
     )
 
 
-def sweep_yielding(
-    specimens: Sequence[Hysteresis],
-    histories: Histories,
-    structure: Partition,
-    unknown: Unknown,
-    differences: Array,
-    every: int,
-    *,
-    seed: int,
-) -> Spread:
-    """Draw the error with one specimen of `yielding_specimen` for each draw.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class YieldingDraws:
+    """Draws of a test with one specimen of `yielding_specimen` for each."""
 
-    `differences` [m]: draws of x_c − x_m at each `every`-th sample.
-    """
-    thin = histories.thinned(every)
-    coarse = errors_with_specimens(specimens[:1], thin, structure)
-    fine = errors_with_specimens(specimens[:1], histories, structure)
-    scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
-    drawn, phase = draw_unknown(unknown, len(specimens), seed)
-    band = np.zeros((2, thin.command.size))
-    rows = _swept(specimens, thin, structure, drawn, phase * unknown.error_at_start, differences, band)
-    square, peak, ideal = (rows * scale).T
-    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
-    mean = band[0] / len(specimens)
-    deviation = np.sqrt(np.maximum(band[1] / len(specimens) - mean**2, 0.0))
-    return Spread(
-        rms=np.sqrt(square) / ideal,
-        mte=peak / ideal,
-        mean=np.interp(places, known, mean),
-        deviation=np.interp(places, known, deviation),
-    )
+    specimens: Sequence[Hysteresis]
+    histories: Histories
+    structure: Partition
+    unknown: Unknown
+    differences: Array  # Draws of x_c − x_m at each `every`-th sample [m]
+    every: int
+    seed: int
 
+    @cached_property
+    def _thin(self) -> Histories:
+        return self.histories.thinned(self.every)
 
-def exact_of_yielding(
-    specimens: Sequence[Hysteresis],
-    histories: Histories,
-    structure: Partition,
-    unknown: Unknown,
-    differences: Array,
-    every: int,
-    *,
-    seed: int,
-) -> Iterator[tuple[Partition, Array]]:
-    """Structures and responses without actuator errors [m] of the draws of `sweep_yielding`, shape (1, m)."""
-    thin = histories.thinned(every)
-    drawn, phase = draw_unknown(unknown, len(specimens), seed)
-    columns, shifts = inputs_of_reading(thin, drawn)
-    for draw, specimen in enumerate(specimens):
-        one = {name: values[draw : draw + 1] for name, values in drawn.items()}
-        velocity = phase[draw : draw + 1] * unknown.error_at_start
-        difference = differences[draw % len(differences)]
-        strayed = np.zeros((2, thin.command.size))  # x_m − x_I and its square
-        reading = columns, shifts[draw : draw + 1]
-        _swept([specimen], thin, structure, one, velocity, difference[np.newaxis], strayed, reading)
-        measured = thin.command - difference - shifts[draw] @ columns
-        yield structure_of_draw(structures_of_draws(structure, one), 0), (measured - strayed[0])[np.newaxis]
+    @cached_property
+    def _drawn(self) -> tuple[dict[str, Array], Array]:
+        """What is not known, and the velocity of the error at the first sample [m]."""
+        drawn, phase = draw_unknown(self.unknown, len(self.specimens), self.seed)
+        return drawn, phase * self.unknown.error_at_start
+
+    @cached_property
+    def _reading(self) -> tuple[Array, Array]:
+        return inputs_of_reading(self._thin, self._drawn[0])
+
+    def errors(self) -> Spread:
+        """Errors of all draws, with the mean and the deviation of x_m − x_I at each sample."""
+        thin, (drawn, velocity) = self._thin, self._drawn
+        coarse = errors_with_specimens(self.specimens[:1], thin, self.structure)
+        fine = errors_with_specimens(self.specimens[:1], self.histories, self.structure)
+        scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
+        band, size = np.zeros((2, thin.command.size)), len(self.specimens)
+        rows = _swept(
+            self.specimens, thin, self.structure, drawn, velocity, self.differences, self._reading, band
+        )
+        square, peak, ideal = (rows * scale).T
+        places, known = np.arange(self.histories.command.size) / self.every, np.arange(thin.command.size)
+        mean = band[0] / size
+        deviation = np.sqrt(np.maximum(band[1] / size - mean**2, 0.0))
+        return Spread(
+            rms=np.sqrt(square) / ideal,
+            mte=peak / ideal,
+            mean=np.interp(places, known, mean),
+            deviation=np.interp(places, known, deviation),
+        )
+
+    def exact(self) -> Iterator[tuple[Partition, Array]]:
+        """Structures, and responses without actuator errors [m], shape (1, m), draw by draw."""
+        thin, (drawn, velocity), (columns, shifts) = self._thin, self._drawn, self._reading
+        for draw, specimen in enumerate(self.specimens):
+            at = slice(draw, draw + 1)
+            one = {name: values[at] for name, values in drawn.items()}
+            difference = self.differences[draw % len(self.differences)]
+            strayed = np.zeros((2, thin.command.size))  # x_m − x_I and its square
+            reading = columns, shifts[at]
+            _swept(
+                [specimen], thin, self.structure, one, velocity[at], difference[np.newaxis], reading, strayed
+            )
+            measured = thin.command - difference - shifts[draw] @ columns
+            changed = structure_of_draw(structures_of_draws(self.structure, one), 0)
+            yield changed, (measured - strayed[0])[np.newaxis]
 
 
 def errors_with_specimens(
@@ -116,7 +124,8 @@ def errors_with_specimens(
     band = np.zeros((2, histories.command.size))
     exact = {name: np.zeros(draws) for name in EXACT.deviations()}
     difference = histories.difference[np.newaxis]
-    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, band)
+    reading = inputs_of_reading(histories, exact)
+    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, reading, band)
 
 
 def _swept(
@@ -126,14 +135,14 @@ def _swept(
     drawn: dict[str, Array],
     velocity: Array,
     differences: Array,
+    reading: tuple[Array, Array],
     band: Array,
-    reading: tuple[Array, Array] | None = None,
 ) -> Array:
     changed = structures_of_draws(structure, drawn)
     recursion = Recursion.of_displacement(changed, thin.time_step, slips=True).of_draws(len(specimens))
     standing = np.array([thin.standing, 0.0])
     started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
-    columns, shifts = reading or inputs_of_reading(thin, drawn)
+    columns, shifts = reading
     setting = Setting(step=thin.time_step)
     return np.asarray(
         _sweep(

@@ -9,6 +9,7 @@ by ::
 which is d_i·w where it is long. Motions of the body follow from extensions by Newton's iteration.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,14 +81,14 @@ class PlanarGeometry:
 
         Raises InputError where no motion of the body near its rest gives them.
         """
-        found: Array = np.asarray(np.linalg.solve(self.matrix, extensions), dtype=np.float64)
-        for _ in range(_STEPS):
-            at, slopes = self._moved(found)
-            with np.errstate(all="ignore"):
+        with suppress(np.linalg.LinAlgError), np.errstate(all="ignore"):
+            found: Array = np.asarray(np.linalg.solve(self.matrix, extensions), dtype=np.float64)
+            for _ in range(_STEPS):
+                at, slopes = self._moved(found)
                 step = np.linalg.solve(slopes, (extensions - at).T[..., np.newaxis])[..., 0].T
-            found = found + step
-            if np.abs(step).max() <= _CONVERGED * max(np.abs(found).max(), 1.0):
-                return found
+                found = found + step
+                if np.abs(step).max() <= _CONVERGED * max(np.abs(found).max(), 1.0):
+                    return found
         raise InputError(
             "Extensions of the actuators must be possible with their geometry",
             value=f"up to {significant(float(np.abs(extensions).max()))} m",

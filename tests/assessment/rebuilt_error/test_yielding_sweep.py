@@ -8,7 +8,7 @@ import scipy
 
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.interval import Unknown
-from reliab.assessment.rebuilt_error.yielding_sweep import sweep_yielding, yielding_specimen
+from reliab.assessment.rebuilt_error.yielding_sweep import YieldingDraws, yielding_specimen
 from reliab.assessment.yielding import draw_yielding, errors_of_ductilities
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
@@ -86,10 +86,16 @@ def test_what_is_not_known_of_channels_and_structure_widens_the_draws(rebuilt):
     specimens = [yielding_specimen(10.0 * YIELD, HARDENING, SHARPNESS)] * 32
 
     def width(test):
-        drawn = sweep_yielding(
-            specimens, test.histories, FRAME, test.unknown, test.differences, test.every, seed=0
+        drawn = YieldingDraws(
+            specimens=specimens,
+            histories=test.histories,
+            structure=FRAME,
+            unknown=test.unknown,
+            differences=test.differences,
+            every=test.every,
+            seed=0,
         )
-        return np.ptp(drawn.rms)
+        return np.ptp(drawn.errors().rms)
 
     assert width(unsure) > 10.0 * width(rebuilt)
     assert draw_yielding(unsure).rms.size == len(unsure.differences)

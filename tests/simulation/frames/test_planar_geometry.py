@@ -114,3 +114,10 @@ def test_a_file_describes_pins_and_directions():
 def test_kinematics_that_drive_nothing_are_refused(kinematics, rule):
     with pytest.raises(InputError, match=rule):
         frame_of(**kinematics)
+
+
+def test_extensions_that_no_motion_gives_are_refused():
+    """A pin at the node, which a rotation does not move."""
+    geometry = PlanarGeometry(motions=("rotation",), pins=[[0.0, 0.0]], directions=[[1.0, 0.0]])
+    with pytest.raises(InputError, match="must be possible"):
+        geometry.displacements(np.array([[0.1]]))
