@@ -47,7 +47,7 @@ _ASSUMED = (
     "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
     "0.005 to 0.1 gives the same."
 )
-_OF_CHANNELS = ("scale", "skew", "filter_delay")  # of several actuators, all alike
+_OF_CHANNELS = ("scale", "skew", "filter_delay", "hysteresis")  # of several actuators, all alike
 _BESIDE_SEVERAL = "beside a `structure` with several actuators"
 
 _NOT_FOR_FRAMES = {
@@ -457,18 +457,14 @@ class _Terms:
     def _judge_of_several_actuators(self, frame: "FrameUnderTest") -> Judge:
         from reliab.assessment import assess_coupled
 
-        for name in ("command_scale", "hysteresis"):
-            if name in self.numbers:
-                raise unused(name, _BESIDE_SEVERAL)
-        if self.filters:
-            raise unused("filter", _BESIDE_SEVERAL)
         if self.force_channel:
             raise unused("force_channel", _BESIDE_SEVERAL)
-        for name in ("criterion", "specimen", "motion"):
+        for name in ("criterion", "specimen"):
             if getattr(self, name) is not None:
                 raise unused(name, _BESIDE_SEVERAL)
         require_positive(self.numbers)
-        equipment = known_equipment(self.equipment, exact=self.exact)
+        equipment, motion = known_equipment(self.equipment, exact=self.exact), self._own_motion()
+        of_filters = stated_of_filters(self.filters)
 
         def judge(channels: Channels, test: Test) -> "CoupledAssessment":
             recording = channels.read_several_actuators(test)
@@ -476,12 +472,13 @@ class _Terms:
             stated = {**of_channels, **self.numbers}
             require_positive(stated)
             return assess_coupled(
-                recording,
+                corrected(recording, stated, self.filters),
                 frame,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                stated=stated,
+                stated={**stated, **of_filters},
                 equipment=equipment,
+                motion=motion,
             )
 
         return judge

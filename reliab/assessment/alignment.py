@@ -119,12 +119,15 @@ def _by_response(reference: Array, response: Array) -> tuple[int, float, str]:
 
 
 def similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
-    """Similarity of a history with each stretch of its length in a longer one.
+    """Similarity of a history with each stretch of its length in a longer one, or of several together.
 
-    2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count.
+    2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count; shapes (n,) or (histories,
+    n), products are sums over the histories.
     """
-    products = convolved(whole, part[::-1])
-    energy, energies = float(part @ part), _energies(whole, part.size)
+    pairs = list(zip(np.atleast_2d(part), np.atleast_2d(whole), strict=True))
+    products = np.sum([convolved(longer, shorter[::-1]) for shorter, longer in pairs], axis=0)
+    energy = float(np.sum(part**2))
+    energies = np.sum([_energies(longer, shorter.size) for shorter, longer in pairs], axis=0)
     if in_size:
         return np.asarray(2.0 * products / (energy + energies))
     loud = np.maximum(energies, _QUIET * energies.max())

@@ -12,7 +12,6 @@ from reliab.assessment.budget import (
     Size,
     Source,
     as_certain_as,
-    earlier,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
@@ -32,6 +31,7 @@ from reliab.assessment.plausibility import require_length, require_plausible
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.errors import InputError
+from reliab.motions import Motion
 from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent, significant
 from reliab.simulation.frames import FrameUnderTest
@@ -52,17 +52,20 @@ def assess_coupled(
     metric: Metric = Metric.RMS,
     stated: Mapping[str, StatedValue] | None = None,
     equipment: Equipment | None = None,
+    motion: Motion | None = None,
 ) -> CoupledAssessment:
     """Judge a test with several actuators by the errors computed from its displacements.
 
-    `threshold` [-]; `stated`: "feedback_lag" [ms], and of all displacement sensors alike "scale" [-] and
-    "skew" [ms], the time by which they were recorded later than the commands; `equipment`: what is not known
-    where neither tolerances nor `stated` have it, nothing by default. Raises InputError where the recording
-    does not fit the frame or cannot be judged.
+    `threshold` [-]; `stated`: "feedback_lag" [ms], of all displacement sensors alike the "scale" [-], and the
+    deviations of what the recording was corrected for; `equipment`: what is not known where neither
+    tolerances nor `stated` have it, nothing by default; `motion`: the ground motion by which errors of floors
+    and storeys are stated over their own peaks, by default the recorded one. Raises InputError where the
+    recording does not fit the frame or cannot be judged.
     """
     recording = _in_order(recording, frame)
     stated = stated or {}
-    recording = _calibrated(recording, stated)
+    scale = stated.get("scale", StatedValue(1.0)).value
+    recording = replace(recording, measured=recording.measured / scale)
     recording, faults = _without_faults(recording, frame, threshold)
     sizes = {
         **sizes_of_unknown(stated, _lowest_mode(frame), equipment, recording.time_step),
@@ -88,7 +91,7 @@ def assess_coupled(
         faults=faults,
         sizes=sizes,
         doubt_of_skew=_doubt_of_skew(equipment, stated, recording.time_step),
-        responses=errors_of_responses(exact_test_of_several(error, recording)),
+        responses=errors_of_responses(exact_test_of_several(error, recording), motion),
         shown_by_ground=shown,
         verdict=_verdict(error, metric, threshold, sizes, faults).doubted(
             *_doubts_of_ground(shown, sizes, frame.partition)
@@ -103,14 +106,6 @@ def _doubt_of_skew(equipment: Equipment | None, stated: Mapping[str, StatedValue
 
 def _shown_by_ground(error: CoupledError, ground: Array | None) -> ShownByGround | None:
     return None if ground is None else compare_with_ground(error.histories, error.structure, ground)
-
-
-def _calibrated(recording: CoupledRecording, stated: Mapping[str, StatedValue]) -> CoupledRecording:
-    """Take off what is stated of the sensors."""
-    measured = recording.measured / stated.get("scale", StatedValue(1.0)).value
-    if skew := stated.get("skew", StatedValue(0.0)).value / MILLI:
-        measured = np.stack([earlier(row, skew, recording.time_step) for row in measured])
-    return replace(recording, measured=measured)
 
 
 def _doubts_of_ground(

@@ -67,21 +67,22 @@ def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
 
 
 def _placed(test: ExactTest, motion: Motion) -> GroundOfTest | None:
-    """Find the part of a record that a test of one actuator saw."""
+    """Find the part of a record that a test saw; forces and moments count by what the specimen bears."""
     structure, step, size = test.stated.structure, test.time_step, test.command.shape[1]
     if structure.all_driven:
         return None
-    none = np.zeros(size)
+    none, borne = np.zeros(size), np.linalg.norm(test.fed_back, axis=1)
     alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
-    by_ground = (test.fed_back - alone)[0]
+    unit = np.where(borne > 0.0, borne, np.inf)[:, np.newaxis]
+    by_ground = (test.fed_back - alone) / unit
     history = Padded.around(motion, step * size).sampled(step)
-    still = structure.displacements(np.zeros((1, history.size)), history, step)
-    of_ground = structure.force_of_computer(still, history, step)[0]
+    still = structure.displacements(np.zeros((borne.size, history.size)), history, step)
+    of_ground = structure.force_of_computer(still, history, step) / unit
     alike = similarity(by_ground, of_ground, in_size=False)
-    place = int(np.argmax(np.abs(alike)))
-    if abs(alike[place]) < _ALIKE_SOMEWHERE:
+    begin = int(np.argmax(np.abs(alike)))
+    if abs(alike[begin]) < _ALIKE_SOMEWHERE:
         return None
-    of_record = of_ground[place : place + size]
-    factor = float(of_record @ by_ground / (of_record @ of_record))
-    placed = GroundOfTest(acceleration=history[place : place + size], factor=factor)
+    of_record = of_ground[:, begin : begin + size]
+    factor = float(np.sum(of_record * by_ground) / np.sum(of_record**2))
+    placed = GroundOfTest(acceleration=history[begin : begin + size], factor=factor)
     return replace(placed, acceleration=factor * placed.acceleration) if placed.differs else placed

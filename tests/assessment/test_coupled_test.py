@@ -10,8 +10,10 @@ from coupled_structures import described, node
 
 import reliab
 from reliab import cli
+from reliab.assessment import LowPass
 from reliab.assessment.coupled_test import assess_coupled
 from reliab.errors import InputError
+from reliab.motions import Motion
 from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import coupled_assessment_report
 from reliab.shipped import shipped
@@ -178,8 +180,53 @@ def test_what_takes_one_actuator_refuses_several(recorded):
     file, path, _ = recorded
     with pytest.raises(InputError, match="driven at one degree of freedom"):
         read_frame(path)
-    with pytest.raises(InputError, match="hysteresis"):
-        reliab.assess(file, path, hysteresis="0.001")
+    with pytest.raises(InputError, match="criterion"):
+        reliab.assess(file, path, criterion="guo_2017_15")
+
+
+def with_sensors(file, seen):
+    """The test of a file, whose displacement sensors show what a function makes of each motion."""
+    table = pd.read_csv(file)
+    return table.assign(**{name: seen(table[name].to_numpy()) for name in ("measured_1", "measured_2")})
+
+
+def play(motion, width=0.01):
+    """Readings of a sensor with a hysteresis."""
+    radius, reading = 0.5 * width * np.ptp(motion), [motion[0]]
+    for place in motion[1:]:
+        reading.append(min(max(reading[-1], place - radius), place + radius))
+    return np.array(reading)
+
+
+@pytest.mark.parametrize(
+    ("seen", "stated"),
+    [
+        (lambda motion: LowPass(corner=30.0).passed(motion, STEP), {"filter": ["measured=30"]}),
+        (play, {"hysteresis": 0.01}),
+    ],
+)
+def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recorded, seen, stated):
+    spoiled = reliab.assess(with_sensors(recorded[0], seen), recorded[1], **stated).error.degrees
+    assert [degree.rms.value for degree in spoiled] == pytest.approx(recorded[2], rel=0.02)
+
+
+def test_a_given_ground_motion_is_as_good_as_a_recorded_one(recorded, with_ground):
+    """A record with rest about the test, which is found in it; over their peaks all errors are the same."""
+    rest = np.zeros(300)
+    record = np.concatenate([rest, shaking()[1], rest])
+    given = reliab.assess(
+        recorded[0], recorded[1], motion=Motion(name="record", acceleration=record, time_step=STEP)
+    ).responses
+    of_channel = reliab.assess(with_ground, recorded[1]).responses
+    for one, another in zip(given.each, of_channel.each, strict=True):
+        assert one.rms.value == pytest.approx(another.rms.value, rel=1e-3)
+        assert one.rms.high == pytest.approx(another.rms.high, rel=1e-3)
+    other = np.random.default_rng(1).standard_normal(record.size)
+    foreign = reliab.assess(
+        recorded[0], recorded[1], motion=Motion(name="other", acceleration=other, time_step=STEP)
+    ).responses
+    assert foreign.other_motion
+    assert not foreign.over_peaks
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ from .corrections import (
     CHANNELS as CHANNELS,
     LowPass as LowPass,
     corrected as corrected,
-    earlier as earlier,
     stated_of_filters as stated_of_filters,
     without_skew as without_skew,
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 import scipy
@@ -10,7 +10,7 @@ import scipy
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.recordings import CoupledRecording, Recording
 from reliab.signals import CubicPath, butterworth_delay
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
@@ -19,6 +19,8 @@ CHANNELS: Final = ("command", "measured")
 """Channels that may have a filter."""
 
 _ORDERS = range(1, 9)
+_UNFILTERED = ("ground", "force")
+_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
 _CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
 
 
@@ -55,46 +57,50 @@ class LowPass:
         return butterworth_delay(self.corner, self.order)
 
     def passed(self, values: Array, time_step: float) -> Array:
-        """Pass a history through the filter, exactly for straight lines between its samples."""
+        """Pass histories through the filter, exactly for straight lines between samples, shape (…, n)."""
         zeros, poles, gain = scipy.signal.butter(
             self.order, 2.0 * np.pi * self.corner, analog=True, output="zpk"
         )
         system = scipy.signal.cont2discrete(scipy.signal.zpk2ss(zeros, poles, gain), time_step, method="foh")
         numerator, denominator = scipy.signal.ss2tf(*system[:4])
-        begin = values[0] * scipy.signal.lfilter_zi(numerator[0], denominator)
+        begin = values[..., :1] * scipy.signal.lfilter_zi(numerator[0], denominator)
         return np.asarray(scipy.signal.lfilter(numerator[0], denominator, values, zi=begin)[0])
 
 
 def corrected(
-    recording: Recording, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
-) -> Recording:
-    """Correct a recording for what is stated of its channels.
+    recording: _OfTest, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
+) -> _OfTest:
+    """Correct a recording for what is stated of its channels, with several actuators of all of them alike.
 
-    The filter of each channel is applied to the other one as well: the equation of the error holds for
-    histories that passed through the same filters, and no noise is amplified. A stated hysteresis is that of
-    a play; a skew is positive where the measured displacement was recorded later than the command [ms].
+    The filter of each channel is applied to all others as well: the equation of the error holds for histories
+    that passed through the same filters, and no noise is amplified. A stated hysteresis is that of a play; a
+    skew is positive where the measured displacement was recorded later than the command [ms].
     """
     command, measured, step = recording.command, recording.measured, recording.time_step
     if "command_scale" in stated:
         command = command / stated["command_scale"].value
     if (hysteresis := stated.get("hysteresis", StatedValue(0.0)).value) > 0.0:
-        measured = measured + hysteresis * lag_of_reading(command, hysteresis)
+        measured = measured + hysteresis * np.apply_along_axis(lag_of_reading, -1, command, hysteresis)
     if "measured" in filters:
         command = filters["measured"].passed(command, step)
     if "command" in filters:
         measured = filters["command"].passed(measured, step)
+    others = {name: values for name in _UNFILTERED if (values := getattr(recording, name, None)) is not None}
+    for low_pass in filters.values():
+        others = {name: low_pass.passed(values, step) for name, values in others.items()}
     skew = stated.get("skew", StatedValue(0.0)).value / MILLI
-    return without_skew(replace(recording, command=command, measured=measured), skew)
+    return without_skew(replace(recording, command=command, measured=measured, **others), skew)
 
 
-def without_skew(recording: Recording, skew: float) -> Recording:
-    """Read the measured displacement at the times to which it belongs; `skew` [s]."""
+def without_skew(recording: _OfTest, skew: float) -> _OfTest:
+    """Read the measured displacements at the times to which they belong; `skew` [s]."""
     if skew == 0.0:
         return recording
-    return replace(recording, measured=earlier(recording.measured, skew, recording.time_step))
+    read = np.apply_along_axis(_earlier, -1, recording.measured, skew, recording.time_step)
+    return replace(recording, measured=read)
 
 
-def earlier(values: Array, time: float, step: float) -> Array:
+def _earlier(values: Array, time: float, step: float) -> Array:
     """Values of a history as much later [s], by a cubic through its samples, shape (n,)."""
     times = np.arange(values.size) * step
     path = CubicPath.through(times, values)

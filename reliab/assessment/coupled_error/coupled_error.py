@@ -19,7 +19,7 @@ from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
-_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset", "lagging_hysteresis")
+_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset", "hysteresis", "lagging_hysteresis")
 LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 

@@ -8,8 +8,10 @@ import pytest
 from reliab.api.arguments import require_positive
 from reliab.assessment import assess
 from reliab.assessment.budget import (
+    LowPass,
     Size,
     Source,
+    corrected,
     ordinary_equipment,
     read_equipment,
     sizes_of_unknown,
@@ -138,3 +140,13 @@ def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
     assert "256 samples a second" in equipment.doubt_of_skew(1.0 / 256.0)
     assert "1.6 ms is assumed" in equipment.doubt_of_skew(1.0 / 256.0)
     assert replace(equipment, skew_ms=0.1).doubt_of_skew(1.0 / 256.0) == ""
+
+
+def test_force_and_ground_motion_pass_the_filter_that_is_stated_of_the_displacement(recording):
+    """Else the force of a spring leads the displacement, and its specimen is another one."""
+    low_pass = LowPass(corner=20.0)
+    seen = low_pass.passed(recording.measured, recording.time_step)
+    whole = replace(recording, measured=seen, force=3e5 * recording.measured, ground=recording.command)
+    again = corrected(whole, {}, {"measured": low_pass})
+    np.testing.assert_allclose(again.force, 3e5 * again.measured, atol=1e-9 * np.abs(again.force).max())
+    np.testing.assert_array_equal(again.ground, again.command)
