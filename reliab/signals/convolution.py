@@ -7,14 +7,14 @@ from reliab.arrays import Array
 
 
 def convolved(history: Array, kernel: Array) -> Array:
-    """Convolve a history with a kernel where the two overlap wholly.
+    """Convolve histories with a kernel where the two overlap wholly.
 
-    `history`: shape (n,); `kernel`: shape (k,) with k at most n. Returns shape (n - k + 1,).
+    `history`: shape (…, n); `kernel`: shape (k,) with k at most n. Returns shape (…, n - k + 1).
 
     >>> convolved(np.array([1.0, 2.0, 4.0, 8.0]), np.array([0.5, 0.5])).round(12).tolist()
     [1.5, 3.0, 6.0]
     """
-    return _full(history, kernel)[kernel.size - 1 : history.size].copy()
+    return _full(history, kernel)[..., kernel.size - 1 : history.shape[-1]].copy()
 
 
 def correlated(first: Array, second: Array) -> Array:
@@ -29,7 +29,7 @@ def correlated(first: Array, second: Array) -> Array:
 
 
 def _full(first: Array, second: Array) -> Array:
-    size = first.size + second.size - 1
+    size = first.shape[-1] + second.size - 1
     points = scipy.fft.next_fast_len(size, real=True)
     spectrum = scipy.fft.rfft(first, points) * scipy.fft.rfft(second, points)
-    return np.asarray(scipy.fft.irfft(spectrum, points)[:size])
+    return np.asarray(scipy.fft.irfft(spectrum, points)[..., :size])

@@ -39,30 +39,31 @@ def _kaiser_taps(width: float) -> int:
 
 
 def smoothed(values: Array, coefficients: Array) -> Array:
-    """Pass a history through a symmetric filter.
+    """Pass histories through a symmetric filter.
 
     Beyond its ends the history is continued point-symmetrically about the end of a straight line through
     the nearest samples, so that the noise of the last sample is not continued with it.
 
-    `values`: a history, shape (n,); `coefficients`: the filter, shape (odd,). Returns the filtered history,
-    shape (n,); the history itself where the filter is long beside it.
+    `values`: histories, shape (…, n); `coefficients`: the filter, shape (odd,). Returns the filtered
+    histories, shape (…, n); the histories themselves where the filter is long beside them.
 
     >>> smoothed(np.arange(20.0), np.array([0.25, 0.5, 0.25])).round(12).tolist() == list(range(20))
     True
     """
     reach = coefficients.size // 2
-    if reach == 0 or reach > REACH * values.size:
+    if reach == 0 or reach > REACH * values.shape[-1]:
         return values
-    before = 2.0 * _end_of_line(values[reach::-1]) - values[reach:0:-1]
-    after = 2.0 * _end_of_line(values[-reach - 1 :]) - values[-2 : -reach - 2 : -1]
-    return convolved(np.concatenate([before, values, after]), coefficients)
+    before = 2.0 * _end_of_line(values[..., reach::-1]) - values[..., reach:0:-1]
+    after = 2.0 * _end_of_line(values[..., -reach - 1 :]) - values[..., -2 : -reach - 2 : -1]
+    return convolved(np.concatenate([before, values, after], axis=-1), coefficients)
 
 
-def _end_of_line(values: Array) -> float:
-    """Last value of the straight line of least squares through values."""
-    place = np.arange(values.size) - 0.5 * (values.size - 1)
-    slope = float(place @ values) / float(place @ place)
-    return float(values.mean()) + slope * float(place[-1])
+def _end_of_line(values: Array) -> Array:
+    """Last value of the straight line of least squares through each row of values, shape (…, 1)."""
+    size = values.shape[-1]
+    place = np.arange(size) - 0.5 * (size - 1)
+    slope = (values @ place) / float(place @ place)
+    return np.asarray(values.mean(axis=-1) + slope * float(place[-1]))[..., np.newaxis]
 
 
 def recursively_filtered(numerator: Array, denominator: Array, values: Array) -> Array:

@@ -166,8 +166,7 @@ def conclude(
     exact: Callable[[], Iterator[tuple[Partition, Array]]],
 ) -> CoupledError:
     """Combine histories and draws into errors of every interface displacement."""
-    response = histories.respond(histories.recursion, histories.fed_back)
-    reference = histories.carry @ histories.command - response
+    reference = histories.carry @ histories.command - histories.response
     strayed = histories.carry @ raw - reference
     degrees = []
     for place, name in enumerate(partition.names):

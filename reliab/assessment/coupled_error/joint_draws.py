@@ -23,6 +23,7 @@ from reliab.assessment.rebuilt_error.difference_draws import coarse_step, draw_d
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, followed
 
 _LEAST_NOISE = 1e-9  # of the motion: channels with less are taken to be without noise
+_PASSED = 2.5  # times the band: above, the filter lets nothing pass
 _LINES = 8.0  # times the median of the bins: a line of the mains and no noise
 
 
@@ -48,7 +49,15 @@ def draw_jointly(
         others = np.delete(told, place, axis=0)
         noise = replace(estimate_noise(one, shown, noises[place].time_step, others), band=noises[place].band)
         drawn[:, place] = draw_differences(
-            one, shown, noise, frequency, every, draws, seed + 7919 * place, others
+            one,
+            shown,
+            noise,
+            frequency,
+            every,
+            draws,
+            seed + 7919 * place,
+            others,
+            highest=_PASSED * noise.band,
         )
     return np.asarray(np.linalg.inv(mixing) @ drawn)
 
@@ -57,7 +66,7 @@ def _mixing(command: Array, measured: Array, noises: Sequence[SensorNoise]) -> A
     """B, the identity where channels are rounded so coarsely that their noise is not white."""
     if len(command) == 1 or any(map(coarse_step, measured, noises)):
         return np.eye(len(command))
-    rest = np.stack([row - followed(command, row, noises[0].time_step) for row in measured])
+    rest = measured - followed(command, measured, noises[0].time_step)
     within = np.stack([noise.smooth(row) for noise, row in zip(noises, rest, strict=True)])
     _, vectors = scipy.linalg.eigh(np.cov(within), _noise_covariance(rest, measured))
     return np.asarray(vectors.T)

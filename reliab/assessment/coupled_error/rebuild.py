@@ -42,7 +42,7 @@ _EXACT_DRAWS = 64  # of the response that perfect actuators would have given
 _FEWEST_SAMPLES = 64
 _FEWEST_PER_PERIOD = 10.0
 _IN_PERIOD_OF_BAND = 0.25
-_PER_PERIOD = 24.0  # samples of the fastest mode that takes part; what lies between is corrected
+_PER_PERIOD = 16.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
 _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that are linear between samples
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
@@ -300,7 +300,7 @@ class _Sweep:
         coarse = Recursion.of_displacement(self.structure, step, smooth=True)
         response = histories.respond(coarse, difference[:, :: self.every] + late)
         few = _statistics(response - difference[:, :: self.every], command - response)
-        response = histories.respond(histories.recursion, histories.fed_back)
+        response = histories.response
         every = _statistics(response - difference, histories.carry @ histories.command - response)
         return np.divide(every, few, out=np.ones_like(few), where=few > 0.0)
 

@@ -17,7 +17,8 @@ assumes that there is no slow noise; the others multiply the slow noise of each 
 together with the level.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -66,6 +67,7 @@ class Reading:
     bands: NDArray[np.int64]  # Number of the band of frequencies of each coefficient, shape (hop,)
     # Largest size [m] of the part that follows a command; None where it is not limited
     largest: float | None = None
+    beyond: Array = field(default_factory=lambda: np.zeros((1, 0)))  # Observed above what is drawn [m]
 
 
 def draw_differences(
@@ -77,11 +79,13 @@ def draw_differences(
     draws: int,
     seed: int,
     others: Array | None = None,
+    *,
+    highest: float = np.inf,
 ) -> Array:
     """Draw histories of x_c − x_m.
 
     `command`, `measured` [m]; `frequency` [Hz]; `others`: commands of further actuators that move this one
-    too, shape (others, n); returns [m].
+    too, shape (others, n); `highest`: frequency [Hz] above which the reading holds nothing to draw.
     Returns x_c − x_m [m] at each `every`-th sample, shape (draws, ceil(n/every)); rows 0, 2, … assume that
     there is no slow noise.
     """
@@ -89,9 +93,8 @@ def draw_differences(
     thin = replace(noise, band=min(noise.band, 0.27 / (every * noise.time_step)))
     reading = _reading(command, measured, thin, frequency, every)
     if others is not None and len(others):
-        reading = _beside_others(
-            reading, np.stack([thin.smooth(one) for one in others]), noise.time_step, every
-        )
+        reading = _beside_others(reading, thin.smooth(others), noise.time_step, every)
+    reading = _below(reading, highest * every * noise.time_step)
     actuators = replace(reading, noise=reading.noise[:1])
     histories = np.empty((draws, -(-command.size // every)))
     with one_thread():
@@ -105,8 +108,7 @@ def _draw_twice(reading: Reading, histories: Array, generator: np.random.Generat
     level = _FIRST_LEVEL if reading.largest is None else 0.0  # many coefficients: first as if they said all
     variance = np.broadcast_to(reading.noise[-1] + level * reading.command_power, reading.observed.shape)
     first = _least_squares(reading, variance[np.newaxis])[0][0]
-    few = np.empty((_DRAWS_OF_FOLLOWING, histories.shape[1]))
-    follows = _draw(reading, _filtered(reading, first), few, generator)
+    follows = _draw_following(reading, _filtered(reading, first), generator)
     _draw(reading, _filtered(reading, follows.mean(axis=0)), histories, generator)
 
 
@@ -158,6 +160,21 @@ def _by_importance(others: int) -> NDArray[np.int64]:
     rows = np.arange(1 + 2 * powers * (1 + others))
     constant = (rows > 0) & ((rows - 1) % powers == 0)
     return np.asarray(np.concatenate([rows[constant], rows[:1], rows[~constant][1:]]))
+
+
+def _below(reading: Reading, highest: float) -> Reading:
+    """Leave undrawn what lies above a frequency, in cycles per step."""
+    hop = reading.bands.size
+    drawn = int(np.clip(np.ceil(2.0 * hop * highest), 1, hop)) if np.isfinite(highest) else hop
+    return replace(
+        reading,
+        observed=np.ascontiguousarray(reading.observed[:, :drawn]),
+        beyond=reading.observed[:, drawn:],
+        following=np.ascontiguousarray(reading.following[..., :drawn]),
+        command_power=np.ascontiguousarray(reading.command_power[:, :drawn]),
+        noise=np.ascontiguousarray(reading.noise[..., :drawn]),
+        bands=reading.bands[:drawn],
+    )
 
 
 def _local_power(history: Array, every: int, hop: int) -> Array:
@@ -298,33 +315,50 @@ def _filtered(reading: Reading, follows: Array) -> Array:
     return np.array(filtered)
 
 
-def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.random.Generator) -> Array:
-    """Draw levels and factors, then what follows the command, which is returned, then the rest."""
-    bands, _, factors = filtered.shape
+def _draw(reading: Reading, filtered: Array, histories: Array, generator: np.random.Generator) -> None:
+    """Draw levels and factors, then what follows the command, then the rest."""
     draws, size = histories.shape
+    for some, power, variance in _powers(reading, filtered, draws, generator):
+        total = power + variance
+        share = power / total
+        follows, coefficients = _follow(reading, total, generator)
+        followed = np.tensordot(follows, reading.following, axes=1)
+        coefficients *= np.sqrt(share * variance)
+        coefficients += followed
+        share *= reading.observed - followed
+        coefficients += share
+        histories[some] = synthesise(_with_beyond(reading, coefficients), size)
+
+
+def _draw_following(reading: Reading, filtered: Array, generator: np.random.Generator) -> Array:
+    """Draw coefficients of what follows the command alone, shape (draws, rows)."""
+    powers = _powers(reading, filtered, _DRAWS_OF_FOLLOWING, generator)
+    return np.concatenate([_follow(reading, power + variance, generator)[0] for _, power, variance in powers])
+
+
+def _powers(
+    reading: Reading, filtered: Array, draws: int, generator: np.random.Generator
+) -> Iterator[tuple[slice, Array, Array]]:
+    """Places of some draws with their powers of what remains and variances of their noise [m²]."""
+    bands, _, factors = filtered.shape
     levels, places = np.divmod(
         sample_backwards(filtered, *_chain(factors), generator.uniform(size=(bands, draws))), factors
     )
     within = _GRID * (generator.uniform(size=levels.shape) - 0.5)
     level = np.exp(_LEVELS[levels] + within)[:, reading.bands]
-    follows = np.empty((draws, reading.following.shape[0]))
     for first in range(0, draws, _AT_ONCE):
-        some = range(first, min(first + _AT_ONCE, draws))
-        variance = _variance(reading, places[first : some.stop])
-        power = level[first : some.stop, np.newaxis] * np.maximum(
-            reading.command_power, _LEAST_COMMAND * variance
-        )
-        total = power + variance
-        share = power / total
-        coefficients = np.sqrt(share * variance)
-        follows[first : some.stop], scattered = _follow(reading, total, generator)
-        followed = np.tensordot(follows[first : some.stop], reading.following, axes=1)
-        coefficients *= scattered
-        coefficients += followed
-        share *= reading.observed - followed
-        coefficients += share
-        histories[first : some.stop] = synthesise(coefficients, size)
-    return follows
+        some = slice(first, first + _AT_ONCE)
+        variance = _variance(reading, places[some])
+        least = _LEAST_COMMAND * variance
+        yield some, level[some, np.newaxis] * np.maximum(reading.command_power, least), variance
+
+
+def _with_beyond(reading: Reading, coefficients: Array) -> Array:
+    """Put drawn coefficients and those that are not drawn side by side, shape (draws, frames, hop)."""
+    if not reading.beyond.size:
+        return coefficients
+    beyond = np.broadcast_to(reading.beyond, (len(coefficients), *reading.beyond.shape))
+    return np.concatenate([coefficients, beyond], axis=-1)
 
 
 def _variance(reading: Reading, places: NDArray[np.int64]) -> Array:

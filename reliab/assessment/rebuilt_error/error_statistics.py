@@ -8,7 +8,7 @@ Both are normalised by the peak of the exact response, as in `reliab.indices.res
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.recursion import Recursion, advance, joined
+from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march
 from reliab.compiled import compiled
 
 
@@ -96,9 +96,7 @@ def _sweep(
 ) -> Array:
     draws, channels, size = states.shape[0], len(actuators), command.shape[1]
     answer = np.empty((draws, 3, channels))
-    scratch = np.empty(states.shape[1])
     strayed, fed_back = np.empty((channels, size)), np.empty((channels, size))
-    errors = np.empty((channels, size))
     for draw in range(draws):
         _read(differences[draw % differences.shape[0]], inputs, shifts[draw], strayed)
         for j in range(channels):
@@ -106,17 +104,17 @@ def _sweep(
                 late = fed_back_late[j, i] + feedback_lag[draw] * velocity[j, i]
                 fed_back[j, i] = strayed[j, i] + late
         driving = joined(fed_back) if smooth else fed_back
-        held = states[draw]
-        for i in range(size):
-            if i > 0:
-                advance(actuators, transition[draw], early[draw], late_of[draw], driving, i, held, scratch)
-            for j in range(channels):
-                error = 0.0
-                for k in range(channels):
-                    error += feed_through[draw, j, k] * fed_back[k, i]
-                for column in range(held.size):
-                    error += output[draw, j, column] * held[column]
-                errors[j, i] = error
+        errors = march(
+            transition[draw],
+            early[draw],
+            late_of[draw],
+            output[draw],
+            feed_through[draw],
+            actuators,
+            fed_back,
+            driving,
+            states[draw],
+        )
         for j in range(channels):
             _count(errors[j], strayed[j], command[j], answer[draw, :, j], band[:, j])
     return answer

@@ -8,13 +8,14 @@ motion (mains) are not part of it: the filter keeps them out.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.compiled import read_only
 from reliab.signals import binned, fit_levels, low_pass, noise_shapes, periodogram, smoothed, upper_level
 
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
@@ -64,7 +65,7 @@ class SensorNoise:
         return low_pass(_MARGIN * self.band, 1.0 / self.time_step)
 
     def smooth(self, values: Array) -> Array:
-        """Return a history, shape (n,), without what lies above the band, and without delay."""
+        """Return histories, shape (…, n), without what lies above the band, and without delay."""
         return smoothed(values, self.filter)
 
     def passed(self, frequency: Array) -> Array:
@@ -151,22 +152,23 @@ def _together(powers: list[Array]) -> Array:
 def followed(commands: Array, measured: Array, step: float) -> Array:
     """Commands as an actuator of slowly changing gains and delays follows them, by least squares.
 
-    The first command may lag, too. `commands` [m], shape (p, n); `measured` [m]; `step` [s]. Commands of
-    several actuators may answer the noise that the loop feels, which they must not explain: what counts is
-    the motion.
+    The first command may lag, too. `commands` [m], shape (p, n); `measured` [m], shape (n,) or (rows, n);
+    `step` [s]. Commands of several actuators may answer the noise that the loop feels, which they must not
+    explain: what counts is the motion.
     """
-    place = np.linspace(-1.0, 1.0, measured.size)
+    size = commands.shape[1]
+    place = np.linspace(-1.0, 1.0, size)
     velocity = np.gradient(commands, step, axis=1)
     basis = np.concatenate([commands, velocity])
     lag = np.gradient(velocity[0], step)[np.newaxis]
-    rows = np.concatenate([basis, lag, basis * place, np.ones((1, measured.size))])
+    rows = np.concatenate([basis, lag, basis * place, np.ones((1, size))])
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
     left, right = rows, measured
     if len(commands) > 1:
         filter_ = low_pass(_MARGIN * _highest(commands, step), 1.0 / step)
-        left, right = np.stack([smoothed(row, filter_) for row in rows]), smoothed(measured, filter_)
-    coefficients = np.linalg.lstsq(left @ left.T, left @ right, rcond=1e-12)[0]
-    return np.asarray(coefficients @ left)
+        left, right = (smoothed(one, filter_) for one in (rows, measured))
+    coefficients = np.linalg.lstsq(left @ left.T, left @ right.T, rcond=1e-12)[0]
+    return np.asarray(coefficients.T @ left)
 
 
 def _highest(commands: Array, step: float) -> float:
@@ -177,7 +179,12 @@ def _highest(commands: Array, step: float) -> float:
 
 
 def _periodogram(values: Array) -> Array:
-    return periodogram(values, np.hanning(values.size))
+    return periodogram(values, _taper(values.size))
+
+
+@lru_cache(maxsize=4)
+def _taper(size: int) -> Array:
+    return read_only(np.hanning(size))
 
 
 def _without_lines(power: Array) -> Array:

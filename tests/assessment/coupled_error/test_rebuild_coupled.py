@@ -70,9 +70,10 @@ def test_parts_of_actuators_and_causes_add_up(frame, run):
 
 
 def test_with_noise_it_stays_near_the_true_error(frame, run):
+    """Over histories of the noise the ratio scatters by 1 %."""
     error = rebuilt(frame, run, noise=0.01)
     rms, _ = true_errors(run)
-    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.02)
+    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.03)
 
 
 def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(frame, run):

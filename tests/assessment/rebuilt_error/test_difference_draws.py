@@ -13,6 +13,7 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     _bands,
     _chain,
     _draw,
+    _draw_following,
     _filtered,
     _follow,
     _following,
@@ -179,7 +180,8 @@ def test_a_draw_without_chance_is_the_mean_given_the_median_level():
     reading = replace(several, noise=several.noise[:1], bands=np.zeros_like(several.bands))
     filtered = _filtered(reading, np.zeros(reading.following.shape[0]))
     histories = np.empty((1, 40))
-    follows = _draw(reading, filtered, histories, Middle())[0]
+    _draw(reading, filtered, histories, Middle())
+    follows = _draw_following(reading, filtered, Middle())[0]
     level = np.exp(_LEVELS[np.searchsorted(np.cumsum(filtered[0, :, 0]), 0.5)])
     noise = np.broadcast_to(reading.noise[0], reading.observed.shape)
     power = level * np.maximum(reading.command_power, 0.01 * noise)
