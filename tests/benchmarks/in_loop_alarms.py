@@ -223,8 +223,8 @@ def frame_case(kind: str, diverges: bool, motion: Motion, rng: np.random.Generat
         return None
     with np.errstate(over="ignore", invalid="ignore"):
         command, measured = loop_of_frame(partition, gain, delay, ground)
-    whole = as_one_actuator_drives(partition)
-    monitor = LoopMonitor(structure=whole if degrees == 1 else partition, time_step=1.0 / RATE)
+    structure = as_one_actuator_drives(partition) if degrees == 1 else partition
+    monitor = LoopMonitor(structure=structure, time_step=1.0 / RATE)
     return cut(kind, diverges, monitor, command, measured, exact, rng)
 
 

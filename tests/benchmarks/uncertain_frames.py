@@ -1,10 +1,10 @@
 """Verdicts on tests of frames whose matrices are not as stated, simulated by code of its own.
 
-    python tests/benchmarks/uncertain_frames.py RECORDS --seed S --count N [--rows NAME …]
+    python tests/benchmarks/uncertain_frames.py RECORDS --seed S --count N [--rows NAME …] [--rate 512]
 
 The frames that ship, under the real records of RECORDS, with an actuator of second order that lags by up to
 16 ms and has a gain 3 % off, simulated by `tests/assessment/frames_by_matrices.py`. True errors of the
-interface lie between 1 and 12 %, the rate is 1024 Hz, noise 45 dB below the displacement. In the row "K +3 %"
+interface lie between 1 and 12 %, the rate is 1024 Hz (`--rate` thins it), noise 45 dB below the displacement. In the row "K +3 %"
 the stiffness of frame and specimen is 3 % higher than stated, and nobody says so: the interval is that of
 ordinary equipment. In all others `[tolerances]` state by how much the matrices may be off, and all else is
 exact. Counted are intervals that hold the true error of the interface and, with the ground motion, those of
@@ -139,8 +139,8 @@ def simulated(tested: Matrices, records: list[Path], rng: np.random.Generator) -
             return found, ground
 
 
-def judged(row: str, name: str, seed: int, records: list[Path]) -> dict[str, object]:
-    """Simulate a test and judge it."""
+def judged(row: str, name: str, seed: int, records: list[Path], rate: float = RATE) -> dict[str, object]:
+    """Simulate a test and judge it as it was recorded at a rate [Hz]."""
     change, stated = ROWS[row]
     frame = frame_of(name, dashpots="dashpots" in row)
     rng = np.random.default_rng([seed, list(ROWS).index(row), FRAMES.index(name)])
@@ -152,8 +152,9 @@ def judged(row: str, name: str, seed: int, records: list[Path]) -> dict[str, obj
     tolerances = type(frame.tolerances)(**(stated or {})).of_structure(
         whole.degrees_of_freedom, whole.mass, whole.damping, whole.stiffness
     )
+    thinned = slice(None, None, round(RATE / rate))
     found = assess_frame(
-        Recording(command=outcome.command, measured=read, time_step=1.0 / RATE, name=name),
+        Recording(command=outcome.command[thinned], measured=read[thinned], time_step=1.0 / rate, name=name),
         replace(frame, tolerances=tolerances),
         equipment=ordinary_equipment() if stated is None else None,
         motion=Motion(name=name, acceleration=ground, time_step=1.0 / RATE),
@@ -196,12 +197,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--rows", nargs="+", choices=list(ROWS), default=list(ROWS))
+    parser.add_argument("--rate", type=float, default=RATE)
     asked = parser.parse_args()
     records = sorted(asked.folder.rglob("*.AT2"))
     for row in asked.rows:
         frames = SHEAR if "storeys" in row or "common" in row else FRAMES
         seeds = range(asked.seed, asked.seed + asked.count)
-        of = pd.DataFrame([judged(row, name, seed, records) for name in frames for seed in seeds])
+        of = pd.DataFrame([judged(row, name, seed, records, asked.rate) for name in frames for seed in seeds])
         low, middle, high = of["ratio"].quantile([0.05, 0.5, 0.95])
         ends = wilson_interval(int(of["held"].sum()), len(of))
         bad = int((of["true"] > THRESHOLD).sum())
