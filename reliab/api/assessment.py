@@ -217,8 +217,8 @@ def assess(
     test_name : str, optional
         Which test, where a file holds several; "all" for all of them.
     channels : str or pathlib.Path, optional
-        File `channels.toml` in which a laboratory states its channels. What a test's own file states of skew
-        and scale goes before it, and options before both.
+        File `channels.toml` in which a laboratory states its channels, their calibration and filters. What a
+        test's own file states of skew and scale goes before it, and options before both.
     progress : callable, optional
         Called after each of several tests.
     **former
@@ -363,12 +363,13 @@ class _Terms:
         measured = self._specimen_is_measured()
         of_force = self._channel_of_force()
         numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
-        numbers |= stated_of_filters(self.filters)
         equipment = known_equipment(self.equipment, exact=self.exact)
 
         def judge(channels: Channels, test: Test) -> Assessment:
             recording = channels.read(test)
-            stated = stated_of_test(recording, numbers, {} if model is None else stated_by_model(model))
+            filters = channels.filters(self.filters, recording.stated)
+            of_options = numbers | stated_of_filters(filters)
+            stated = stated_of_test(recording, of_options, {} if model is None else stated_by_model(model))
             assumed = () if "xi" in stated else (_ASSUMED,)
             complete = {
                 "xi": _ASSUMED_DAMPING,
@@ -378,7 +379,7 @@ class _Terms:
             }
             former: Former = {**self.former, "stated": {**complete, **self.former.get("stated", {})}}
             return assess_structure(
-                corrected(recording, complete, self.filters),
+                corrected(recording, complete, filters),
                 Structure(
                     frequency=complete["f"].value,
                     damping_ratio=complete["xi"].value,
@@ -432,19 +433,19 @@ class _Terms:
             return self._judge_of_several_actuators(frame)
         criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
         motion = self._own_motion()
-        of_filters = stated_of_filters(self.filters)
 
         def judge(channels: Channels, test: Test) -> "FrameAssessment":
             recording = channels.read(test)
+            filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
             require_positive(stated)
             return assess_frame(
-                corrected(recording, stated, self.filters),
+                corrected(recording, stated, filters),
                 frame,
                 criterion=criterion,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                stated={**stated, **of_filters},
+                stated={**stated, **stated_of_filters(filters)},
                 equipment=equipment,
                 linear_specimen=self.specimen == LINEAR,
                 motion=motion,
@@ -464,19 +465,19 @@ class _Terms:
                 raise unused(name, _BESIDE_SEVERAL)
         require_positive(self.numbers)
         equipment, motion = known_equipment(self.equipment, exact=self.exact), self._own_motion()
-        of_filters = stated_of_filters(self.filters)
 
         def judge(channels: Channels, test: Test) -> "CoupledAssessment":
             recording = channels.read_several_actuators(test)
+            filters = channels.filters(self.filters, recording.stated)
             of_channels = {name: recording.stated[name] for name in _OF_CHANNELS if name in recording.stated}
             stated = {**of_channels, **self.numbers}
             require_positive(stated)
             return assess_coupled(
-                corrected(recording, stated, self.filters),
+                corrected(recording, stated, filters),
                 frame,
                 threshold=self._threshold,
                 metric=Metric.parse(self.metric or Metric.RMS),
-                stated={**stated, **of_filters},
+                stated={**stated, **stated_of_filters(filters)},
                 equipment=equipment,
                 motion=motion,
             )

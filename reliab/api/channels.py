@@ -4,12 +4,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from reliab.api.arguments import unused
+from reliab.api.arguments import stated_filters, unused
 from reliab.errors import InputError
 from reliab.recordings import (
     CoupledRecording,
     Recording,
     is_frame,
+    read_channels_file,
     read_coupled_recording,
     read_recording,
     read_tests,
@@ -18,8 +19,13 @@ from reliab.recordings import (
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import pandas as pd
     from typing_extensions import TypeIs
+
+    from reliab.assessment import LowPass
+    from reliab.stated_value import StatedValue
 
 Test: TypeAlias = "str | Path | pd.DataFrame | Recording | CoupledRecording"
 """A test, its file, its data frame, or the name of one that ships."""
@@ -52,6 +58,20 @@ class Channels:
             f"{path.name}, {name}" if name else path.name: replace(self, test_name=name or None)
             for name in names
         }
+
+    def filters(
+        self, of_options: "Mapping[str, LowPass]", of_test: "Mapping[str, StatedValue]"
+    ) -> "dict[str, LowPass]":
+        """Return the filters of the channels, by options before those of the laboratory's file.
+
+        `of_test`: what is stated of the test, with a skew that was calibrated where "filter_delay" is.
+        """
+        of_file = {} if self.channels is None else read_channels_file(self.channels).filters
+        texts = (f"{channel}={text}" for channel, text in of_file.items() if channel not in of_options)
+        filters = {**stated_filters(texts), **of_options}
+        if filters and "filter_delay" in of_test:
+            raise unused("filter", "beside a calibrated skew, which has the delay of the filters in it")
+        return filters
 
     def read_several_actuators(self, test: Test) -> CoupledRecording:
         """Read a test with several actuators."""

@@ -6,11 +6,14 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from reliab.api.arguments import (
     Quantity,
     known_equipment,
     require_known_specimen,
     require_positive,
+    stated_filters,
     stated_values,
     unused,
 )
@@ -154,7 +157,8 @@ def follow_test(
         Unit of both displacements.
     channels : str or pathlib.Path, optional
         File `channels.toml` in which a laboratory states its channels. Skew, scale and hysteresis of its
-        table `calibration` are taken off as `assess` does, but that hysteresis only widens the interval.
+        table `calibration` are taken off as `assess` does, but hysteresis and `filters` only widen the
+        interval.
         Options go before skew, scale and share in the header of the test, and these before this file.
     every : float, optional
         Time of the test between two updates [s].
@@ -369,8 +373,12 @@ class _Watch:
         if self.frame is not None:
             self.sizes.update(sizes_of_structure(self.frame))
         tolerances = tolerances_of(self.sizes)
-        if self._value("hysteresis"):  # which is not taken off here
+        if self._value("hysteresis"):  # which is not taken off here, nor are filters
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
+        if filters := stated_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
+            apart = filters["measured"].delay if "measured" in filters else 0.0
+            apart -= filters["command"].delay if "command" in filters else 0.0
+            tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
         followed = structure if self.frame is None else self.frame.partition
         lag *= _MILLISECONDS
         if self.of_force is None:

@@ -8,6 +8,7 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.described_files import described, read_toml
+from reliab.errors import InputError
 from reliab.recordings.channel import Part, Stated
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
@@ -23,6 +24,7 @@ _PARTS: Final = {
 }
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
 _Reading = Annotated[float, Field(ge=-1e30, le=1e30)]
+_LowPass = Annotated[str, Field(pattern=r"^[0-9.]{1,12}(/[1-8])?$")]
 _NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 
 
@@ -107,6 +109,20 @@ class CalibrationTable(_Table):
         }
 
 
+class FilterTable(_Table):
+    """Low-pass filters before the converters, of which none is calibrated with the channels."""
+
+    command: _LowPass | None = Field(
+        default=None,
+        description="Filter of the command, 200 [Hz] or 200/4 with its order, 2 where none is given",
+    )
+    measured: _LowPass | None = Field(default=None, description="The same of the measured displacement")
+
+    def texts(self) -> dict[str, str]:
+        """Return the filters by channel, as options state them."""
+        return {name: text for name, text in (("command", self.command), ("measured", self.measured)) if text}
+
+
 class ChannelsDescription(_Table):
     """A laboratory's file `channels.toml`."""
 
@@ -118,6 +134,9 @@ class ChannelsDescription(_Table):
         default=CalibrationTable(),
         description="What the measured channel adds, which `assess` takes off",
     )
+    filters: FilterTable = Field(
+        default=FilterTable(), description="Low-pass filters, where no calibrated skew has their delay in it"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +147,7 @@ class StatedChannels:
     rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
     # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
     calibration: Mapping[str, StatedValue] = field(default_factory=dict)
+    filters: Mapping[str, str] = field(default_factory=dict)  # Low-pass filters, "200/4", by channel
 
     @property
     def of_tests(self) -> dict[str, StatedValue]:
@@ -149,10 +169,18 @@ def read_channels_file(path: str | Path) -> StatedChannels:
     """Read a file `channels.toml`."""
     content = read_toml(path, rule=_RULE, remedy=_REMEDY)
     tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
+    if tables.filters.texts() and tables.calibration.skew_ms is not None:
+        raise InputError(
+            "A skew that was calibrated has the delay of the filters in it",
+            value="`skew_ms` beside `filters`",
+            remedy="Leave `filters` out",
+            where=str(path),
+        )
     return StatedChannels(
         stated=stated_by_tables(tables.channels),
         rate_hz=tables.sampling.rate_hz,
         calibration=tables.calibration.quantities(),
+        filters=tables.filters.texts(),
     )
 
 

@@ -4,11 +4,11 @@
 
 The frames that ship, under the real records of RECORDS, with an actuator of second order that lags by up to
 16 ms and has a gain 3 % off, simulated by `tests/assessment/frames_by_matrices.py`. True errors of the
-interface lie between 1 and 12 %, the rate is 1024 Hz (`--rate` thins it), noise 45 dB below the displacement. In the row "K +3 %"
-the stiffness of frame and specimen is 3 % higher than stated, and nobody says so: the interval is that of
-ordinary equipment. In all others `[tolerances]` state by how much the matrices may be off, and all else is
-exact. Counted are intervals that hold the true error of the interface and, with the ground motion, those of
-every floor and storey.
+interface lie between 1 and 12 %, the rate is 1024 Hz (`--rate` thins it), noise 45 dB below the displacement.
+In the row "K +3 %" the stiffness of frame and specimen is 3 % higher than stated, and nobody says so: the
+interval is that of ordinary equipment. In all others `[tolerances]` state by how much the matrices may be
+off, and all else is exact. Counted are intervals that hold the true error of the interface and, with the
+ground motion, those of every floor and storey.
 """
 
 import argparse
