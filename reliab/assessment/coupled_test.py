@@ -24,6 +24,7 @@ from reliab.assessment.coupled_error import (
     rebuild_coupled,
 )
 from reliab.assessment.doubts import ERROR_NAMES, doubted_by_entries, probability_text
+from reliab.assessment.error_of_test import with_learned
 from reliab.assessment.exact_response import exact_test_of_several
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.frame_responses import errors_of_responses
@@ -89,7 +90,7 @@ def assess_coupled(
         metric=metric,
         threshold=threshold,
         faults=faults,
-        sizes=sizes,
+        sizes=with_learned(sizes, error.unknown.own_frequency),
         doubt_of_skew=_doubt_of_skew(equipment, stated, recording.time_step),
         responses=errors_of_responses(exact_test_of_several(error, recording), motion),
         shown_by_ground=shown,
@@ -246,6 +247,7 @@ def _verdict(
     remedy = budget_of_several(error, metric, sizes)[0].remedy
     verdict = Verdict(word=word, reasons=(reason,), would_decide=(remedy,) if word is Word.UNDECIDED else ())
     largest = np.max([degree.draws.errors(metric) for degree in error.judged], axis=0)
-    verdict = doubted_by_entries(verdict, sizes, largest, threshold)
+    learned = error.unknown.own_frequency is not None
+    verdict = doubted_by_entries(verdict, sizes, largest, threshold, learned=learned)
     doubts = [f"Actuator {number}: {fault.finding}" for number, fault in faults if fault.in_loop is None]
     return verdict.doubted(doubts, ["Repair the channel: the verdict may depend on it."] if doubts else [])

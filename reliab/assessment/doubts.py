@@ -70,21 +70,25 @@ def verdict_of_error(
     return verdict.doubted(reasons, remedies)
 
 
-def doubted_by_entries(verdict: Verdict, unknown: Iterable[str], errors: Array, threshold: float) -> Verdict:
+def doubted_by_entries(
+    verdict: Verdict, unknown: Iterable[str], errors: Array, threshold: float, *, learned: bool
+) -> Verdict:
     """Call no test reliable of which a structure that stated entries allow has too large an error.
 
-    The error is largest with the natural frequency that a test near resonance really had, which entries leave
-    open, so that a 90 % interval holds too rarely (the guide on frames has figures).
+    The error is largest with the natural frequency that a test near resonance really had. Entries leave it
+    open, so that a 90 % interval holds too rarely where the test is too short to show it.
 
-    `errors` of the draws, shape (draws,), and `threshold` [-].
+    `errors` of the draws, shape (draws,), and `threshold` [-]; `learned`: whether the frequency was learned.
     """
     largest = float(errors.max())
-    if verdict.word is not Word.RELIABLE or largest <= threshold or not any(map(is_of_entries, unknown)):
+    if learned or verdict.word is not Word.RELIABLE or largest <= threshold:
+        return verdict
+    if not any(map(is_of_entries, unknown)):
         return verdict
     reason = (
         "Single entries of a matrix are uncertain, and with one of the structures that they allow the error "
         f"is {percent(largest, decimals=2)}: near resonance it is largest with the frequency that the test "
-        "really had, which its interval does not know."
+        "really had, which a test as short as this does not show."
     )
     return verdict.doubted([reason], [_ENTRIES])
 

@@ -28,6 +28,7 @@ from reliab.assessment.rebuilt_error import (
     rebuild,
 )
 from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
+from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
@@ -280,7 +281,7 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=with_learned(sizes, rebuilt) | sizes_of_force(specimen),
+        sizes=with_learned(sizes, rebuilt.unknown.own_frequency) | sizes_of_force(specimen),
         specimen=specimen,
         modelled=question.model is not None,
     )
@@ -384,9 +385,8 @@ def specimen_from_force(
     )
 
 
-def with_learned(sizes: Mapping[str, Size], rebuilt: RebuiltError) -> dict[str, Size]:
-    """Sizes of what is not known, those that the test itself showed among them."""
-    shown = rebuilt.unknown.own_frequency
+def with_learned(sizes: Mapping[str, Size], shown: OwnFrequency | None) -> dict[str, Size]:
+    """Sizes of what is not known, with that of the natural frequency where the test itself showed it."""
     if shown is None:
         return dict(sizes)
     return {**sizes, "frequency": Size(deviation=shown.deviation, source=Source.LEARNED)}

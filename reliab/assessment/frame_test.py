@@ -180,7 +180,13 @@ def _examined(
 
 def _verdict(error: ErrorOfTest, effects: tuple[FaultEffect, ...]) -> Verdict:
     verdict = verdict_of_error(error, effects, OwnEquation(), ())
-    return doubted_by_entries(verdict, error.sizes, error.rebuilt.draws.errors(error.metric), error.threshold)
+    return doubted_by_entries(
+        verdict,
+        error.sizes,
+        error.rebuilt.draws.errors(error.metric),
+        error.threshold,
+        learned=error.rebuilt.unknown.own_frequency is not None,
+    )
 
 
 def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
@@ -241,7 +247,7 @@ def _rebuilding(
             metric=question.metric,
             threshold=question.threshold,
             damping_ratio=question.structure.damping_ratio,
-            sizes=with_learned(sizes, error) | sizes_of_force(specimen),
+            sizes=with_learned(sizes, error.unknown.own_frequency) | sizes_of_force(specimen),
             specimen=specimen,
         )
         return that_may_have_yielded(of_test, question.yielding(test))

@@ -7,6 +7,7 @@ from .convolution import convolved as convolved, correlated as correlated
 from .cubic_path import CubicPath as CubicPath
 from .filters import (
     REACH as REACH,
+    RIPPLE as RIPPLE,
     butterworth_delay as butterworth_delay,
     butterworth_poles as butterworth_poles,
     low_pass as low_pass,

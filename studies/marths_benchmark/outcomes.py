@@ -78,8 +78,13 @@ def _judged(case: _Case, *, ideal: dict[str, tuple[MultiAxialRun, Array]]) -> di
     if not (np.abs(run.measured) < _LARGEST * largest).all():
         return _lost(motion, name, plant.name)
     row = _row(motion, name, plant.name, run, undivided)
-    draws = _DRAWS if plant.name == NOMINAL else _FEW_DRAWS
-    return {**row, "error": _errors(run, perfect, draws)}
+    if plant.name != NOMINAL:
+        return {**row, "error": _errors(run, perfect, _FEW_DRAWS)}
+    ordinary = rebuilt_error(run.target, run.measured, _DRAWS, ordinary=True)
+    errors = _errors(run, perfect, _DRAWS)
+    for name, degree in zip(DEGREES, ordinary.degrees, strict=True):
+        errors[name] |= {"ordinary_low": degree.rms.low, "ordinary_high": degree.rms.high}
+    return {**row, "error": errors}
 
 
 def _row(motion: str, name: str, plant: str, run: MultiAxialRun, undivided: Array) -> dict[str, Any]:

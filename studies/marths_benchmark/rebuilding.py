@@ -16,8 +16,10 @@ from itertools import pairwise
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of
 from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
-from reliab.assessment.rebuilt_error import Recursion
+from reliab.assessment.rebuilt_error import Recursion, Tolerances
+from reliab.structures import Structure
 
 from .loop import newmark
 from .structure import NEIGHBOUR, RATE, THETA, X, benchmark_partition, substructures, to_node
@@ -25,16 +27,33 @@ from .structure import NEIGHBOUR, RATE, THETA, X, benchmark_partition, substruct
 _SIGNS = np.array([-1.0, 1.0, 1.0])  # with which the forces push x and the joints 7 and 6
 
 
-def rebuilt_error(target: Array, measured: Array, draws: int) -> CoupledError:
-    """Rebuild the error of x and θ from displacements of the actuators [mm], shape (2, n)."""
+def rebuilt_error(target: Array, measured: Array, draws: int, *, ordinary: bool = False) -> CoupledError:
+    """Rebuild the error of x and θ from displacements of the actuators [mm], shape (2, n).
+
+    Everything but the noise is exact, as in the simulation, or as `ordinary` equipment leaves it.
+    """
     return rebuild_coupled(
         to_node(target),
         to_node(measured),
         1.0 / RATE,
         benchmark_partition(),
         recursion=own_recursion(),
+        sensor_offsets=None if ordinary else np.zeros(2),
+        tolerances=_of_ordinary_equipment() if ordinary else None,
         draws=draws,
     )
+
+
+@cache
+def _of_ordinary_equipment() -> Tolerances:
+    partition = benchmark_partition()
+    frequency, ratio, _ = partition.modes
+    lowest = Structure(
+        frequency=float(frequency[0]),
+        damping_ratio=float(ratio[0]),
+        experimental_fraction=float(partition.stiffness_shares[0]),
+    )
+    return tolerances_of(sizes_of_unknown({}, lowest, ordinary_equipment(), 1.0 / RATE))
 
 
 @cache

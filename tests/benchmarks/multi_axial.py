@@ -1,6 +1,6 @@
 """Errors of uncertain runs of the multi-axial benchmark, rebuilt from sensors with a stated noise.
 
-    python tests/benchmarks/multi_axial.py RECORDS --seed S --plants N --decibels 40 [--table FILE.csv]
+    python tests/benchmarks/multi_axial.py RECORDS --seed S --plants N [--ordinary] [--table FILE.csv]
 
 The benchmark's own noise, which both sensors share, is 27 to 38 dB below x and absent in θ. Here runs have
 none; each sensor's is added afterwards, independent, so many decibels below the RMS of its displacement. Each
@@ -35,7 +35,7 @@ DRAWS, FEW_DRAWS = 64, 2
 
 
 def judged(
-    plant: CoupledPlant, ground: np.ndarray, decibels: float, rng: np.random.Generator
+    plant: CoupledPlant, ground: np.ndarray, decibels: float, rng: np.random.Generator, *, ordinary: bool
 ) -> Iterator[dict[str, object]]:
     """Judge a run with every controller."""
     perfect = run_perfect(ground)
@@ -47,7 +47,9 @@ def judged(
         strayed = to_node(run.true) - ideal
         true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
         white = rng.standard_normal(run.true.shape) * run.true.std(axis=1, keepdims=True)
-        noisy = rebuilt_error(run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS)
+        noisy = rebuilt_error(
+            run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS, ordinary=ordinary
+        )
         clean = rebuilt_error(run.target, run.true, FEW_DRAWS)
         for found, exact, error in zip(noisy.degrees, clean.degrees, true, strict=True):
             yield {
@@ -57,6 +59,7 @@ def judged(
                 "true": error,
                 "ratio": found.rms.value / error,
                 "near": abs(found.rms.value / error - 1.0) < 0.02,
+                "width": (found.rms.high - found.rms.low) / error,
                 "held": found.rms.low <= error <= found.rms.high,
                 "without_noise": abs(exact.rms.value / error - 1.0),
                 "false_safe": error > THRESHOLD and found.probability(THRESHOLD) > 0.95,
@@ -71,6 +74,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--plants", type=int, default=10)
     parser.add_argument("--decibels", type=float, default=40.0)
+    parser.add_argument("--ordinary", action="store_true")
     parser.add_argument("--table", type=Path)
     asked = parser.parse_args()
     records = sorted(asked.folder.rglob("*.AT2"))
@@ -82,7 +86,7 @@ def main() -> None:
             continue
         rng = np.random.default_rng([asked.seed, number])
         ground = SCALE * read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
-        tables.append(pd.DataFrame(judged(plant, ground, asked.decibels, rng)))
+        tables.append(pd.DataFrame(judged(plant, ground, asked.decibels, rng, ordinary=asked.ordinary)))
         if asked.table is not None:
             tables[-1].to_csv(asked.table, mode="a", index=False, header=not asked.table.exists())
     table = pd.concat(tables)
@@ -91,6 +95,7 @@ def main() -> None:
         "true": "median",
         "ratio": "median",
         "near": "mean",
+        "width": "median",
         "held": "mean",
         "without_noise": "max",
         "false_safe": "sum",

@@ -41,6 +41,8 @@ class Unknowns:
     ) -> "Unknowns":
         """Collect what is not known; `starts`: deviations of offsets and first errors [m], shape (2, p)."""
         stated = dict(tolerances.items())
+        if own_frequency is not None:
+            stated["frequency"] = own_frequency.deviation
         deviations = {name: stated[name] for name in _OF_STRUCTURE}
         for place in range(degrees):
             number = place + 1

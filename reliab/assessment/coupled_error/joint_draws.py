@@ -47,7 +47,11 @@ def draw_jointly(
     drawn = np.empty((draws, len(told), -(-command.shape[1] // every)))
     for place, (one, shown) in enumerate(zip(told, read, strict=True)):
         others = np.delete(told, place, axis=0)
-        noise = replace(estimate_noise(one, shown, noises[place].time_step, others), band=noises[place].band)
+        noise = replace(
+            estimate_noise(one, shown, noises[place].time_step, others),
+            band=noises[place].band,
+            ripple=noises[place].ripple,
+        )
         drawn[:, place] = draw_differences(
             one,
             shown,

@@ -16,6 +16,7 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
+from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import (
@@ -48,6 +49,8 @@ _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that
 _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _PAST_MODE = 1.05  # times its frequency, that the band holds of a mode that may ring
 _HIGHEST = 0.2  # of the rate: above, noise is read, and a mode is seen only where it rises above it
+_RIPPLE = 80.0  # dB: deviations of the filter would be those of errors that noise hardly leaves open
+_ACCURACY = 0.001  # of an error whose structure is exact
 _STILL = 1e-12
 _NO_NOISE = 1e-9  # of the span of a channel
 
@@ -71,6 +74,17 @@ class Channels:
     def standing(self) -> Array:
         """x_c − x_m [m] under which each actuator stood still before the first sample, shape (p,)."""
         return np.array([-start.standing for start in self.starts])
+
+    def with_offsets(self, measured: Array, offsets: Array) -> "Channels":
+        """Return the sensors with stated offsets [m], shape (p,); `measured` as read [m], shape (p, n)."""
+        return replace(
+            self,
+            measured=measured - offsets[:, np.newaxis],
+            starts=tuple(
+                replace(start, offset=float(offset), offset_deviation=0.0)
+                for start, offset in zip(self.starts, offsets, strict=True)
+            ),
+        )
 
     def histories(
         self, carry: Array, feedback_lag: float, time_step: float, recursion: Recursion
@@ -97,6 +111,7 @@ def rebuild_coupled(
     feedback_lag: float = 0.0,
     tolerances: Tolerances | None = None,
     recursion: Recursion | None = None,
+    sensor_offsets: Array | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> CoupledError:
@@ -104,7 +119,8 @@ def rebuild_coupled(
 
     `command`, `measured` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`: interface
     displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
-    `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default.
+    `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default;
+    `sensor_offsets`: of the displacement sensors where they are known [m], shape (p,).
 
     Two actuators of which one moves 1 % too little:
 
@@ -119,6 +135,8 @@ def rebuild_coupled(
     command, measured = _checked(command, measured, time_step, partition)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
+    if sensor_offsets is not None:
+        channels = channels.with_offsets(measured, sensor_offsets)
     band = channels.noises[0].band
     highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
     structure = partition.below(highest)
@@ -132,11 +150,18 @@ def rebuild_coupled(
         tolerances,
         _of_starts(channels, structure, carry),
         partition.degrees,
-        _learned(histories, structure, tolerances.frequency),
+        _learned(
+            histories,
+            structure,
+            tolerances.frequency,
+            EntriesOfStructure.of_parts(partition, tolerances.of_parts),
+        ),
     )
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
     )
+    # whose error is the largest: what the computation adds shows there
+    accuracy = _ACCURACY if unknown.own_frequency is None else ACCURACY
     exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
     return conclude(
         partition=partition,
@@ -146,7 +171,7 @@ def rebuild_coupled(
         starts=channels.starts,
         unknown=unknown,
         as_stated=sweep.errors(exact, differences[::2]),
-        swept=sweep.errors(unknown, differences, accuracy=ACCURACY),
+        swept=sweep.errors(unknown, differences, accuracy=accuracy),
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
         every=every,
@@ -154,7 +179,12 @@ def rebuild_coupled(
     )
 
 
-def _learned(histories: CoupledHistories, structure: Partition, deviation: float) -> OwnFrequency | None:
+def _learned(
+    histories: CoupledHistories,
+    structure: Partition,
+    deviation: float,
+    entries: EntriesOfStructure | None,
+) -> OwnFrequency | None:
     """Learn the natural frequency beside a stated one of a relative deviation."""
     return learn_frequency(
         histories.carry @ histories.command,
@@ -165,6 +195,7 @@ def _learned(histories: CoupledHistories, structure: Partition, deviation: float
         deviation,
         standing=histories.standing,
         smooth=True,
+        entries=entries,
     )
 
 
@@ -371,7 +402,7 @@ def _examined(command: Array, measured: Array, step: float, partition: Partition
     return Channels(
         command=command,
         measured=np.stack(read),
-        noises=tuple(replace(noise, band=band) for noise in noises),
+        noises=tuple(replace(noise, band=band, ripple=_RIPPLE) for noise in noises),
         starts=tuple(starts),
     )
 

@@ -164,6 +164,8 @@ def drawn_at(
             drawn[name] = np.maximum(values, 0.0)
         elif name in _OPEN:
             drawn[name] = np.where(values > 0.0, deviations[name], 0.0)
+    if own_frequency is not None and own_frequency.entries is not None:
+        return own_frequency.entries.matched(drawn)
     return drawn
 
 

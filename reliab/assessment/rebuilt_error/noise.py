@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.compiled import read_only
-from reliab.signals import binned, fit_levels, low_pass, noise_shapes, periodogram, smoothed, upper_level
+from reliab.signals import (
+    RIPPLE,
+    binned,
+    fit_levels,
+    low_pass,
+    noise_shapes,
+    periodogram,
+    smoothed,
+    upper_level,
+)
 
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
 """Corner frequencies of the slow parts [Hz]."""
@@ -42,6 +51,7 @@ class SensorNoise:
     band: float
     # Step of the converter of the measured displacement [m]; None to read it from the samples
     resolution: float | None = None
+    ripple: float = RIPPLE  # How far the filter's deviations in the band lie below one [dB]
 
     @property
     def white(self) -> float:
@@ -62,7 +72,7 @@ class SensorNoise:
     @cached_property
     def filter(self) -> Array:
         """Coefficients of the symmetric low-pass filter that passes the band, shape (odd,)."""
-        return low_pass(_MARGIN * self.band, 1.0 / self.time_step)
+        return low_pass(_MARGIN * self.band, 1.0 / self.time_step, self.ripple)
 
     def smooth(self, values: Array) -> Array:
         """Return histories, shape (…, n), without what lies above the band, and without delay."""

@@ -19,12 +19,13 @@ is taken as known to a third of itself: Student's t with four degrees of freedom
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse
@@ -69,6 +70,7 @@ class OwnFrequency:
     likelihood: Array  # Logarithm of the likelihood of each [-]
     errors: Array  # RMS^R with each of them [-]
     stated_deviation: float  # Standard deviation of the stated frequency, relative [-]
+    entries: EntriesOfStructure | None = None  # Entries of matrices that say how far it may be off
 
     def drawn(self, points: Array) -> Array:
         """Give offsets at standard normal points, by quantiles of what test and statement say.
@@ -126,14 +128,17 @@ def learn_frequency(
     *,
     standing: Array,
     smooth: bool = False,
+    entries: EntriesOfStructure | None = None,
 ) -> OwnFrequency | None:
     """Learn the natural frequency from a test; None where it is exact or the test is short.
 
     `command`, `fed_back` and x_c − x_m, the `difference`, at the interface [m], shape (p, n); `time_step`
     [s]; `deviation` of the stated frequency, relative; `standing` x_c − x_m before the test [m], shape (p,);
-    `smooth`: whether histories are smooth between samples. Of several displacements the one shows it whose
-    motion in the lowest mode strains the specimen most.
+    `smooth`: whether histories are smooth between samples; `entries` that leave the frequency open, too. Of
+    several displacements the one shows it whose motion in the lowest mode strains the specimen most.
     """
+    if entries is not None:
+        deviation = float(np.hypot(deviation, entries.deviation))
     if not deviation:
         return None
     frequencies, _, moved = structure.modes
@@ -155,7 +160,7 @@ def learn_frequency(
             yield short[place] - moving, moving - strayed[place]
 
     felt = Felt(time_step=step, frequencies=frequencies, first_mode=_lowest(structure), responses=responses)
-    return felt.learn(deviation)
+    return replace(felt.learn(deviation), entries=entries)
 
 
 def samples_to_learn(samples: int, time_step: float, lowest: float) -> int | None:

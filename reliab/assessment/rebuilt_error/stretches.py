@@ -16,6 +16,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
+from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.initial import Start
@@ -164,6 +165,7 @@ def what_is_unknown(test: Stated, start: Start, response: Array, command: Array,
             test.structure,
             test.tolerances.frequency,
             standing=np.array([-start.standing]),
+            entries=EntriesOfStructure.of_parts(test.structure, test.tolerances.of_parts),
         ),
     )
 

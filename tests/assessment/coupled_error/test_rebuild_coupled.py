@@ -1,5 +1,7 @@
 """The error of several interface displacements, rebuilt from tests that an exact simulation made."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from coupled_structures import lag
@@ -84,6 +86,15 @@ def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(fram
         assert degree.draws.interval(Metric.RMS)[0] > least.rms.value
         assert degree.rms.low < 0.5 * (least.rms.low + least.rms.value)
         assert degree.rms.high > least.rms.high
+
+
+def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
+    offsets = np.array([0.3, -0.2]) * np.abs(run.measured[0]).max()
+    shifted = replace(run, measured=run.measured + np.linalg.solve(frame.kinematics, offsets)[:, np.newaxis])
+    exact, stated = rebuilt(frame, run, draws=4), rebuilt(frame, shifted, draws=4, sensor_offsets=offsets)
+    assert stated.unknown.names == ()
+    found, expected = ([degree.rms.value for degree in one.degrees] for one in (stated, exact))
+    assert found == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
