@@ -10,7 +10,7 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import drawn_at, normal_points
+from reliab.assessment.rebuilt_error.interval import ACCURACY, drawn_at, normal_points
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
@@ -20,6 +20,7 @@ from reliab.vocabulary import Metric
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
 _AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset", "hysteresis", "lagging_hysteresis")
+_OF_EXACT = 0.001  # accuracy of an error whose structure is exact
 LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 
@@ -55,6 +56,11 @@ class Unknowns:
         deviations |= tolerances.of_parts
         drawn = {name: value for name, value in deviations.items() if value > 0.0}
         return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())), own_frequency=own_frequency)
+
+    @property
+    def accuracy(self) -> float:
+        """Relative standard deviation of what the computation itself adds to an error."""
+        return _OF_EXACT if self.own_frequency is None else ACCURACY
 
     def draw(self, draws: int, seed: int) -> dict[str, Array]:
         """Draw all of them, each shape (draws,), and the lag of the fed-back force even where it is known."""

@@ -20,7 +20,6 @@ from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import (
-    ACCURACY,
     FEWEST_SWEPT,
     columns_of_sensor,
     factors_of_draws,
@@ -28,7 +27,7 @@ from reliab.assessment.rebuilt_error.interval import (
     structures_of_draws,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency, learn_frequency
+from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond, stacked
 from reliab.assessment.rebuilt_error.size import fits
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -50,7 +49,6 @@ _ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
 _PAST_MODE = 1.05  # times its frequency, that the band holds of a mode that may ring
 _HIGHEST = 0.2  # of the rate: above, noise is read, and a mode is seen only where it rises above it
 _RIPPLE = 80.0  # dB: deviations of the filter would be those of errors that noise hardly leaves open
-_ACCURACY = 0.001  # of an error whose structure is exact
 _STILL = 1e-12
 _NO_NOISE = 1e-9  # of the span of a channel
 
@@ -135,8 +133,7 @@ def rebuild_coupled(
     command, measured = _checked(command, measured, time_step, partition)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
-    if sensor_offsets is not None:
-        channels = channels.with_offsets(measured, sensor_offsets)
+    channels = channels if sensor_offsets is None else channels.with_offsets(measured, sensor_offsets)
     band = channels.noises[0].band
     highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
     structure = partition.below(highest)
@@ -145,23 +142,10 @@ def rebuild_coupled(
     differences = _draw(channels, structure, every, draws, seed)
     recursion = recursion or Recursion.of_displacement(structure, time_step, smooth=True)
     histories = channels.histories(carry, feedback_lag, time_step, recursion)
-    tolerances = tolerances or Tolerances()
-    unknown = Unknowns.of_test(
-        tolerances,
-        _of_starts(channels, structure, carry),
-        partition.degrees,
-        _learned(
-            histories,
-            structure,
-            tolerances.frequency,
-            EntriesOfStructure.of_parts(partition, tolerances.of_parts),
-        ),
-    )
+    unknown = _what_is_unknown(channels, histories, partition, structure, tolerances or Tolerances())
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
     )
-    # whose error is the largest: what the computation adds shows there
-    accuracy = _ACCURACY if unknown.own_frequency is None else ACCURACY
     exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
     return conclude(
         partition=partition,
@@ -171,7 +155,7 @@ def rebuild_coupled(
         starts=channels.starts,
         unknown=unknown,
         as_stated=sweep.errors(exact, differences[::2]),
-        swept=sweep.errors(unknown, differences, accuracy=accuracy),
+        swept=sweep.errors(unknown, differences, accuracy=unknown.accuracy),
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
         every=every,
@@ -179,24 +163,27 @@ def rebuild_coupled(
     )
 
 
-def _learned(
+def _what_is_unknown(
+    channels: Channels,
     histories: CoupledHistories,
+    partition: Partition,
     structure: Partition,
-    deviation: float,
-    entries: EntriesOfStructure | None,
-) -> OwnFrequency | None:
-    """Learn the natural frequency beside a stated one of a relative deviation."""
-    return learn_frequency(
+    tolerances: Tolerances,
+) -> Unknowns:
+    """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
+    learned = learn_frequency(
         histories.carry @ histories.command,
         histories.fed_back,
         histories.difference,
         histories.time_step,
         structure,
-        deviation,
+        tolerances.frequency,
         standing=histories.standing,
         smooth=True,
-        entries=entries,
+        entries=EntriesOfStructure.of_parts(partition, tolerances.of_parts),
     )
+    starts = _of_starts(channels, structure, histories.carry)
+    return Unknowns.of_test(tolerances, starts, partition.degrees, learned)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
