@@ -4,7 +4,8 @@ A step s rounds by s/2 of the value at most. Neighbours resemble each other, so 
 small; a whole number k is stored as 2k, or as −2k − 1 below zero, which leaves the higher bytes empty.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,19 @@ def from_steps(stored: NDArray[np.uint32], step: float, axes: Sequence[int]) -> 
         steps = np.cumsum(steps, axis=axis, dtype=np.int32)
     numbers: NDArray[np.float32] = np.exp(np.float32(step) * steps.astype(np.float32))
     return numbers
+
+
+def numbers_of(
+    stored: NDArray[np.uint32], attributes: Mapping[str, Any], dimensions: Sequence[str]
+) -> NDArray[np.float32]:
+    """Read a variable of a file, whole along its neighbours, by its attributes and its dimensions' names.
+
+    >>> stored = to_steps(np.array([[1.0, 2.0]]), 0.01, [1])
+    >>> numbers_of(stored, {STEP: 0.01, NEIGHBOURS: "xi"}, ["f", "xi"]).round(2).tolist()
+    [[1.0, 1.9900000095367432]]
+    """
+    axes = [dimensions.index(name) for name in str(attributes[NEIGHBOURS]).split()]
+    return from_steps(stored, float(np.ravel(attributes[STEP])[0]), axes)
 
 
 def _filled(values: Array, axis: int) -> Array:

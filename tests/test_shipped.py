@@ -70,9 +70,10 @@ def test_nothing_else_is_fetched(installed, tmp_path, wrong, capsys):
     assert words[wrong] in capsys.readouterr().err
 
 
-def test_the_small_file_holds_the_values_of_the_large_one():
+def test_the_small_file_holds_the_values_of_the_large_one_to_its_precision():
     small, large = (open_results(real_results(*which)) for which in (([1.0], [0.02]), (None, None)))
     of_six = large.sel(f=small["f"], xi=small["xi"])
     for name in ("rms", "mte"):
-        np.testing.assert_array_equal(small[name].values, of_six[name].values)
-    assert small.attrs == large.attrs
+        assert (small[name].values == 0.0).sum() == (of_six[name].values == 0.0).sum()
+        np.testing.assert_allclose(small[name].values, of_six[name].values, rtol=1.3e-3)
+    assert {**small.attrs, "precision": ""} == {**large.attrs, "precision": ""}

@@ -1,9 +1,10 @@
 """The ellipses of 100 real motions that ship, and measures of the responses to them, in plain arrays."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,14 @@ from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
 from reliab.files import decoding
 from reliab.received import opened_hdf5
 from reliab.shipped import shipped
-from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, from_steps
+from reliab.steps_of_logarithm import NEIGHBOURS, UNKNOWN, numbers_of
 from reliab.vocabulary import SHARE_ATTRIBUTE
 
 if TYPE_CHECKING:
     import h5py
 
 _ELLIPSES, _MEASURES = "real_suite/ellipses.nc", "real_suite/first_order.nc"
+_WHOLE: Final[Mapping[str, slice]] = MappingProxyType({})
 
 
 @cache
@@ -39,7 +41,7 @@ def shipped_ellipses(curve: str, window: str) -> EllipseTable:
             for names, name in ((at["curve"], curve), (_values(file, "window"), window))
         )
         at["curve"] = at["curve"][place : place + 1]
-        part = np.s_[k : k + 1, ..., place : place + 1, :]
+        part = {"window": slice(k, k + 1), "curve": slice(place, place + 1)}
         return EllipseTable(
             **{name: _numbers(file, name, part)[0] for name in ("a", "b")},
             at=at,
@@ -60,8 +62,8 @@ def shipped_measures() -> ResponseMeasures:
             frequencies=file["f"][()],
             damping_ratios=file["xi"][()],
             scales=BoundaryScales(
-                least=file["scale"][()],
-                towards=_numbers(file, "scale_towards", (...,)),
+                least=_numbers(file, "scale"),
+                towards=_numbers(file, "scale_towards"),
                 thresholds=file["threshold"][()],
                 sides=_values(file, "side").tolist(),
             ),
@@ -76,15 +78,23 @@ def _opened(name: str, words: str) -> Iterator["h5py.File"]:
         yield file
 
 
-def _numbers(file: "h5py.File", name: str, part: tuple[Any, ...]) -> NDArray[Any]:
-    """Read a part, whole along the neighbours, of numbers that are stored in steps of their logarithm."""
+def _numbers(file: "h5py.File", name: str, part: Mapping[str, slice] = _WHOLE) -> NDArray[Any]:
+    """Read numbers that are stored in steps of their logarithm, or a part of them along some dimensions.
+
+    Numbers are told by those before them: along neighbours they are read from the first on.
+    """
     stored = file[name]
     dimensions = [str(scale[0].name).rpartition("/")[2] for scale in stored.dims]
-    axes = [dimensions.index(dimension) for dimension in stored.attrs[NEIGHBOURS].split()]
-    numbers = from_steps(stored[part], float(np.ravel(stored.attrs[STEP])[0]), axes)
+    asked = [part.get(dimension, slice(None)) for dimension in dimensions]
+    near = [dimension in stored.attrs[NEIGHBOURS].split() for dimension in dimensions]
+    pairs = list(zip(asked, near, strict=True))
+    read = tuple(slice(each.stop) if beside else each for each, beside in pairs)
+    within = tuple(slice(each.start, None) if beside else slice(None) for each, beside in pairs)
+    numbers = numbers_of(stored[read], stored.attrs, dimensions)[within]
     unknown = file[stored.attrs[UNKNOWN]]
     of_all = unknown[()].reshape(unknown.shape + (1,) * (stored.ndim - unknown.ndim))
-    return np.where(np.broadcast_to(of_all, stored.shape)[part] == 0, numbers, np.float32(np.nan))
+    known = np.broadcast_to(of_all, stored.shape)[tuple(asked)] == 0
+    return np.where(known, numbers, np.float32(np.nan))
 
 
 def _values(file: "h5py.File", name: str) -> NDArray[Any]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, from_steps, to_steps
+from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
 
 
 def packed(
@@ -17,13 +17,29 @@ def packed(
     neighbours resemble each other; `unknown`: variable of the dataset that is not zero where they have no
     value. Returns the dataset with whole numbers in their place.
     """
-    stored = {}
-    for name in names:
-        axes = [dataset[name].get_axis_num(dimension) for dimension in along]
-        steps = to_steps(dataset[name].values.astype(np.float64), step, axes)
-        attributes = {STEP: step, NEIGHBOURS: " ".join(along), UNKNOWN: unknown}
-        stored[name] = dataset[name].copy(data=steps).assign_attrs(attributes)
+    stored = {
+        name: stepped(dataset[name], step=step, along=along).assign_attrs({UNKNOWN: unknown})
+        for name in names
+    }
     return dataset.assign(stored)
+
+
+def stepped(values: xr.DataArray, *, step: float, along: Sequence[str]) -> xr.DataArray:
+    """Round positive numbers to steps of their logarithm, told by differences along dimensions.
+
+    The attributes of what is returned say how, in place of those of the numbers with these names.
+    """
+    axes = [values.get_axis_num(name) for name in along]
+    steps = to_steps(values.values.astype(np.float64), step, axes)
+    return values.copy(data=steps).assign_attrs({STEP: step, NEIGHBOURS: " ".join(along)})
+
+
+def numbered(stored: xr.DataArray) -> xr.DataArray:
+    """Read what :func:`stepped` rounded."""
+    names = [str(name) for name in stored.dims]
+    numbers = stored.copy(data=numbers_of(stored.values, stored.attrs, names))
+    numbers.attrs = {name: value for name, value in stored.attrs.items() if name not in {STEP, NEIGHBOURS}}
+    return numbers
 
 
 def unpacked(dataset: xr.Dataset) -> xr.Dataset:
@@ -34,10 +50,6 @@ def unpacked(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _numbers(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    stored = dataset[name]
-    attributes = dict(stored.attrs)
-    step, along, unknown = (attributes.pop(key) for key in (STEP, NEIGHBOURS, UNKNOWN))
-    axes = [stored.get_axis_num(dimension) for dimension in along.split()]
-    numbers = stored.copy(data=from_steps(stored.values, float(step), axes))
-    numbers.attrs = attributes
-    return numbers.where(dataset[unknown] == 0).transpose(*stored.dims)
+    numbers = numbered(dataset[name])
+    unknown = dataset[numbers.attrs.pop(UNKNOWN)]
+    return numbers.where(unknown == 0).transpose(*numbers.dims)

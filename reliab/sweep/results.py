@@ -21,6 +21,7 @@ from reliab.shipped import or_shipped, shipped
 from reliab.steps_of_logarithm import STEP
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
+from reliab.sweep.packing import numbered, stepped
 from reliab.sweep.store_layout import (
     MEND,
     SCHEMA_VERSION,
@@ -43,8 +44,8 @@ def real_results(f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
     """Find the results of the real motions for structures.
 
     `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; None for all that were simulated. Returns the
-    smallest file that holds them; the values in both are the same. Raises InputError if only the file of all
-    structures holds them, and it was not fetched.
+    smallest file that holds them; in that of six structures errors are rounded to 1e-3. Raises InputError if
+    only the file of all structures holds them, and it was not fetched.
 
     >>> real_results([1.0, 2.0], [0.05]).name
     'results_of_six.nc'
@@ -196,24 +197,27 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
 
 
 _SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
-_STEP = 5e-4  # of the logarithm
-_NEIGHBOURS = (Dimension.GAIN, Dimension.DELAY)
+_NEIGHBOURS = (Dimension.FREQUENCY, Dimension.GAIN, Dimension.DELAY)
 
 _READABLE = "Results are read from a Zarr store or from the NetCDF file of one"
 _CHECK_PATH = "Check the path, or simulate first"
 
 
-def write_compact(results: xr.Dataset, path: str | Path) -> None:
-    """Write the errors of a results dataset to one small NetCDF file."""
+def write_compact(results: xr.Dataset, path: str | Path, *, step: float = 5e-4) -> None:
+    """Write the errors of a results dataset to one small NetCDF file.
+
+    `step`: of the logarithm; errors are rounded by half of it at most.
+    """
     variables = [*Metric, *({_ERROR_AT_REST} & set(results))]
     compact = results[variables].load()
     for metric in Metric:
-        compact[metric] = _encode_errors(compact[metric])
+        finite = np.nan_to_num(compact[metric].values, nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
+        errors = compact[metric].copy(data=np.clip(finite, _SMALLEST_ERROR, _LARGEST_ERROR))
+        compact[metric] = stepped(errors, step=step, along=_NEIGHBOURS)
     compact.attrs["precision"] = (
         f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
-        f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * _STEP:g}"
+        f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * step:g}"
     )
-    compact.attrs[STEP] = _STEP
     sizes = compact.sizes
     chunk = tuple(1 if name == Dimension.MOTION else sizes[name] for name in compact[Metric.RMS].dims)
     encoding = {
@@ -235,29 +239,26 @@ def open_compact(path: Path) -> xr.Dataset:
             remedy="Simulate again, or use the version of reliab that wrote them",
         )
     with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
-        if STEP in dataset.attrs:
-            step = float(dataset.attrs.pop(STEP))
-            for metric in Metric:
-                dataset[metric] = _decode_errors(dataset[metric], step)
+        of_all = float(dataset.attrs.pop(STEP, 0.0))  # one step of both, in files of earlier versions
+        for metric in Metric:
+            if of_all:
+                dataset[metric] = _decode_signed(dataset[metric], of_all)
+            elif STEP in dataset[metric].attrs:
+                dataset[metric] = _with_zeros(numbered(dataset[metric]), dataset[metric].attrs[STEP])
         if Dimension.SHARE not in dataset.dims:
             dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
     return dataset
 
 
-def _encode_errors(errors: xr.DataArray) -> xr.DataArray:
-    """Write errors as differences of whole steps of their logarithm between neighbours."""
-    finite = np.nan_to_num(errors.values.astype(np.float64), nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
-    steps = np.round(np.log(np.clip(finite, _SMALLEST_ERROR, _LARGEST_ERROR)) / _STEP).astype(np.int32)
-    for name in _NEIGHBOURS:
-        steps = np.diff(steps, axis=errors.get_axis_num(name), prepend=np.int32(0))
-    return errors.copy(data=steps)
+def _with_zeros(errors: xr.DataArray, step: float) -> xr.DataArray:
+    """Read the smallest errors as zero."""
+    smallest = np.exp(step * (round(np.log(_SMALLEST_ERROR) / step) + 0.5))
+    return errors.where(errors > smallest, np.float32(0.0))
 
 
-def _decode_errors(steps: xr.DataArray, step: float) -> xr.DataArray:
-    """Read errors that :func:`_encode_errors` wrote."""
+def _decode_signed(steps: xr.DataArray, step: float) -> xr.DataArray:
+    """Read errors as version 0.2 wrote them: signed differences along gain and delay."""
     whole = steps.values.astype(np.int64)
-    for name in _NEIGHBOURS:
+    for name in (Dimension.GAIN, Dimension.DELAY):
         whole = np.cumsum(whole, axis=steps.get_axis_num(name))
-    smallest = round(np.log(_SMALLEST_ERROR) / step)
-    errors = np.where(whole <= smallest, 0.0, np.exp(step * whole)).astype(np.float32)
-    return steps.copy(data=errors)
+    return _with_zeros(steps.copy(data=np.exp(step * whole).astype(np.float32)), step)
