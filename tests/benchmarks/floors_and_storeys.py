@@ -135,16 +135,17 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
             measured_specimen=by_force,
         )
         sizes, of = [alone.error.rebuilt.rms], alone.responses
-    true = true_errors(outcome)
+    true, over_peaks = true_errors(outcome), of.each if of.over_peaks else ()
     storeys = {name: error for name, error in true.items() if name.startswith("storey")}
     return {
         "kind": kind,
         "held": np.mean(
             [one.low <= error <= one.high for one, error in zip(sizes, at_interface(outcome), strict=True)]
         ),
-        "responses": [one.rms.low <= true[one.name] <= one.rms.high for one in of.each],
-        "ratio": [one.rms.value / true[one.name] for one in of.each],
-        "width": [(one.rms.high - one.rms.low) / true[one.name] for one in of.each],
+        "responses": [one.rms.low <= true[one.name] <= one.rms.high for one in over_peaks],
+        "ratio": [one.rms.value / true[one.name] for one in over_peaks],
+        "width": [(one.rms.high - one.rms.low) / true[one.name] for one in over_peaks],
+        "in_millimetres": not of.over_peaks,
         "governs": of.governing_storey.name == max(storeys, key=storeys.get),
     }
 
@@ -165,7 +166,8 @@ def main() -> None:
         print(
             f"{kind:21} {len(of):3} tests: interface held {of['held'].mean():.0%}, floors and "
             f"storeys {held.mean():.0%} of {held.size}, ratio {middle:.2f} ({low:.2f} to {high:.2f}), "
-            f"width over true {np.median(width):.2f}, worst storey named in {of['governs'].sum()}",
+            f"width over true {np.median(width):.2f}, worst storey named in {of['governs'].sum()}, "
+            f"in millimetres alone {of['in_millimetres'].sum()}",
             flush=True,
         )
 
