@@ -15,7 +15,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.effects import Effect
-from reliab.signals import near_mains
+from reliab.signals import converter_step, near_mains
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range
@@ -227,13 +227,17 @@ def _of_band(tests: Sequence[MeasuredTest], channel: Channel, rate: float, highe
 def _of_rest(
     tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel], rate: float
 ) -> Iterator[float]:
-    """Variance of the channel while nothing drives it, at the begin and at the end of a test."""
+    """Variance of the channel while nothing drives it, at the begin and at the end of a test.
+
+    A converter whose input rests shows nothing of its own error, which comes with the motion.
+    """
     shortest = max(int(_SHORTEST_REST * rate), _FEWEST_SAMPLES)
     for test in tests:
         driven = np.stack([test.channels[c] for c in inputs])
+        conversion = converter_step(test.channels[channel]) ** 2 / 12.0
         reach = _MOTION_AT_REST * np.ptp(driven, axis=1, keepdims=True)
         for order in (slice(None), slice(None, None, -1)):
             moved = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
             length = int(np.argmax(moved)) if moved.any() else moved.size
             if length >= shortest:
-                yield float(np.var(signal.detrend(test.channels[channel][order][:length])))
+                yield max(float(np.var(signal.detrend(test.channels[channel][order][:length]))), conversion)

@@ -80,6 +80,9 @@ class Parameter:
         Dimensionless size to expect: standard deviation of a normal prior, median of a lognormal one.
     spread : float, optional
         Standard deviation of the logarithm of a positive parameter.
+    precise : bool, optional
+        Whether simulation and machine differ by a share of its departure from no effect only, as in a ratio
+        of times, and not by a share of the whole value.
     lower, upper : float
         Dimensionless bounds.
     starts : tuple of float
@@ -94,6 +97,7 @@ class Parameter:
     neutral: float = 0.0
     typical: float = 1.0
     spread: float = 1.5
+    precise: bool = False
     lower: float
     upper: float
     starts: tuple[float, ...]

@@ -25,6 +25,7 @@ class TimeStepError(RecordEffect):
             signed=True,
             neutral=1.0,
             typical=0.1,
+            precise=True,
             lower=0.2,
             upper=5.0,
             starts=(0.9995, 1.0005, 0.996, 1.004, 0.97, 1.03, 0.9, 1.1, 0.5, 2.0),

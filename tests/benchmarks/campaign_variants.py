@@ -22,12 +22,10 @@ _EVERY_THIRD = 3
 def _scaled(key: str, factor: float) -> Callable[[Path], None]:
     def change(campaign: Path) -> None:
         file = campaign / "campaign.toml"
-        text = file.read_text(encoding="utf-8")
+        structure, *others = file.read_text(encoding="utf-8").partition("[specimen]")
         pattern = rf"^({key} = )(\S+)$"
-        file.write_text(
-            re.sub(pattern, lambda m: f"{m[1]}{factor * float(m[2])!r}", text, flags=re.MULTILINE),
-            encoding="utf-8",
-        )
+        scaled = re.sub(pattern, lambda m: f"{m[1]}{factor * float(m[2])!r}", structure, flags=re.MULTILINE)
+        file.write_text("".join([scaled, *others]), encoding="utf-8")
 
     return change
 

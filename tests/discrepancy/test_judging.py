@@ -58,7 +58,7 @@ class Judged(Search):
     """Models with given energies in training and on a left-out test; noise judges."""
 
     def __init__(self, energies, left_out):
-        self.rejected, self.fitted, self.left = set(), {}, left_out
+        self.rejected, self.fitted, self.left = {}, {}, left_out
         for effects, energy in energies.items():
             names = [str(effect.name) for effect in effects]
             space = SimpleNamespace(effects=effects, names=names, block=None, energy=energy)

@@ -21,7 +21,7 @@ class Known(Search):
     """Models that leave given energies, in training as on left-out tests."""
 
     def __init__(self, energies, *, flat=True):
-        self.rejected = set()
+        self.rejected = {}
         self.fitted = {}
         for effects, energy in {(): WHOLE, **energies}.items():
             names = [str(effect.name) for effect in effects]

@@ -11,7 +11,7 @@ from reliab.arrays import Array
 from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface, log_density, simulated
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
+from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, PosteriorSample, sample
 from reliab.significant import percent
@@ -119,7 +119,7 @@ def _values(space: ModelSpace, coordinates: Array, seed: int) -> Array:
     """SI values with the error of the model, shape (draws, parameters)."""
     exact = np.stack([space.values(point) for point in coordinates])
     strayed = np.random.default_rng(seed).standard_normal(exact.shape)
-    return exact * (1.0 + MODEL_ERROR * strayed)
+    return exact + space.model_errors(exact) * strayed
 
 
 def _names(space: ModelSpace) -> tuple[str, ...]:

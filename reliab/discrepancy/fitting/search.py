@@ -54,13 +54,10 @@ _AWAY = 2.0  # standard deviations between a parameter and its value without eff
 
 MOST_EFFECTS = 3
 _WORKERS = 2
-_BEAM = 2
-_DEEPEST_OUTSIDE = 2
-_TRIED = 8
-_MOST_EXCHANGES = 2
+_BEAM, _DEEPEST_OUTSIDE = 2, 2
+_TRIED, _MOST_EXCHANGES = 8, 2
 _SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
-_CLOSE = 100.0  # nats
-POSSIBLE = 7.0  # nats
+_CLOSE, POSSIBLE = 100.0, 7.0  # nats
 
 
 class Search:
@@ -68,7 +65,7 @@ class Search:
 
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
-        self.rejected: set[frozenset[str]] = set()
+        self.rejected: dict[frozenset[str], Fit] = {}
         self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `fitting/clocks.py`
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         block = problem.block
@@ -91,7 +88,7 @@ class Search:
     def _reject(self, candidate: Fit) -> None:
         """Exclude a model from the search permanently, because one of its effects does not matter."""
         key = frozenset(candidate.space.names)
-        self.rejected.add(key)
+        self.rejected[key] = candidate
         self.fitted.pop(key, None)
 
     @property
@@ -204,9 +201,9 @@ class Search:
             return False
         if not self.problem.flat:
             return True
-        known = self._best_known()
-        outside = known.space.effects and any(map(is_outside, effects))
-        limits = [(known, BESIDE)] if outside else []
+        inside = self._best_known()
+        outside = inside.space.effects and any(map(is_outside, effects))
+        limits = [(inside, BESIDE)] if outside else []
         limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
         return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
 
@@ -224,11 +221,11 @@ class Search:
 
     def _best_known(self) -> Fit:
         """Return the most credible model of members of the library alone."""
-        known = [fit for fit in self.fitted.values() if not any(map(is_outside, fit.space.effects))]
-        return max(known, key=self.score)
+        fits = self.fitted.values()
+        return max((one for one in fits if not any(map(is_outside, one.space.effects))), key=self.score)
 
     def _limiting(self, candidate: Fit) -> list[Fit]:
-        """Fitted models with the limiting case of one of a model's effects in its place."""
+        """Models with the limiting case of one of a model's effects in its place, even if rejected."""
         effects = set(candidate.space.effects)
         keys = [
             frozenset(str(effect.name) for effect in (effects - {kind}) | {simpler})
@@ -236,7 +233,7 @@ class Search:
             for simpler in kind.limiting_cases
             if simpler not in effects
         ]
-        return [self.fitted[key] for key in keys if key in self.fitted]
+        return [fit for fit in (self.fitted.get(key, self.rejected.get(key)) for key in keys) if fit]
 
     def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
         """Energy that a fitted model leaves, whitened by a given noise."""
@@ -278,13 +275,10 @@ class Search:
         with ThreadPoolExecutor(_WORKERS) as pool:
             rough = list(pool.map(extended, fresh))
             least = self._worth_refining(rough, parent)
-            near = pool.map(
-                lambda candidate: (
-                    refined(self.problem, candidate) if candidate.log_evidence > least else candidate
-                ),
-                rough,
+            finer = pool.map(
+                lambda one: refined(self.problem, one) if one.log_evidence > least else one, rough
             )
-            fits = list(near)
+            fits = list(finer)
         kept = []
         for candidate in fits:
             if self._matters(candidate, parent):
@@ -319,7 +313,8 @@ class Search:
                 likely = [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
                 children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
             children.sort(key=self.score, reverse=True)
-            beam = [candidate for candidate in children[:_BEAM] if self._within_reach(candidate, children[0])]
+            near = [candidate for candidate in children[:_BEAM] if self._within_reach(candidate, children[0])]
+            beam = [*near[:1], *(candidate for candidate in near[1:] if not self._surpassed(candidate))]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
             best = beam[0]
@@ -340,6 +335,10 @@ class Search:
     def _within_reach(self, candidate: Fit, first: Fit) -> bool:
         """Whether a model is so close to the best one that a further effect might change the order."""
         return self.score(candidate) > 0.5 * (self.score(first) + self.score(self.null))
+
+    def _surpassed(self, candidate: Fit) -> bool:
+        """Whether a limiting case, whose extensions say as much, is as credible as a model."""
+        return any(self.score(simpler) >= self.score(candidate) for simpler in self._limiting(candidate))
 
     def whole(self, begin: Fit | None = None) -> Fit:
         """Search the library, and terms outside it where one of them would explain the remainder."""

@@ -86,7 +86,12 @@ class ModelSpace:
         scaled = (mean + spread * coordinates).tolist()
         slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, scaled, strict=True)]
         of_data = np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
-        return np.asarray(np.hypot(of_data, MODEL_ERROR * self.values(coordinates)))
+        return np.asarray(np.hypot(of_data, self.model_errors(self.values(coordinates))))
+
+    def model_errors(self, values: Array) -> Array:
+        """Size of the model's own error in SI values of the parameters, shape (…, size)."""
+        without = [p.neutral * p.unit(self.block.scales) if p.precise else 0.0 for p in self.parameters]
+        return MODEL_ERROR * (values - np.array(without))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""

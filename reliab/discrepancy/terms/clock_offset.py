@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from reliab.arrays import Array
+from reliab.compiled import compiled
 from reliab.effects import Kernel, Numbers, Parameter, Role, SteppedEffect
+from reliab.signals import CubicPath
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.vocabulary import Block
 
@@ -77,8 +78,23 @@ def with_clock(model: HybridTest, values: Array, step: float) -> Array:
     lag -= sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
     if not lag:
         return values
-    time = np.arange(values.size) * step
-    shifted, spline = time - lag, CubicSpline(time, values)
-    inside = np.clip(shifted, 0.0, time[-1])
-    beyond = np.clip(shifted - inside, -_STRAIGHT * step, _STRAIGHT * step)
-    return np.asarray(spline(inside) + beyond * np.where(beyond != 0.0, spline(inside, 1), 0.0))
+    path = CubicPath.through(np.arange(values.size, dtype=np.float64), values)
+    return _read_late(path.coefficients, lag / step)
+
+
+@compiled
+def _read_late(coefficients: Array, late: float) -> Array:
+    """Read a path through samples at 0, 1, …, n − 1 so many steps late, straight beyond its ends."""
+    last = coefficients.shape[1]
+    values = np.empty(last + 1)
+    for place in range(last + 1):
+        at = place - late
+        inside = min(max(at, 0.0), float(last))
+        beyond = min(max(at - inside, -_STRAIGHT), _STRAIGHT)
+        before = min(int(inside), last - 1)
+        since = inside - before
+        cubic, square, slope = coefficients[0, before], coefficients[1, before], coefficients[2, before]
+        values[place] = coefficients[3, before] + since * (slope + since * (square + since * cubic))
+        if beyond != 0.0:
+            values[place] += beyond * (slope + since * (2.0 * square + 3.0 * since * cubic))
+    return values
