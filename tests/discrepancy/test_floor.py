@@ -58,6 +58,17 @@ def test_repeated_cycles_tell_and_their_harmonics_are_no_noise():
     assert found[Source.REPEATED_CYCLES] == pytest.approx(NOISE, rel=0.15)
 
 
+def test_a_converter_at_rest_hides_its_own_noise():
+    """At rest nothing changes, and in motion the steps are as uneven as ever."""
+    command = waves(1) * (TIME > 2.0)
+    step = 0.05
+    read = np.round(command / step) * step
+    test = MeasuredTest(
+        file="a", motion="", held_out=True, channels={Channel.COMMAND: command, Channel.MEASURED: read}
+    )
+    assert floors_of(test)[Source.AT_REST] == pytest.approx(step / np.sqrt(12.0), rel=1e-6)
+
+
 def test_rest_before_the_motion_tells():
     late = np.where(TIME > 4.0, waves(1) * np.clip(TIME - 4.0, 0.0, 1.0), 0.0)
     assert floors_of(recorded(late, 1))[Source.AT_REST] == pytest.approx(NOISE, rel=0.1)

@@ -192,3 +192,10 @@ def test_a_damping_that_is_not_the_stated_one_is_that_of_the_structure():
     less = with_damping(model.adding(StatedDamping(damping_n_s_per_m=-0.2 * stated)))
     assert less.structure.damping_ratio == pytest.approx(0.04)
     assert less.effects == ()
+
+
+def test_a_structure_keeps_some_damping_however_much_an_effect_takes():
+    model = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05), mass=1e3)
+    stated = model.mass * model.substructure.damping
+    least = with_damping(model.adding(StatedDamping(damping_n_s_per_m=-1.2 * stated)))
+    assert 0.0 < least.structure.damping_ratio < 1e-6

@@ -78,3 +78,14 @@ def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bound
     assert scaled[place] == pytest.approx(expected)
     assert np.array_equal(np.delete(scaled, place), np.delete(begin, place))
     assert space.scaled(begin, unsigned, factor) is begin
+
+
+@pytest.mark.parametrize(("name", "spread"), [("time_step_error", 2e-8), ("excitation_scale", 1e-4)])
+def test_simulations_differ_in_a_ratio_of_times_by_a_share_of_what_it_is_off(specimen_block, name, spread):
+    """A scale is no better known than amplitudes are simulated; long records tell a clock far better."""
+    kind = find_effect(name)
+    space = ModelSpace(specimen_block, (kind,))
+    values = space.values(np.zeros(space.size))
+    values[space.places(kind)] = 1.0002
+    exact = space.standard_deviations(space.coordinates(values), np.zeros((space.size, space.size)))
+    assert exact[space.places(kind)][0] == pytest.approx(spread, rel=1e-3)

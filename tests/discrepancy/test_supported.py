@@ -95,3 +95,13 @@ def test_an_effect_predicts_better_than_its_limiting_case(remaining, supported):
     models = Known({(LAG,): 0.1, (SECOND_ORDER,): remaining})
     assert models.supports(SECOND_ORDER) is supported
     assert models.supports(LAG)
+
+
+def test_a_limiting_case_counts_although_it_was_rejected_itself():
+    """Friction beside a spring explains too little to be named; hysteresis that is friction says no more."""
+    hysteresis, friction = find_effect("hysteresis"), find_effect("coulomb_friction")
+    energies = {(CUBIC,): 0.9, (friction,): 0.1, (hysteresis,): 0.11, (CUBIC, friction): 0.055}
+    models = Known({**energies, (CUBIC, hysteresis): 0.05})
+    assert not models.supports(CUBIC, friction)
+    models._reject(models.fitted[frozenset({"cubic_stiffness", "coulomb_friction"})])  # noqa: SLF001 - as the search does
+    assert not models.supports(CUBIC, hysteresis)

@@ -91,7 +91,7 @@ class ModelSpace:
     def model_errors(self, values: Array) -> Array:
         """Size of the model's own error in SI values of the parameters, shape (…, size)."""
         without = [p.neutral * p.unit(self.block.scales) if p.precise else 0.0 for p in self.parameters]
-        return MODEL_ERROR * (values - np.array(without))
+        return np.asarray(MODEL_ERROR * (values - np.array(without)))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
