@@ -90,7 +90,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
         return
     size = findings.error.estimate(Metric(findings.criterion.metric)).value
     basis = (
-        f"{percent(findings.criterion.confidence, decimals=0)} of the population's ground motions"
+        f"{_share_of_motions(findings)} of the population's ground motions"
         if findings.placement is None
         else "a gain and a delay alone"
     )
@@ -204,3 +204,7 @@ def _of_motion(findings: Findings) -> Iterator[str]:
 
 def _of_contradictions(findings: Findings) -> Iterator[str]:
     yield from (contradiction.finding for contradiction in findings.contradictions)
+
+
+def _share_of_motions(findings: Findings) -> str:
+    return "no share" if findings.speaks_for_none else percent(findings.criterion.confidence, decimals=0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
 from reliab.assessment.placement import carried_limits
-from reliab.criterion import Criterion, growth
+from reliab.criterion import Criterion, Position, growth
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
 from reliab.vocabulary import MILLI
@@ -35,6 +35,9 @@ class Tolerance:
         Delay [s] at which the loop loses stability.
     outside_validity : bool
         Whether the criterion was carried over from another structure.
+    position : str
+        Where the case that the criterion is for lies among its ground motions: "inside", "at the edge" or
+        "outside", where no share is promised.
     population : str
         Ground motions for which the criterion speaks, in words; empty where it does not state them.
     scope : mapping of str to sequence of float
@@ -51,8 +54,14 @@ class Tolerance:
     critical_delay: float
     outside_validity: bool
     experimental_fraction: float = 1.0
+    position: str = "inside"
     population: str = ""
     scope: Mapping[str, Sequence[float]] = field(default_factory=dict)
+
+    @property
+    def promise(self) -> float | None:
+        """Share of the population's ground motions; None where the criterion promises none."""
+        return None if self.position == Position.OUTSIDE else self.confidence
 
     @property
     def amplitude_error(self) -> float:
@@ -78,7 +87,7 @@ class Tolerance:
             "xi": self.damping_ratio,
             "alpha": self.experimental_fraction,
             "threshold": self.threshold,
-            "confidence": self.confidence,
+            "confidence": self.promise,
             "a": self.a,
             "b": self.b,
             "amplitude_limit": self.amplitude_error,
@@ -87,6 +96,7 @@ class Tolerance:
             "delay_limit_of_both_ms": MILLI * delay,
             "critical_delay_ms": critical if np.isfinite(critical) else None,
             "outside_validity": self.outside_validity,
+            "position": self.position,
             "population": self.population,
             "scope": dict(self.scope),
         }
@@ -175,6 +185,7 @@ def tolerable_errors(
                     b=larger * b,
                     critical_delay=float(critical_delay(in_laboratory)),
                     outside_validity=carried_from is not None,
+                    position=candidate.provenance.position,
                     population=candidate.provenance.population,
                     scope=candidate.provenance.scope,
                 )

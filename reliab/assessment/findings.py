@@ -118,13 +118,18 @@ class Findings:
             probability=self.index_probability,
             confidence=self.criterion.confidence,
             own_motion=self.placement is not None,
-            outside=self.scope.sentences if self.speaks_for_none else (),
+            outside=self._why_for_none if self.speaks_for_none else (),
         )
 
     @property
     def speaks_for_none(self) -> bool:
         """Whether the index rests on ground motions that are none like the test's."""
-        return self.placement is None and self.scope.outside
+        return self.placement is None and (self.scope.outside or self.criterion.promise is None)
+
+    @property
+    def _why_for_none(self) -> tuple[str, ...]:
+        own = "The criterion itself is for a case outside of its population."
+        return self.scope.sentences if self.scope.outside else (*self.scope.sentences, own)
 
     @property
     def reliable(self) -> bool:

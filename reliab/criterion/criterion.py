@@ -12,6 +12,7 @@ from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
+from reliab.criterion.scope import Position
 from reliab.criterion.showing import draw_region, table_of_criterion
 from reliab.described_files import MOST_BYTES_OF_JSON, described_text
 from reliab.errors import InputError
@@ -198,17 +199,27 @@ class Criterion:
         pairs = {side: self.limits(frequency, damping_ratio, side) for side in sides}
         return draw_region({side: (float(a), float(b)) for side, (a, b) in pairs.items()}, axes)
 
+    @property
+    def promise(self) -> float | None:
+        """Share of the population's ground motions; None for a case that lies outside of the population."""
+        return None if self.provenance.position == Position.OUTSIDE else self.confidence
+
     def __repr__(self) -> str:
         return (
             f"<Criterion by {self.method}, law {self.law.name}: {self.metric.upper()} error below "
-            f"{self.threshold:g} for {self.confidence:g} of the population's ground motions>"
+            f"{self.threshold:g} for {self._share_in_words}>"
         )
+
+    @property
+    def _share_in_words(self) -> str:
+        promise = self.promise
+        share = "no stated share" if promise is None else significant(promise)
+        return f"{share} of the population's ground motions"
 
     def _repr_html_(self) -> str:
         promise = {
             "error": f"below {significant(self.threshold)} {self.metric.upper()}",
-            "confidence": f"{significant(self.confidence)} of the population's ground motions, by "
-            f"{self.method}",
+            "confidence": f"{self._share_in_words}, by {self.method}",
             "limits": "a and b together" if self.joint else "a and b, each for itself",
         }
         return table_of_criterion(promise, self.law, self.provenance)

@@ -113,8 +113,10 @@ def population_of(ellipses: Ellipses) -> str:
     return f"{sentence}, {carried}" if carried else sentence
 
 
-def populations_in_words(stated: Iterable[tuple[float, str]]) -> list[str]:
+def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str]:
     r"""Say for which ground motions criteria speak, given by the share of each [-] and its population.
+
+    A share is None where nothing is promised.
 
     >>> print(*populations_in_words([(0.5, "all lengths"), (0.95, "every length")]), sep="\n")
     At 50 %, for ground motions like these: all lengths.
@@ -123,7 +125,7 @@ def populations_in_words(stated: Iterable[tuple[float, str]]) -> list[str]:
     shares: dict[str, list[str]] = {}
     for share, population in stated:
         if population:
-            shares.setdefault(population, []).append(percent(share))
+            shares.setdefault(population, []).append("no share" if share is None else percent(share))
     if len(shares) == 1:
         return [f"For ground motions like these: {population}." for population in shares]
     return [

@@ -46,7 +46,7 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
         "xi": damping_ratio,
         "threshold": criterion.threshold,
         "metric": criterion.metric,
-        "confidence": criterion.confidence,
+        "confidence": criterion.promise,
         "method": criterion.method,
         "joint": criterion.joint,
         **criterion.provenance.settings,

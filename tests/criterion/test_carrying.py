@@ -164,10 +164,10 @@ def test_a_response_unlike_those_of_the_population_is_outside(change, named):
     assert "No share" in carried.attrs["caution"]
 
 
-def test_of_the_earthquakes_that_ship_it_says_that_soft_soil_keeps_less():
+def test_of_the_earthquakes_that_ship_it_says_what_other_kinds_of_motions_keep():
     ellipses, known = population(np.random.default_rng(21))
     typical = known.isel(motion=[int(known["a_first"][:, 1, 0].argsort()[60])]).sel(f=[1.0], xi=[0.02])
     shipped = np.resize(["NORTHR", "DUZCE", "HECTOR"], EVENTS)
     named = ellipses.assign_coords(event=("motion", np.repeat(shipped, OF_EVENT)))
-    assert "On soft soil less is kept" in carry_to_response(named, known, typical).attrs["caution"]
+    assert "Of simulated motions of other kinds" in carry_to_response(named, known, typical).attrs["caution"]
     assert "soft soil" not in carry_to_response(ellipses, known, typical).attrs["caution"]

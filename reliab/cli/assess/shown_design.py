@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from reliab.cli.output import console, table
-from reliab.criterion import populations_in_words
+from reliab.criterion import Position, populations_in_words
 from reliab.significant import percent
 from reliab.vocabulary import MILLI
 
@@ -32,21 +32,31 @@ def show_design(design: "Design") -> None:
         amplitude, delay = tolerance.both
         shown.add_row(
             f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
-            percent(tolerance.confidence, decimals=0),
+            _in_words(tolerance.promise),
             f"{tolerance.amplitude_error:.4f}",
             f"{MILLI * tolerance.delay:.3f}",
             f"{amplitude:.4f}",
             f"{MILLI * delay:.3f}",
         )
     terminal = console()
-    for sentence in populations_in_words((row.confidence, row.population) for row in rows):
+    for sentence in populations_in_words((row.promise, row.population) for row in rows):
         terminal.print(sentence, markup=False, highlight=False)
+    if first.population and first.position != Position.INSIDE:
+        terminal.print(f"What it is asked for lies {first.position} of them.", style="yellow")
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(
             "Note: * lies outside of the criterion's validity and is carried over by dimensionless errors."
         )
     _show_chart(design.chart, terminal)
+
+
+def _in_words(promise: float | None) -> str:
+    return "none" if promise is None else percent(promise, decimals=0)
+
+
+def _at(promise: float | None) -> str:
+    return "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
 
 
 def _share(tolerance: "Tolerance") -> str:
@@ -61,7 +71,7 @@ def _show_chart(chart: "Sequence[Tolerance]", terminal: Any) -> None:  # noqa: A
     chosen = [point for point in chart if point.confidence == confidence]
     longest = max(point.delay for point in chosen)
     shown = table(
-        f"Over the frequency, at {percent(confidence, decimals=0)}",
+        f"Over the frequency, {_at(chosen[0].promise)}",
         {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
     )
     for point in chosen:

@@ -70,9 +70,11 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    share = (
+        "no share" if summary["confidence"] is None else percent(assessment.criterion.confidence, decimals=0)
+    )
     against = (
-        f"{percent(assessment.criterion.confidence, decimals=0)} of the population's ground motions, window "
-        f"{assessment.criterion.provenance.window}"
+        f"{share} of the population's ground motions, window {assessment.criterion.provenance.window}"
         if assessment.placement is None
         else f"{assessment.placement.motion}, {significant(assessment.placement.window[0])} to "
         f"{assessment.placement.window[1]:.4g} s of its record"

@@ -52,7 +52,7 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
     for row in rows:
         shown.add_row(
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold")),
-            "none" if row["position"] == "outside" else f"{row['confidence']:g}",
+            "none" if row["confidence"] is None else f"{row['confidence']:g}",
             *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )

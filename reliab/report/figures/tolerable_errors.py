@@ -30,7 +30,9 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
             key=lambda tolerance: tolerance.frequency,
         )
         f = np.array([tolerance.frequency for tolerance in by_frequency])
-        name = f"{percent(confidence, decimals=0)} of the population's ground motions"
+        promised = all(tolerance.promise is not None for tolerance in by_frequency)
+        share = percent(confidence, decimals=0) if promised else "no share"
+        name = f"{share} of the population's ground motions"
         axes[0, 0].plot(
             f,
             [tolerance.amplitude_error for tolerance in by_frequency],

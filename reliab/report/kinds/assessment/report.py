@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from reliab.assessment import LEVEL, Assessment, Word
-from reliab.criterion import Position
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
@@ -95,7 +94,7 @@ def _of_ground_motions(assessment: Assessment) -> str:
     share = percent(assessment.criterion.confidence)
     if not population or position is None:
         return f"{share} of the ground motions behind the criterion"
-    promise = "no share" if position is Position.OUTSIDE else share
+    promise = "no share" if assessment.speaks_for_none else share
     return f"{promise} of motions like the {population}, with the test {position} of them"
 
 
@@ -195,12 +194,8 @@ def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
 
 
 def _plane(assessment: Assessment) -> Figure:
-    boundaries = {
-        f"{percent(assessment.criterion.confidence)} of motions": (
-            assessment.population.a,
-            assessment.population.b,
-        )
-    }
+    promise = "no share" if assessment.speaks_for_none else percent(assessment.criterion.confidence)
+    boundaries = {f"{promise} of motions": (assessment.population.a, assessment.population.b)}
     if assessment.placement is not None:
         boundaries = {
             f"motion {assessment.placement.motion}": (assessment.placement.a, assessment.placement.b),
@@ -257,7 +252,7 @@ def _method(assessment: Assessment) -> Prose:
         else prose(
             "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
             "({meaning}).",
-            share=percent(criterion.confidence),
+            share="no stated share" if assessment.speaks_for_none else percent(criterion.confidence),
             meaning=meaning,
         )
     )
