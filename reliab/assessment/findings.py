@@ -128,8 +128,8 @@ class Findings:
 
     @property
     def _why_for_none(self) -> tuple[str, ...]:
-        own = "The criterion itself is for a case outside of its population."
-        return self.scope.sentences if self.scope.outside else (*self.scope.sentences, own)
+        reason = "The criterion itself is for a case outside of its population."
+        return self.scope.sentences if self.scope.outside else (*self.scope.sentences, reason)
 
     @property
     def reliable(self) -> bool:
