@@ -70,6 +70,7 @@ class Told:
     xi: float
     alpha: float
     true: float
+    ideal: np.ndarray
 
 
 Fault = Callable[[Told, np.random.Generator], Told]
@@ -219,6 +220,14 @@ def everything(told: Told, rng: np.random.Generator) -> Told:
     )
 
 
+def begun(told: Told, rng: np.random.Generator) -> Told:
+    """Recorded from some time after the beginning on; the true error is that over what was recorded."""
+    moving = slice(int(rng.uniform(0.1, 0.6) * told.command.size), None)
+    ideal, measured = told.ideal[moving], told.measured[moving]
+    true = float(np.sqrt(np.mean((measured - ideal) ** 2)) / np.abs(ideal).max())
+    return replace(told, command=told.command[moving], measured=measured, ideal=ideal, true=true)
+
+
 def jittering(told: Told, rng: np.random.Generator) -> Told:
     """Clock of the measured channel that wanders by a tenth of a millisecond."""
     time = np.arange(told.measured.size) * STEP
@@ -261,6 +270,7 @@ HELD_OUT: dict[str, Fault] = {
     "f −3 %, ξ +20 %": stated(f=(-0.03,), xi=(0.2,)),
     "10 bits": converted(10),
 }
+CUT: dict[str, Fault] = {"begins in motion": begun}
 SPECIMENS = {"hardening 5–15 %": lab.CUBIC, "bilinear R 2–4": lab.HYSTERESIS}
 
 
@@ -290,7 +300,7 @@ def draw(seed: int, records: list[Path], specimen: int = lab.LINEAR) -> tuple[To
             break
     level = 10.0 ** (-DECIBELS / 20.0) * float(np.sqrt(np.mean(outcome.measured**2)))
     noisy = outcome.measured + lab.noise("white", outcome.measured.size, level, rng)
-    return Told(outcome.command, noisy, f, xi, alpha, outcome.rms), rng
+    return Told(outcome.command, noisy, f, xi, alpha, outcome.rms, ideal), rng
 
 
 def shape(specimen: int, peak: float, rng: np.random.Generator) -> tuple[float, float, float]:
@@ -426,8 +436,8 @@ def run_seed(seed: int, records: list[Path], rows: list[str], file: Path, asked:
     """Judge one test in every row that its file does not hold yet."""
     answers = json.loads(file.read_text()) if file.is_file() else {}
     wanted = [row for row in rows if row not in answers]
-    numbers = {row: place for place, row in enumerate([*PLAIN, *HELD_OUT, *SPECIMENS, CLOCK])}
-    faults = {**PLAIN, **HELD_OUT, CLOCK: on_a_clock(asked.clock or asked.rate)}
+    numbers = {row: place for place, row in enumerate([*PLAIN, *HELD_OUT, *SPECIMENS, CLOCK, *CUT])}
+    faults = {**PLAIN, **HELD_OUT, **CUT, CLOCK: on_a_clock(asked.clock or asked.rate)}
     sound = draw(seed, records) if any(row in faults for row in wanted) else None
     for row in wanted:
         chance, fault = [seed, numbers[row]], faults.get(row, PLAIN["sound"])

@@ -25,7 +25,10 @@ from reliab.structures import Partition, is_part
 
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
-_FREEDOM = 4.0  # degrees of freedom of the deviation of a damping ratio
+_FREEDOM = 4.0  # degrees of freedom of a deviation that is known by its order of magnitude
+_AT_START = (
+    1.4  # size of the error at the first sample over what later samples show: it has the command's phase
+)
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
@@ -147,7 +150,7 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
     deviations = unknown.deviations()
     points = normal_points(len(deviations) + 1, draws, seed)
-    return drawn_at(points[:-1], deviations, unknown.own_frequency), points[-1]
+    return drawn_at(points[:-1], deviations, unknown.own_frequency), _AT_START * _of_larger_tails(points[-1])
 
 
 def drawn_at(
@@ -160,6 +163,9 @@ def drawn_at(
     for name, values in drawn.items():
         if name == "damping_ratio" or (is_part(name) and "damping" in name):
             drawn[name] = relative_ratios(values, deviations[name])
+        elif name.startswith("initial"):
+            if deviations[name]:
+                drawn[name] = _AT_START * deviations[name] * _of_larger_tails(values / deviations[name])
         elif name.startswith("lagging_hysteresis"):
             drawn[name] = np.maximum(values, 0.0)
         elif name in _OPEN:
@@ -175,10 +181,12 @@ def relative_ratios(drawn: Array, deviation: float) -> Array:
     A damping ratio is known by a factor, and its deviation to a third of itself: Student's t with four
     degrees of freedom (JCGM 100:2008, G.4.2).
     """
-    if not deviation:
-        return drawn
-    shares = scipy.special.ndtr(drawn / deviation)
-    return np.asarray(np.expm1(deviation * scipy.special.stdtrit(_FREEDOM, shares)))
+    return np.asarray(np.expm1(deviation * _of_larger_tails(drawn / deviation))) if deviation else drawn
+
+
+def _of_larger_tails(points: Array) -> Array:
+    """Turn standard normal points into Student's t with few degrees of freedom."""
+    return np.asarray(scipy.special.stdtrit(_FREEDOM, scipy.special.ndtr(points)))
 
 
 def normal_points(dimensions: int, draws: int, seed: int) -> Array:
