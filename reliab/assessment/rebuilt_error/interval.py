@@ -26,9 +26,7 @@ from reliab.structures import Partition, is_part
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _FREEDOM = 4.0  # degrees of freedom of a deviation that is known by its order of magnitude
-_AT_START = (
-    1.4  # size of the error at the first sample over what later samples show: it has the command's phase
-)
+_AT_START = 1.4  # error at the first sample over what later ones show: it has the command's phase
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be

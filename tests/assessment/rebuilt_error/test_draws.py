@@ -99,12 +99,13 @@ def test_offsets_that_are_stated_and_estimated_add_as_variances(histories):
 
 
 def test_an_unknown_start_is_a_free_vibration(histories):
-    """Displacement and velocity over ω₀ of the error at the first sample have one standard deviation."""
+    """Displacement and velocity over ω₀ of the error at the first sample have Student's t of four degrees."""
     decay, damped = np.exp(-XI * W0 * TIME), W0 * np.sqrt(1.0 - XI**2)
     slow = decay * (np.cos(damped * TIME) + XI * W0 / damped * np.sin(damped * TIME))
     fast = decay * np.sin(damped * TIME) * W0 / damped
     spread = swept(histories, at_start=1e-3)
-    assert spread.deviation == pytest.approx(1e-3 * np.hypot(slow, fast), rel=0.05)
+    deviation = 1.4e-3 * np.sqrt(4.0 / (4.0 - 2.0))
+    assert spread.deviation == pytest.approx(deviation * np.hypot(slow, fast), rel=0.05)
 
 
 def test_what_is_not_known_is_independent(histories):
