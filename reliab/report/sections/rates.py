@@ -83,7 +83,7 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str, *, leads: bo
     yield Figure(
         drawing=calibration_curve(overall[several] if several.any() else overall),
         caption=prose(
-            "A criterion keeps its promise for the motions of this study where its line follows the diagonal; "
+            "A criterion keeps its promise for the motions of a study where its line follows the diagonal; "
             "below the diagonal it promises too much.{printed}",
             printed=" Printed laws state one confidence only and stand in the table."
             if several.any() and not several.all()
