@@ -16,7 +16,7 @@ from reliab.assessment.rebuilt_error.error_statistics import sweep_draws
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
-from reliab.assessment.rebuilt_error.recursion import Recursion, stacked, states_in_motion
+from reliab.assessment.rebuilt_error.recursion import Recursion, stacked, states_in_motion, structure_of_draw
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import sobol_points
 from reliab.assessment.rebuilt_error.swept import Swept
@@ -217,10 +217,21 @@ def states_at_first_sample(
     draws = len(displaced)
     if not (displaced.any() or moving.any()):
         return np.array(np.broadcast_to(still, (draws, recursion.order)))
+    displaced, moving = displaced.reshape(draws, -1), moving.reshape(draws, -1)
+    if structure.stiffness.ndim == 2:  # noqa: PLR2004 - one structure for all draws
+        return np.asarray(still + _along_interface(structure, displaced, moving))
+    each = (
+        _along_interface(structure_of_draw(structure, draw), displaced[draw], moving[draw])
+        for draw in range(draws)
+    )
+    return np.asarray(still + np.stack(list(each)))
+
+
+def _along_interface(structure: Partition, displaced: Array, moving: Array) -> Array:
+    """States of a structure that is displaced and moves as its interface does, shape (…, 2n)."""
     w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
     by_displacement, by_velocity = states_in_motion(structure, structure.shapes_of_interface)
-    along = displaced.reshape(draws, -1) @ by_displacement.T
-    return np.asarray(still + along + w0 * moving.reshape(draws, -1) @ by_velocity.T)
+    return np.asarray(displaced @ by_displacement.T + w0 * moving @ by_velocity.T)
 
 
 def inputs_of_reading(thin: Histories, drawn: dict[str, Array]) -> tuple[Array, Array]:

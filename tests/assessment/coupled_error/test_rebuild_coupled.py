@@ -97,6 +97,18 @@ def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
     assert found == pytest.approx(expected, rel=1e-6)
 
 
+def test_a_test_that_begins_in_motion_is_judged_with_an_uncertain_structure(frame, run):
+    """Each draw begins with a motion of its own structure."""
+    later = replace(run, command=run.command[:, 1000:], measured=run.measured[:, 1000:])
+    exact, found = (
+        rebuilt(frame, later, draws=16, tolerances=Tolerances(frequency=deviation))
+        for deviation in (0.0, 0.02)
+    )
+    assert "initial_velocity_1" in found.unknown.names
+    for certain, uncertain in zip(exact.degrees, found.degrees, strict=True):
+        assert uncertain.rms.high - uncertain.rms.low > certain.rms.high - certain.rms.low
+
+
 def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
     """Theta's mode of 24 Hz hardly decays in the loop; their noise hides its motion."""
     lags = ((lag(1.0, 850.0), lag(0.03, 850.0)), (None, lag(1.0, 850.0)))
