@@ -157,7 +157,7 @@ def derive_criteria(
     >>> asked = {"ellipses": "real_suite", "f": 1, "xi": 0.02, "method": "quantile"}
     >>> derived = derive_criteria(**asked, confidence=[0.9, 0.95])
     >>> [round(row["b"], 2) for row in derived.rows]
-    [1.48, 1.21]
+    [1.48, 1.2]
     """
     case = Case(duration=duration, motion=motion, suite=suite, weights=weights)
     if (case.narrows or weights is not None) and not any((motions, results, ellipses)):

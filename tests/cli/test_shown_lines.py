@@ -42,7 +42,7 @@ def shown_of(capsys, rows, posteriors=()):
 
 
 def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
-    text = shown_of(capsys, [ROW, {**ROW, "f": 2.5, "lead_limit_ms": None, "position": "outside"}])
+    text = shown_of(capsys, [ROW, {**ROW, "f": 2.5, "lead_limit_ms": None, "confidence": None}])
     lines = [line.split() for line in text.splitlines()]
     first, second = (line for line in lines if line and line[0] in {"1.25", "2.5"})
     assert first == ["1.25", "0.03", "0.75", "0.04", "0.9", "0.000111", "2.22", "0.0333", "4.44", "5.55"]
