@@ -81,8 +81,8 @@ class Parameter:
     spread : float, optional
         Standard deviation of the logarithm of a positive parameter.
     precise : bool, optional
-        Whether simulation and machine differ by a share of its departure from no effect only, as in a ratio
-        of times, and not by a share of the whole value.
+        Whether it is a ratio of times: simulation and machine differ by a share of its departure from no
+        effect and by a phase, not by a share of the whole value.
     lower, upper : float
         Dimensionless bounds.
     starts : tuple of float

@@ -1,10 +1,11 @@
 """Measure `diagnose` on blind campaigns that nobody has seen, restartable.
 
 `python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]
-[--variant NAME] [--kind KIND]` draws the campaigns of the seeds from `--seed` on (of one kind only, if one is
-given), makes them harder as the variant says, diagnoses each, keeps labels and results in FOLDER, and writes
-FOLDER/figures.json, the table of `tests/blind_campaigns/score.py` and how long it took. What is there
-already is not done again; several runs may share the work, each with its own range of seeds.
+[--variant NAME] [--kind KIND] [--effect EFFECT]` draws the campaigns of the seeds from `--seed` on (of one
+kind or with one effect only, if one is given), makes them harder as the variant says, diagnoses each, keeps
+labels and results in FOLDER, and writes FOLDER/figures.json, the table of `tests/blind_campaigns/score.py`
+and how long it took. What is there already is not done again; several runs may share the work, each with its
+own range of seeds.
 """
 
 import argparse
@@ -33,17 +34,12 @@ LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""
 
 
-def evaluate(
-    seed: int, folder: Path, *, with_rivals: bool, variant: str | None = None, kind: str | None = None
-) -> None:
+def evaluate(seed: int, folder: Path, options: Options, *, variant: str | None = None) -> None:
     """Draw, diagnose and record the campaign of one seed; the measured data are thrown away."""
     name = f"campaign_{seed}"
     with tempfile.TemporaryDirectory() as scratch:
         campaign = Path(scratch) / name
         try:
-            snr_db = NOISY_DB if variant == "noisy" else None
-            drawn = None if kind is None else Kind(kind)
-            options = Options(kind=drawn, with_rivals=with_rivals, snr_db=snr_db)
             label = generate(seed, campaign, options=options)
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
@@ -136,13 +132,19 @@ def main() -> None:
     parser.add_argument(
         "--kind", choices=[str(kind) for kind in Kind], help="Draw campaigns of one kind only."
     )
+    parser.add_argument("--effect", help="Hide this effect in every campaign of a single one.")
     given = parser.parse_args()
+    options = Options(
+        kind=None if given.kind is None else Kind(given.kind),
+        effect=given.effect,
+        snr_db=NOISY_DB if given.variant == "noisy" else None,
+        with_rivals=not given.without_rivals,
+    )
     for part in ("labels", "results"):
         (given.folder / part).mkdir(parents=True, exist_ok=True)
     for seed in range(given.seed, given.seed + given.count):
         if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
-            rivals = not given.without_rivals
-            evaluate(seed, given.folder, with_rivals=rivals, variant=given.variant, kind=given.kind)
+            evaluate(seed, given.folder, options, variant=given.variant)
     score(
         [
             *(str(given.folder / part) for part in ("labels", "results")),

@@ -1,5 +1,6 @@
 """What the parameters of a model may be."""
 
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
@@ -80,12 +81,25 @@ def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bound
     assert space.scaled(begin, unsigned, factor) is begin
 
 
-@pytest.mark.parametrize(("name", "spread"), [("time_step_error", 2e-8), ("excitation_scale", 1e-4)])
+def _exactly_fitted(block, name, value):
+    """Deviation of an effect's only parameter where the data leave none."""
+    kind = find_effect(name)
+    space = ModelSpace(block, (kind,))
+    values = space.values(np.zeros(space.size))
+    values[space.places(kind)] = value
+    exact = space.standard_deviations(space.coordinates(values), np.zeros((space.size, space.size)))
+    return exact[space.places(kind)][0]
+
+
+@pytest.mark.parametrize(("name", "spread"), [("time_step_error", 2e-5), ("excitation_scale", 1.2e-4)])
 def test_simulations_differ_in_a_ratio_of_times_by_a_share_of_what_it_is_off(specimen_block, name, spread):
     """A scale is no better known than amplitudes are simulated; long records tell a clock far better."""
-    kind = find_effect(name)
-    space = ModelSpace(specimen_block, (kind,))
-    values = space.values(np.zeros(space.size))
-    values[space.places(kind)] = 1.0002
-    exact = space.standard_deviations(space.coordinates(values), np.zeros((space.size, space.size)))
-    assert exact[space.places(kind)][0] == pytest.approx(spread, rel=1e-3)
+    assert _exactly_fitted(specimen_block, name, 1.2) == pytest.approx(spread, rel=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.0 + 1e-6])
+def test_a_ratio_of_times_is_no_better_known_than_the_phase_at_the_end_of_a_record(specimen_block, ratio):
+    """A motion of 10 rad/s is simulated to 1e-4 rad: within 1000 rad of it to a tenth of a millionth."""
+    scales = replace(specimen_block.scales, displacement=0.02, velocity=0.2, duration=100.0)
+    specimen_block.scales = scales
+    assert _exactly_fitted(specimen_block, "time_step_error", ratio) == pytest.approx(1e-7, rel=1e-4)

@@ -16,7 +16,7 @@ MODEL_ERROR = 1e-4
 
 If the simulation were exact, long records would determine parameters to a few parts in a million. Independent
 simulators of the same equations differ by some parts in ten thousand, from how the motion runs between
-samples.
+samples. In quadrature to the signal that is as many radians of its phase, which bounds a ratio of times.
 """
 
 _AT_BOUND = 1e-4  # standard deviations of the prior
@@ -89,9 +89,16 @@ class ModelSpace:
         return np.asarray(np.hypot(of_data, self.model_errors(self.values(coordinates))))
 
     def model_errors(self, values: Array) -> Array:
-        """Size of the model's own error in SI values of the parameters, shape (…, size)."""
-        without = [p.neutral * p.unit(self.block.scales) if p.precise else 0.0 for p in self.parameters]
-        return np.asarray(MODEL_ERROR * (values - np.array(without)))
+        """Size of the model's own error in SI values of the parameters, shape (…, size).
+
+        Of a ratio of times it is a share of the departure from no effect, and at least a phase of as many
+        radians at the end of the longest test.
+        """
+        scales = self.block.scales
+        in_phase = scales.displacement / (scales.velocity * scales.duration)
+        ratios = [(p.neutral, in_phase) if p.precise else (0.0, 0.0) for p in self.parameters]
+        without, least = np.array(ratios).reshape(-1, 2).T
+        return np.asarray(MODEL_ERROR * np.hypot(values - without, least))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
