@@ -172,7 +172,12 @@ def _run(
     block = max(1, draws // _BLOCKS)
     for sampler, start in zip(samplers, starts, strict=True):
         while (done := sampler.backend.iteration) < draws:
-            sampler.run_mcmc(start if done == 0 else None, min(block, draws - done), thin_by=thin)
+            sampler.run_mcmc(
+                start if done == 0 else None,
+                min(block, draws - done),
+                thin_by=thin,
+                skip_initial_state_check=True,  # a start is drawn in all directions, however thin
+            )
             finished = sum(min(sampler.backend.iteration, draws) for sampler in samplers)
             progress(thin * finished, thin * draws * len(samplers))
 

@@ -44,6 +44,20 @@ def test_a_run_goes_on_until_it_has_converged_and_no_further():
         sample(MODEL, Ensembles(steps=found.draws.shape[1], walkers=16))
 
 
+class Ridge(NormalValues):
+    """A density that is ten thousand million times as thin across its ridge as along it."""
+
+    def log_likelihood(self, theta):
+        return -0.5 * (1e10 * theta.sum(axis=1)) ** 2
+
+
+@SHORT
+def test_walkers_start_on_a_ridge_as_thin_as_that_of_a_parameter_on_its_bound():
+    drawn = sample(Ridge(values=MODEL.values), QUICK).flat
+    assert np.abs(drawn.sum(axis=1)).max() < 1e-8
+    assert np.ptp(drawn[:, 0]) > 0.1
+
+
 class StopError(Exception):
     pass
 
