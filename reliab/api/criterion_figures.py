@@ -79,7 +79,6 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
     from reliab.criterion import sample_of
     from reliab.report import VERMILION
     from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-    from reliab.significant import percent
 
     first = alike[0]
     sample = sample_of(
@@ -94,12 +93,21 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
     for criterion in alike:
         a, b = (float(limit) for limit in criterion.limits(f, xi))
         if a > 0.0 and b > 0.0:
-            stated = f"{criterion.law.name}, stated for " if criterion.population is None else ""
-            named[f"{stated}{percent(criterion.confidence)} of motions"] = (a, b)
+            named[_share_in_words(criterion)] = (a, b)
     drawn = ellipses_and_criterion(sample, named)
     if not first.provenance.settings.get("converged", True):
         drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
     return drawn
+
+
+def _share_in_words(criterion: "Criterion") -> str:
+    from reliab.significant import percent
+
+    if criterion.population is None:
+        return f"{criterion.law.name}, stated for {percent(criterion.confidence)} of motions"
+    if criterion.promise is None:
+        return f"asked for at {percent(criterion.confidence)}, no share promised"
+    return f"{percent(criterion.promise)} of motions"
 
 
 def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:

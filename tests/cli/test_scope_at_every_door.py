@@ -61,6 +61,11 @@ def test_the_criterion(case, capsys):
     assert "100 ground motions of 19 earthquakes" in content["population"]
     table = screen.split("confidence [-]")[1].split("Method:")[0]
     assert bool(SHARE.search(table)) == (position != "outside")
+    said(capsys, *asked, "--figures", folder / "figures")
+    (figure,) = (folder / "figures").glob("criterion_*.svg")
+    drawn = figure.read_text(encoding="utf-8")
+    assert ("no share promised" in drawn) == (position == "outside")
+    assert ("95 % of motions" in drawn) == (position != "outside")
 
 
 def test_the_design(case, capsys):
