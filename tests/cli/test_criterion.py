@@ -335,6 +335,7 @@ def test_a_criterion_of_a_posterior_that_has_not_converged_says_so_in_its_figure
         threshold=0.05,
         metric="rms",
         confidence=0.9,
+        promise=0.9,
         population="of here",
         law=SimpleNamespace(name="table"),
         limits=lambda f, xi: (1e-4 * f, 40.0 * xi),
