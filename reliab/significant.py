@@ -26,6 +26,15 @@ def percent(share: float, digits: int = 3, *, decimals: int | None = None) -> st
     return f"{significant(value, digits) if decimals is None else f'{value:.{decimals}f}'} %"
 
 
+def share_in_words(share: float | None, *, decimals: int | None = None) -> str:
+    """Write a share that is promised in per cent; None where none is.
+
+    >>> share_in_words(0.95), share_in_words(None)
+    ('95 %', 'no share')
+    """
+    return "no share" if share is None else percent(share, decimals=decimals)
+
+
 def percent_with_interval(value: float, low: float, high: float) -> str:
     """Write an error [-] in per cent, with the ends of its interval.
 

@@ -9,7 +9,7 @@ from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.recorded_force import unexamined_unit
 from reliab.assessment.verdict import Word
 from reliab.criterion import whole_is_worst
-from reliab.significant import percent, significant
+from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import MILLI, Metric
 
 _BY_SHAPE = "shape of the response"
@@ -90,7 +90,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
         return
     size = findings.error.estimate(Metric(findings.criterion.metric)).value
     basis = (
-        f"{_share_of_motions(findings)} of the population's ground motions"
+        f"{share_in_words(findings.promise, decimals=0)} of the population's ground motions"
         if findings.placement is None
         else "a gain and a delay alone"
     )
@@ -204,7 +204,3 @@ def _of_motion(findings: Findings) -> Iterator[str]:
 
 def _of_contradictions(findings: Findings) -> Iterator[str]:
     yield from (contradiction.finding for contradiction in findings.contradictions)
-
-
-def _share_of_motions(findings: Findings) -> str:
-    return "no share" if findings.speaks_for_none else percent(findings.criterion.confidence, decimals=0)

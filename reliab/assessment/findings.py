@@ -127,6 +127,11 @@ class Findings:
         return self.placement is None and (self.scope.outside or self.criterion.promise is None)
 
     @property
+    def promise(self) -> float | None:
+        """Share of the population's ground motions that is promised for the test; None where none is."""
+        return None if self.speaks_for_none else self.criterion.confidence
+
+    @property
     def _why_for_none(self) -> tuple[str, ...]:
         reason = "The criterion itself is for a case outside of its population."
         return self.scope.sentences if self.scope.outside else (*self.scope.sentences, reason)

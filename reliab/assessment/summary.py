@@ -31,7 +31,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "alpha": structure.experimental_fraction,
         "threshold": findings.criterion.threshold,
         "metric": findings.criterion.metric,
-        "confidence": None if findings.speaks_for_none else findings.criterion.confidence,
+        "confidence": findings.promise,
         "A": tracking.amplitude,
         "phi": -turn * tracking.delay,
         "f_eq_hz": tracking.plain.equivalent_frequency,

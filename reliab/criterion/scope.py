@@ -11,7 +11,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.shipped import shipped
-from reliab.significant import percent, significant
+from reliab.significant import share_in_words, significant
 
 _TABLE = "real_suite/earthquakes.csv"
 _NAMES = {
@@ -125,7 +125,7 @@ def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str
     shares: dict[str, list[str]] = {}
     for share, population in stated:
         if population:
-            shares.setdefault(population, []).append("no share" if share is None else percent(share))
+            shares.setdefault(population, []).append(share_in_words(share))
     if len(shares) == 1:
         return [f"For ground motions like these: {population}." for population in shares]
     return [

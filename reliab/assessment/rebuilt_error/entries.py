@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.sobol import sobol_points
+from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.structures import Partition, is_of_entries
 
 _DRAWS = 64
@@ -39,7 +38,7 @@ class EntriesOfStructure:
     @cached_property
     def deviation(self) -> float:
         """Standard deviation of the lowest frequency that they leave open, relative [-]."""
-        points = scipy.special.ndtri(sobol_points(len(self.deviations), _DRAWS, 0).T)
+        points = normal_points(len(self.deviations), _DRAWS, seed=0)
         drawn = {name: row * self.deviations[name] for name, row in zip(self.deviations, points, strict=True)}
         return float(np.std(self._factors(drawn)))
 

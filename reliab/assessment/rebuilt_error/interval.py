@@ -18,7 +18,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, stacked, states_in_motion, structure_of_draw
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.sobol import sobol_points
+from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import Partition, is_part
@@ -148,22 +148,22 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
     deviations = unknown.deviations()
     points = normal_points(len(deviations) + 1, draws, seed)
-    return drawn_at(points[:-1], deviations, unknown.own_frequency), _AT_START * _of_larger_tails(points[-1])
+    return drawn_at(points[:-1], deviations, unknown.own_frequency), _at_first_sample(points[-1])
 
 
 def drawn_at(
     points: Array, deviations: Mapping[str, float], own_frequency: OwnFrequency | None
 ) -> dict[str, Array]:
     """Quantities by name at standard normal points, shape (quantities, draws)."""
-    drawn = {name: row * deviations[name] for name, row in zip(deviations, points, strict=True)}
+    drawn = {
+        name: deviations[name] * (_at_first_sample(row) if name.startswith("initial") else row)
+        for name, row in zip(deviations, points, strict=True)
+    }
     if own_frequency is not None:
         drawn["frequency"] = own_frequency.drawn(points[list(deviations).index("frequency")])
     for name, values in drawn.items():
         if name == "damping_ratio" or (is_part(name) and "damping" in name):
             drawn[name] = relative_ratios(values, deviations[name])
-        elif name.startswith("initial"):
-            if deviations[name]:
-                drawn[name] = _AT_START * deviations[name] * _of_larger_tails(values / deviations[name])
         elif name.startswith("lagging_hysteresis"):
             drawn[name] = np.maximum(values, 0.0)
         elif name in _OPEN:
@@ -182,16 +182,14 @@ def relative_ratios(drawn: Array, deviation: float) -> Array:
     return np.asarray(np.expm1(deviation * _of_larger_tails(drawn / deviation))) if deviation else drawn
 
 
+def _at_first_sample(points: Array) -> Array:
+    """Turn standard normal points into errors at the first sample over their deviation."""
+    return _AT_START * _of_larger_tails(points)
+
+
 def _of_larger_tails(points: Array) -> Array:
     """Turn standard normal points into Student's t with few degrees of freedom."""
     return np.asarray(scipy.special.stdtrit(_FREEDOM, scipy.special.ndtr(points)))
-
-
-def normal_points(dimensions: int, draws: int, seed: int) -> Array:
-    """Scrambled Sobol points through the normal quantile function, shape (dimensions, draws)."""
-    if dimensions == 0:
-        return np.zeros((0, draws))
-    return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
 def _fine_statistics(histories: Histories, structure: Partition, state: Array) -> Array:

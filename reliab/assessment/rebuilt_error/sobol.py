@@ -13,6 +13,7 @@ Joe, S. and Kuo, F. Y. (2008). Constructing Sobol sequences with better two-dime
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
@@ -55,6 +56,13 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     lowest_zero = [(~number & (number + 1)).bit_length() - 1 for number in range(count - 1)]
     steps = np.concatenate([shift[np.newaxis], directions.T[lowest_zero]])
     return np.asarray(np.bitwise_xor.accumulate(steps) / 2.0**_BITS)
+
+
+def normal_points(dimensions: int, draws: int, seed: int) -> Array:
+    """Scrambled Sobol points through the normal quantile function, shape (dimensions, draws)."""
+    if dimensions == 0:
+        return np.zeros((0, draws))
+    return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
 def _scrambled(matrices: NDArray[np.uint32], directions: NDArray[np.uint32]) -> NDArray[np.uint32]:

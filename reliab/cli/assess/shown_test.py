@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
-from reliab.significant import percent, significant
+from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
@@ -70,9 +70,7 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    share = (
-        "no share" if summary["confidence"] is None else percent(assessment.criterion.confidence, decimals=0)
-    )
+    share = share_in_words(summary["confidence"], decimals=0)
     against = (
         f"{share} of the population's ground motions, window {assessment.criterion.provenance.window}"
         if assessment.placement is None

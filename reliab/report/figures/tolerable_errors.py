@@ -9,7 +9,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from reliab.assessment import Tolerance
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes
 from reliab.report.style import letters, line, panels, styled
-from reliab.significant import percent
+from reliab.significant import share_in_words
 from reliab.vocabulary import MILLI
 
 _HEIGHT = 76.0
@@ -31,7 +31,7 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
         )
         f = np.array([tolerance.frequency for tolerance in by_frequency])
         promised = all(tolerance.promise is not None for tolerance in by_frequency)
-        share = percent(confidence, decimals=0) if promised else "no share"
+        share = share_in_words(confidence if promised else None, decimals=0)
         name = f"{share} of the population's ground motions"
         axes[0, 0].plot(
             f,

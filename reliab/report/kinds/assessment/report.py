@@ -21,7 +21,7 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import meaning_of_confidence, spelled_out
-from reliab.significant import percent, significant
+from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _FAR = 10.0
@@ -91,11 +91,10 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
 def _of_ground_motions(assessment: Assessment) -> str:
     """Say for which ground motions the criterion speaks, and where the test lies among them."""
     population, position = assessment.criterion.provenance.population, assessment.scope.position
-    share = percent(assessment.criterion.confidence)
     if not population or position is None:
-        return f"{share} of the ground motions behind the criterion"
-    promise = "no share" if assessment.speaks_for_none else share
-    return f"{promise} of motions like the {population}, with the test {position} of them"
+        return f"{percent(assessment.criterion.confidence)} of the ground motions behind the criterion"
+    share = share_in_words(assessment.promise)
+    return f"{share} of motions like the {population}, with the test {position} of them"
 
 
 def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
@@ -194,8 +193,8 @@ def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
 
 
 def _plane(assessment: Assessment) -> Figure:
-    promise = "no share" if assessment.speaks_for_none else percent(assessment.criterion.confidence)
-    boundaries = {f"{promise} of motions": (assessment.population.a, assessment.population.b)}
+    share = share_in_words(assessment.promise)
+    boundaries = {f"{share} of motions": (assessment.population.a, assessment.population.b)}
     if assessment.placement is not None:
         boundaries = {
             f"motion {assessment.placement.motion}": (assessment.placement.a, assessment.placement.b),
