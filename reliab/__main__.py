@@ -8,7 +8,7 @@ import traceback
 
 from reliab.errors import INTERRUPTED, UNEXPECTED
 
-_ALLOCATED = 100_000  # objects after which cycles are looked for: imports make many, all of which stay
+_ALLOCATED = 1_000_000  # objects after which cycles are looked for: imports make many, most of which stay
 
 
 def main() -> None:

@@ -6,10 +6,11 @@ motion does no work against it; and where it explains the force by the command, 
 displacement, the columns are exchanged.
 """
 
+from collections.abc import Sequence
+from itertools import combinations
 from typing import Final
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
@@ -82,9 +83,7 @@ def require_restoring_force(
     kernel = _kernel(measured, force, time_step)
     if kernel is None:
         return
-    unexplained, unexplained_if_reversed = (
-        _left_over(measured, sign * force, kernel) for sign in (1.0, -1.0)
-    )
+    unexplained, unexplained_if_reversed = _left_over(measured, (force, -force), kernel)
     # in motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip
     springs_back = _stiffness(measured, force, kernel) is not None
     better = _FAR_BETTER if springs_back else _BETTER
@@ -128,7 +127,7 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     kernel = _kernel(measured, force, time_step)
     if kernel is None:
         return
-    by_command, by_measured = (_left_over(moved, force, kernel) for moved in (command, measured))
+    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
     if by_command < _EXCHANGED * by_measured and _leads(measured, command, kernel):
         raise InputError(
             "The recorded force must follow the measured displacement",
@@ -214,13 +213,29 @@ def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
     return kernel if samples >= _FEWEST_SAMPLES else None
 
 
-def _left_over(moved: Array, force: Array, kernel: Kernel) -> float:
-    """Power that the elements of a passive specimen leave over of a force, over that of the force [-]."""
+def _left_over(moved: Array, forces: Sequence[Array], kernel: Kernel) -> list[float]:
+    """Power that the elements of a passive specimen leave over of each force, over that of the force [-]."""
     shape = moved / float(np.abs(moved).max())
     bent = [shape**3, *(slipped(shape, limit) for limit in _YIELDS)]
     rows = [*(kernel.seen(moved, order) for order in range(3)), *(kernel.seen(row, 0) for row in bent)]
-    terms, target = np.stack(rows, axis=1), kernel.seen(force, 0)
-    terms, target = terms - terms.mean(axis=0), target - target.mean()
-    sizes, size = np.linalg.norm(terms, axis=0), float(np.linalg.norm(target))
-    _, residual = scipy.optimize.nnls(terms / sizes, target / size)
-    return float(residual) ** 2
+    terms = np.stack([row - row.mean() for row in rows], axis=1)
+    terms /= np.linalg.norm(terms, axis=0)
+    targets = [resisted - resisted.mean() for resisted in (kernel.seen(force, 0) for force in forces)]
+    return [_nonnegative_remainder(terms, target / float(np.linalg.norm(target))) for target in targets]
+
+
+def _nonnegative_remainder(terms: Array, target: Array) -> float:
+    """Power of a target of unit power that no sum with coefficients that are not negative explains [-].
+
+    `terms`, shape (n, k), `target`, shape (n,). The best sum is that of least squares of some of the terms,
+    of which there are few: each selection is tried.
+    """
+    orthogonal, rows = np.linalg.qr(terms)
+    seen, explained = target @ orthogonal, 0.0
+    for size in range(1, rows.shape[1] + 1):
+        for selection in combinations(range(rows.shape[1]), size):
+            of_selection = rows[:, selection]
+            coefficients = np.linalg.lstsq(of_selection, seen, rcond=None)[0]
+            if coefficients.min() >= 0.0:
+                explained = max(explained, float(np.sum((of_selection @ coefficients) ** 2)))
+    return max(1.0 - explained, 0.0)
