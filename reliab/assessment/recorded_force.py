@@ -7,7 +7,6 @@ displacement, the columns are exchanged.
 """
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -27,6 +26,8 @@ _FAR_BETTER = 0.01  # where the force follows the displacement as that of a spri
 _EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
+_FLAT = 1e-12  # of the power per coefficient, below which no term explains more
+_MOST_STEPS = 3  # per term; collinear terms could take turns for ever
 _STIFFNESSES = (0.01, 3.0)  # over the stated one
 _UNIT_TOLERANCE = 0.25
 _UNITS: Final = {
@@ -227,15 +228,26 @@ def _left_over(moved: Array, forces: Sequence[Array], kernel: Kernel) -> list[fl
 def _nonnegative_remainder(terms: Array, target: Array) -> float:
     """Power of a target of unit power that no sum with coefficients that are not negative explains [-].
 
-    `terms`, shape (n, k), `target`, shape (n,). The best sum is that of least squares of some of the terms,
-    of which there are few: each selection is tried.
+    `terms`, shape (n, k), `target`, shape (n,). By active sets (Lawson and Hanson 1974, *Solving least
+    squares problems*, section 23.3); a library's function for it takes longer to load than the verdict.
     """
     orthogonal, rows = np.linalg.qr(terms)
-    seen, explained = target @ orthogonal, 0.0
-    for size in range(1, rows.shape[1] + 1):
-        for selection in combinations(range(rows.shape[1]), size):
-            of_selection = rows[:, selection]
-            coefficients = np.linalg.lstsq(of_selection, seen, rcond=None)[0]
-            if coefficients.min() >= 0.0:
-                explained = max(explained, float(np.sum((of_selection @ coefficients) ** 2)))
-    return max(1.0 - explained, 0.0)
+    seen, coefficients = target @ orthogonal, np.zeros(rows.shape[1])
+    active = np.zeros(coefficients.size, dtype=bool)
+    for _ in range(_MOST_STEPS * coefficients.size):
+        slope = np.where(active, -np.inf, rows.T @ (seen - rows @ coefficients))
+        if slope.max() <= _FLAT:
+            break
+        active[np.argmax(slope)] = True
+        while True:
+            best = np.zeros_like(coefficients)
+            best[active] = np.linalg.lstsq(rows[:, active], seen, rcond=None)[0]
+            below = active & (best <= 0.0)
+            if not below.any():
+                break
+            way = coefficients[below] / (coefficients[below] - best[below])
+            coefficients += way.min() * (best - coefficients)
+            active[np.flatnonzero(below)[way <= way.min()]] = False
+            coefficients[~active] = 0.0
+        coefficients = best
+    return max(1.0 - float(np.sum((rows @ coefficients) ** 2)), 0.0)
