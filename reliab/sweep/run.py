@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reliab.errors import IncompleteError, InputError
-from reliab.motions import Motion, MotionSuite
+from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.solve import MotionResults, solve_motion
-from reliab.sweep.store import ResultsStore
+from reliab.sweep.solve import solve_motion
+from reliab.sweep.store import EncodedMotion, ResultsStore
 
 if TYPE_CHECKING:
     from distributed import Client, Future as RemoteFuture
@@ -23,9 +23,6 @@ _TASKS_PER_THREAD = 4  # tasks submitted per thread of the cluster; limits its m
 _RETRIES = 3  # of a task whose worker died
 _CONNECT_SECONDS = 10
 
-Solved = tuple[int, Motion, list[MotionResults]]
-"""Index of a motion, the motion, and its results for each window."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJob:
@@ -34,10 +31,10 @@ class SweepJob:
     motions: MotionSuite  # The suite
     request: SweepRequest  # Structures, actuators and windows
 
-    def solve(self, index: int) -> Solved:
-        """Read and simulate one motion."""
+    def solve(self, index: int) -> EncodedMotion:
+        """Read and simulate one motion, and encode its results for the store."""
         motion = self.motions[index]
-        return index, motion, solve_motion(motion, self.request)
+        return EncodedMotion.of_results(index, motion, solve_motion(motion, self.request))
 
 
 def run_sweep(
@@ -121,17 +118,17 @@ def _on_threads(
 
 
 def _solve_and_store(job: SweepJob, store: ResultsStore, index: int) -> None:
-    store.write(*job.solve(index))
+    store.write(job.solve(index))
 
 
 def _on_cluster(address: str, job: SweepJob, store: ResultsStore, missing: list[int]) -> Iterator[None]:
-    """Solve motions on a cluster and store the results on this computer."""
+    """Solve and encode motions on a cluster and write the results on this computer."""
     for solution in _solve_on_cluster(address, job, missing):
-        store.write(*solution)
+        store.write(solution)
         yield
 
 
-def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[Solved]:
+def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[EncodedMotion]:
     """Solve motions on a cluster."""
     with _connect(address) as client:
         from distributed import as_completed
@@ -151,12 +148,12 @@ def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterat
                 running.add(submit(index))
 
 
-def _take_result(future: "RemoteFuture[Solved]") -> Solved:
+def _take_result(future: "RemoteFuture[EncodedMotion]") -> EncodedMotion:
     """Take what a worker answered; results that were stored before are safe where none did."""
     from distributed import CancelledError, KilledWorker
 
     try:
-        solution: Solved = future.result()
+        solution: EncodedMotion = future.result()
     except (CancelledError, KilledWorker, OSError) as error:
         reason = str(error).partition("\n")[0].rstrip(".")
         raise IncompleteError(

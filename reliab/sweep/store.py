@@ -16,6 +16,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,7 @@ from reliab.sweep.store_layout import (
     RECORD_FIELDS,
     array_of,
     create_store,
+    encoded,
     group_names,
     open_group,
     read_attributes,
@@ -45,6 +47,34 @@ from reliab.unfinished import UNFINISHED, remove_abandoned
 _RULE = "A store can be resumed only if it is complete except for results of motions"
 _JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved
 _REMEDY = "Simulate again to another store"
+
+
+@dataclass(frozen=True, kw_only=True)
+class EncodedMotion:
+    """Results of one motion in the bytes that a store holds, made where they were computed."""
+
+    index: int  # Place in the suite
+    name: str
+    entry: str  # In the journal
+    windows: list[dict[str, bytes]]  # Chunk of each variable, for each window
+
+    @classmethod
+    def of_results(cls, index: int, motion: Motion, results: Sequence[MotionResults]) -> "EncodedMotion":
+        """Encode the results of one motion, one for each window."""
+        windows = [{name: getattr(result, name) for name in VARIABLES} for result in results]
+        entry = {
+            "duration": motion.duration,
+            "dt": motion.time_step,
+            "pga": motion.peak_acceleration,
+            "checksum": motion.checksum,
+            "digest": _digest([list(variables.values()) for variables in windows]),
+        }
+        return cls(
+            index=index,
+            name=motion.name,
+            entry=json.dumps(entry),
+            windows=[{name: encoded(values) for name, values in variables.items()} for variables in windows],
+        )
 
 
 class ResultsStore:
@@ -85,21 +115,16 @@ class ResultsStore:
                 for index, entry in enumerate(self._journal())
             ]
 
-    def write(self, index: int, motion: Motion, results: Sequence[MotionResults]) -> None:
+    def write(self, motion: EncodedMotion) -> None:
         """Write the results of one motion; may be called from several threads."""
-        entry = {
-            "duration": motion.duration,
-            "dt": motion.time_step,
-            "pga": motion.peak_acceleration,
-            "checksum": motion.checksum,
-            "digest": _digest([[getattr(result, name) for name in VARIABLES] for result in results]),
-        }
         with self._safe(f"at {motion.name}"):
-            for group, arrays, result in zip(group_names(self.request), self._arrays, results, strict=True):
+            for group, arrays, chunks in zip(
+                group_names(self.request), self._arrays, motion.windows, strict=True
+            ):
                 for name, array in arrays.items():
-                    write_chunk(self.path / group / name, array, index, getattr(result, name))
+                    write_chunk(self.path / group / name, array, motion.index, chunks[name])
             with self._turn:
-                self._unwritten[index] = json.dumps(entry)
+                self._unwritten[motion.index] = motion.entry
                 if time.monotonic() - self._journal_written >= _JOURNAL_EVERY:
                     self._write_journal()
 

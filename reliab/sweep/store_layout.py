@@ -42,13 +42,13 @@ def encoded(values: NDArray[np.generic]) -> bytes:
     return bytes(CRC32C(location="end").encode(compressed))
 
 
-def write_chunk(folder: Path, array: Any, index: int, values: NDArray[np.generic]) -> None:  # noqa: ANN401
-    """Write the values of one motion to an array whose chunks hold one motion each."""
-    key = array.metadata.encode_chunk_key((index, *(0 for _ in values.shape)))
+def write_chunk(folder: Path, array: Any, index: int, chunk: bytes) -> None:  # noqa: ANN401
+    """Write the encoded values of one motion to an array whose chunks hold one motion each."""
+    key = array.metadata.encode_chunk_key((index, *(0 for _ in array.shape[1:])))
     place = folder / key
     place.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(place, synced=False) as unfinished:
-        unfinished.write_bytes(encoded(values))
+        unfinished.write_bytes(chunk)
 
 
 SCHEMA_VERSION = 1

@@ -26,5 +26,5 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     array[0] = values
     (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
     assert first.read_bytes() == encoded(values)
-    write_chunk(tmp_path / "store" / "values", array, 1, values)
+    write_chunk(tmp_path / "store" / "values", array, 1, encoded(values))
     np.testing.assert_array_equal(array[1], values)

@@ -220,10 +220,10 @@ def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
 def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch):
     original = store.write_chunk  # type: ignore[attr-defined]
 
-    def write_chunk(folder, array, index, values):
+    def write_chunk(folder, array, index, chunk):
         if index == 2:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        original(folder, array, index, values)
+        original(folder, array, index, chunk)
 
     path = tmp_path / "results.zarr"
     monkeypatch.setattr(store, "write_chunk", write_chunk)
