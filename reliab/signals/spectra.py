@@ -1,8 +1,11 @@
 """Spectra of a history: its periodogram, the level of what lies above the motion, means over bins."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.compiled import read_only
 
 
 def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
@@ -43,13 +46,14 @@ def taper(name: str, size: int) -> Array:
     return np.asarray(get_window(name, size))
 
 
+@lru_cache(maxsize=16)  # a verdict asks some ninety times for windows of a few lengths
 def hann(size: int) -> Array:
     """Hann's window as it is repeated in a Fourier transform, shape (size,).
 
     >>> hann(4).round(12).tolist()
     [0.0, 0.5, 1.0, 0.5]
     """
-    return 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, size + 1)[:-1])
+    return read_only(0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, size + 1)[:-1]))
 
 
 def upper_level(power: Array) -> float:
