@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.budget import BudgetItem, Size, as_certain_as, budget_item
+from reliab.assessment.budget import BudgetItem, Size, as_certain_as, budget_of_error
 from reliab.assessment.coupled_error import CoupledError, DegreeError, ShownByGround
 from reliab.assessment.faults import Fault
 from reliab.assessment.frame_responses import ResponseErrors
@@ -17,7 +17,7 @@ from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import CoupledRecording
 from reliab.significant import percent, percent_with_interval
 from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import CoupledLimit, is_part
+from reliab.structures import CoupledLimit
 from reliab.vocabulary import MILLI, Metric
 
 CAUSES_IN_WORDS = {
@@ -99,7 +99,7 @@ class CoupledAssessment:
     @property
     def budget(self) -> tuple[BudgetItem, ...]:
         """What makes the interval of the governing error, the largest contribution first."""
-        return budget_of_several(self.error, self.metric, self.sizes)
+        return budget_of_error(self.error.widenings(self.metric), self.sizes)
 
     @property
     def stability_margin(self) -> float:
@@ -287,29 +287,6 @@ def _degree(assessment: CoupledAssessment, degree: DegreeError) -> dict[str, Any
         "probability": as_certain_as(
             assessment.sizes, degree.probability(assessment.threshold, assessment.metric)
         ),
-        "parts": {name: plain_part(part) for name, part in parts.items()},
-        "improve_first": assessment.error.parts.first(place),
+        "parts": {name: plain_part(part) for name, part in parts.by_name.items()},
+        "improve_first": parts.first,
     }
-
-
-def budget_of_several(
-    error: CoupledError, metric: Metric, sizes: Mapping[str, Size]
-) -> tuple[BudgetItem, ...]:
-    """List what makes the interval of the governing error, the largest contribution first."""
-    deviations = dict(zip(error.unknown.names, error.unknown.deviations.tolist(), strict=True))
-    items = []
-    for name, contribution in error.widenings(metric).items():
-        quantity, _, number = name.rpartition("_")
-        of_sensor = number.isdecimal() and not is_part(name)
-        known = quantity if of_sensor else name
-        known = "initial_state" if known.startswith("initial") else known
-        items.append(
-            budget_item(
-                known,
-                deviations.get(name, 0.0),
-                contribution,
-                sizes,
-                actuator=number if of_sensor else "",
-            )
-        )
-    return tuple(items)

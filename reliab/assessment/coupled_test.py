@@ -12,11 +12,12 @@ from reliab.assessment.budget import (
     Size,
     Source,
     as_certain_as,
+    budget_of_error,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.coupled_assessment import CoupledAssessment, budget_of_several, lost_in_noise
+from reliab.assessment.coupled_assessment import CoupledAssessment, lost_in_noise
 from reliab.assessment.coupled_error import (
     CoupledError,
     ShownByGround,
@@ -244,7 +245,7 @@ def _verdict(
         f"interval {percent(size.low, decimals=2)} to {percent(size.high, decimals=2)}, against a threshold "
         f"of {percent(threshold)}: probability {probability_text(probability)} of staying below it."
     )
-    remedy = budget_of_several(error, metric, sizes)[0].remedy
+    remedy = budget_of_error(error.widenings(metric), sizes)[0].remedy
     verdict = Verdict(word=word, reasons=(reason,), would_decide=(remedy,) if word is Word.UNDECIDED else ())
     largest = np.max([degree.draws.errors(metric) for degree in error.judged], axis=0)
     learned = error.unknown.own_frequency is not None

@@ -1,6 +1,5 @@
 from .budget import (
     BudgetItem as BudgetItem,
-    budget_item as budget_item,
     budget_of_error as budget_of_error,
 )
 from .corrections import (

@@ -6,7 +6,7 @@ from typing import Any
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.structures import PARTS, part_and_number
+from reliab.structures import PARTS, is_part, part_and_number
 from reliab.vocabulary import MILLI, PERCENT
 
 
@@ -252,24 +252,23 @@ _QUANTITIES = {
 
 def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
     """List what makes the interval of an error, the largest contribution first."""
-    return tuple(
-        budget_item(widening.name, widening.deviation, widening.contribution, sizes) for widening in widenings
-    )
+    return tuple(_item(widening, sizes) for widening in widenings)
 
 
-def budget_item(
-    name: str, deviation: float, contribution: float, sizes: Mapping[str, Size], *, actuator: str = ""
-) -> BudgetItem:
+def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
-    numbered, size = part_and_number(name), sizes.get(name)
-    quantity = _QUANTITIES[name if numbered is None else numbered[0]]
+    name, numbered = widening.name, part_and_number(widening.name)
+    begin, _, number = name.rpartition("_")
+    of_actuator = number.isdecimal() and not is_part(name)
+    alike = begin if of_actuator else name
+    size, quantity = sizes.get(alike), _QUANTITIES[alike if numbered is None else numbered[0]]
     return BudgetItem(
-        name=f"{name}_{actuator}" if actuator else name,
-        quantity=_quantity_in_words(name, quantity, actuator),
-        size=quantity.factor * deviation if quantity.factor else None,
+        name=name,
+        quantity=_quantity_in_words(alike, quantity, number if of_actuator else ""),
+        size=quantity.factor * widening.deviation if quantity.factor else None,
         unit=quantity.unit,
         source=Source.LEARNED if size is None else size.source,
-        contribution=contribution,
+        contribution=widening.contribution,
         remedy=quantity.remedy,
     )
 

@@ -1,6 +1,6 @@
 """The rebuilt error of a test with several actuators: by interface displacement, with what widens it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,64 +10,14 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import ACCURACY, drawn_at
+from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
-from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
-_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
-_AT_SENSORS = ("sensor_scale", "time_shift", "sensor_offset", "hysteresis", "lagging_hysteresis")
-_OF_EXACT = 0.001  # accuracy of an error whose structure is exact
 LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Unknowns:
-    """Names and standard deviations of what is drawn; those of sensors end with the sensor's number."""
-
-    names: tuple[str, ...]
-    deviations: Array  # Relative, or in SI units, shape (unknowns,)
-    own_frequency: OwnFrequency | None = None  # What the test shows of its frequency
-
-    @classmethod
-    def of_test(
-        cls,
-        tolerances: Tolerances,
-        starts: Array,
-        degrees: int,
-        own_frequency: OwnFrequency | None = None,
-    ) -> "Unknowns":
-        """Collect what is not known; `starts`: deviations of offsets and first errors [m], shape (2, p)."""
-        stated = dict(tolerances.items())
-        if own_frequency is not None:
-            stated["frequency"] = own_frequency.deviation
-        deviations = {name: stated[name] for name in _OF_STRUCTURE}
-        for place in range(degrees):
-            number = place + 1
-            deviations |= {f"{name}_{number}": stated[name] for name in _AT_SENSORS}
-            # filters delay a reading as a skew does
-            deviations[f"time_shift_{number}"] = float(np.hypot(stated["time_shift"], stated["filter_delay"]))
-            deviations[f"sensor_offset_{number}"] = float(np.hypot(stated["sensor_offset"], starts[0, place]))
-            deviations[f"initial_displacement_{number}"] = float(starts[1, place])
-            deviations[f"initial_velocity_{number}"] = float(starts[1, place])
-        deviations |= tolerances.of_parts
-        drawn = {name: value for name, value in deviations.items() if value > 0.0}
-        return cls(names=tuple(drawn), deviations=np.array(list(drawn.values())), own_frequency=own_frequency)
-
-    @property
-    def accuracy(self) -> float:
-        """Relative standard deviation of what the computation itself adds to an error."""
-        return _OF_EXACT if self.own_frequency is None else ACCURACY
-
-    def draw(self, draws: int, seed: int) -> dict[str, Array]:
-        """Draw all of them, each shape (draws,), and the lag of the fed-back force even where it is known."""
-        deviations = dict(zip(self.names, self.deviations.tolist(), strict=True))
-        points = normal_points(len(deviations), draws, seed)
-        return {"feedback_lag": np.zeros(draws), **drawn_at(points, deviations, self.own_frequency)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,6 +28,7 @@ class DegreeError:
     error: Array  # x_m − x_I as the sensors read x_m [m], shape (n,)
     reference: Array  # x_I [m], shape (n,)
     draws: Spread  # RMS^R and MTE^R of the draws
+    of_noise: Spread  # The same with all but the sensors' noise as stated
     rms: Estimate
     mte: Estimate
     noise: float  # Standard deviation of x_c − x_m that noise leaves open, over the largest ideal motion [-]
@@ -106,8 +57,8 @@ class CoupledError:
     structure: Partition  # With which it was rebuilt: no modes far above the motion
     noises: tuple[SensorNoise, ...]  # Of each sensor
     starts: tuple[Start, ...]  # How each channel begins
-    unknown: Unknowns
-    drawn: Array  # What was drawn, shape (unknowns, draws)
+    unknown: Unknown
+    drawn: Mapping[str, Array]  # What was drawn by name, each shape (draws,)
     histories: CoupledHistories
     every: int  # Number of samples of which one was drawn
     # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
@@ -132,31 +83,15 @@ class CoupledError:
         """The error divided by actuator and by cause."""
         return divide(self.histories)
 
-    def widenings(self, metric: Metric) -> dict[str, float]:
-        """Return the standard deviation of the governing error that each unknown causes [-], largest first.
-
-        By least squares of the draws' squared errors on what was drawn, linear and squared; "sensor_noise"
-        is what is not explained.
-        """
+    def widenings(self, metric: Metric) -> tuple[Widening, ...]:
+        """Return what widens the interval of the governing error, the widest first, if any is judged."""
         governing = self.governing(metric)
         if governing is None:
-            return {}
-        errors = governing.draws.errors(metric)
-        scaled = self.drawn / np.maximum(self.drawn.std(axis=1, keepdims=True), 1e-300)
-        columns = np.vstack([np.ones(errors.size), scaled, scaled**2])
-        coefficients = np.linalg.lstsq(columns.T, errors, rcond=None)[0]
-        count = len(self.unknown.names)
-        effects = {
-            name: float(
-                np.std(
-                    coefficients[1 + place] * scaled[place]
-                    + coefficients[1 + count + place] * scaled[place] ** 2
-                )
-            )
-            for place, name in enumerate(self.unknown.names)
-        }
-        effects["sensor_noise"] = float(np.std(errors - coefficients @ columns))
-        return dict(sorted(effects.items(), key=lambda item: -item[1]))
+            return ()
+        draws, deviations = governing.draws, self.unknown.deviations()
+        parts = widenings_of_draws(draws, self.drawn, deviations, metric)
+        parts.append(widening_alone("sensor_noise", draws, governing.of_noise, metric))
+        return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 
 def conclude(
@@ -166,9 +101,10 @@ def conclude(
     histories: CoupledHistories,
     noises: tuple[SensorNoise, ...],
     starts: tuple[Start, ...],
-    unknown: Unknowns,
-    as_stated: tuple[Array, Array, Array],
-    swept: tuple[Array, Array, Array],
+    unknown: Unknown,
+    drawn: Mapping[str, Array],
+    as_stated: tuple[Array, Array],
+    swept: tuple[Array, Array],
     raw: Array,
     loose: Array,
     every: int,
@@ -182,15 +118,16 @@ def conclude(
         peak = float(np.abs(reference[place]).max())
         largest = float(np.abs(reference).max())
         moves = peak > np.finfo(float).eps * largest
-        stated, drawn = _spread(as_stated, place), _spread(swept, place)
+        of_noise, spread = _spread(as_stated, place), _spread(swept, place)
         degrees.append(
             DegreeError(
                 name=name,
                 error=strayed[place],
                 reference=reference[place],
-                draws=drawn,
-                rms=_estimate(Metric.RMS, stated, drawn),
-                mte=_estimate(Metric.MTE, stated, drawn),
+                draws=spread,
+                of_noise=of_noise,
+                rms=_estimate(Metric.RMS, of_noise, spread),
+                mte=_estimate(Metric.MTE, of_noise, spread),
                 noise=float(loose[place] / peak) if moves else np.inf,
             )
         )
@@ -202,7 +139,7 @@ def conclude(
         noises=noises,
         starts=starts,
         unknown=unknown,
-        drawn=swept[2],
+        drawn=drawn,
         histories=histories,
         every=every,
         exact=exact,
@@ -214,11 +151,11 @@ def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
 
     An offset that is drawn can only add to the squares of an error, and sensors may have none.
     """
-    found = drawn.estimate(metric, float(np.median(of_noise.errors(metric))))
-    return replace(found, low=min(found.low, of_noise.interval(metric)[0]))
+    estimate = drawn.estimate(metric, float(np.median(of_noise.errors(metric))))
+    return replace(estimate, low=min(estimate.low, of_noise.interval(metric)[0]))
 
 
-def _spread(swept: tuple[Array, Array, Array], place: int) -> Spread:
+def _spread(swept: tuple[Array, Array], place: int) -> Spread:
     square, peak, ideal = swept[0][:, :, place].T
     ideal = np.maximum(ideal, np.finfo(float).tiny)
     return Spread(

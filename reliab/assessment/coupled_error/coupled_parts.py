@@ -14,14 +14,10 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
-from reliab.assessment.rebuilt_error.parts import Part, part_of
-from reliab.assessment.rebuilt_error.recursion import respond
+from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 
-FED_BACK_FORCE = "fed_back_force"
-
-_ROUNDING = 1e-12
 _OWN, _OF_OTHERS = 1e-3, 3e-3  # of a command: errors that large are as dear as what they leave unexplained
 
 
@@ -34,16 +30,11 @@ class CoupledParts:
     histories: dict[str, Array]  # Contribution of each part to x_m − x_I [m], shape (p, n)
     reference: Array  # x_I [m], shape (p, n)
 
-    def of_degree(self, place: int) -> dict[str, Part]:
+    def of_degree(self, place: int) -> Parts:
         """Parts of the error of one interface displacement, such as "actuator_1_gain"."""
-        whole = np.sum([history[place] for history in self.histories.values()], axis=0)
+        pieces = {name: history[place] for name, history in self.histories.items()}
         peak = max(float(np.abs(self.reference[place]).max()), np.finfo(float).tiny)
-        return {name: part_of(history[place], whole, peak) for name, history in self.histories.items()}
-
-    def first(self, place: int) -> str:
-        """Return the part to improve first: the one whose removal leaves the smallest error."""
-        parts = self.of_degree(place)
-        return min(parts, key=lambda name: parts[name].remaining_rms)
+        return parts_of(self.gain, self.delay, pieces, peak)
 
 
 def divide(histories: CoupledHistories) -> CoupledParts:
@@ -51,20 +42,16 @@ def divide(histories: CoupledHistories) -> CoupledParts:
     command, measured, step = histories.command, histories.measured, histories.time_step
     velocity = np.gradient(command, step, axis=1)
     gain, delay = _followed(command, velocity, measured)
-    recursion = histories.recursion
-    parts = {
-        name: respond(recursion, difference) - difference
-        for name, difference in _differences(histories, velocity, gain, delay)
-    }
-    still = np.zeros_like(command)
-    parts["actuator_1_rest"] += respond(recursion, still, recursion.static @ histories.standing)
-    late = histories.fed_back - histories.difference
-    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
-        parts[FED_BACK_FORCE] = respond(recursion, late)
-    response = histories.respond(recursion, histories.fed_back)
-    return CoupledParts(
-        gain=gain, delay=delay, histories=parts, reference=histories.carry @ command - response
+    pieces = pieces_of(
+        histories.recursion,
+        _differences(histories, velocity, gain, delay),
+        histories.fed_back - histories.difference,
+        standing=histories.standing,
+        remainder="actuator_1_rest",
+        measured=measured,
     )
+    reference = histories.carry @ command - histories.response
+    return CoupledParts(gain=gain, delay=delay, histories=pieces, reference=reference)
 
 
 def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, Array]:
@@ -88,12 +75,10 @@ def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, 
     return np.eye(size) + followed[:, :size], followed[:, size:]
 
 
-def _differences(
-    histories: CoupledHistories, velocity: Array, gain: Array, delay: Array
-) -> list[tuple[str, Array]]:
+def _differences(histories: CoupledHistories, velocity: Array, gain: Array, delay: Array) -> dict[str, Array]:
     """Parts of τ at the interface [m], by name."""
     command, difference = histories.command, histories.command - histories.measured
-    parts = []
+    parts: dict[str, Array] = {}
     for place in range(command.shape[0]):
         apart = np.arange(command.shape[0]) != place
         rows = {
@@ -102,8 +87,8 @@ def _differences(
             "cross_coupling": delay[place, apart] @ velocity[apart] - gain[place, apart] @ command[apart],
         }
         rows["rest"] = difference[place] - np.sum(list(rows.values()), axis=0)
-        parts += [
-            (f"actuator_{place + 1}_{cause}", np.outer(histories.carry[:, place], rows[cause]))
+        parts |= {
+            f"actuator_{place + 1}_{cause}": np.outer(histories.carry[:, place], rows[cause])
             for cause in CAUSES
-        ]
+        }
     return parts

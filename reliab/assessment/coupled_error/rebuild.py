@@ -13,15 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_error import CoupledError, Unknowns, conclude
+from reliab.assessment.coupled_error.coupled_error import CoupledError, conclude
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import (
+    ACCURACY,
     FEWEST_SWEPT,
+    Unknown,
     columns_of_sensor,
+    draw_unknown,
     factors_of_draws,
     states_at_first_sample,
     structures_of_draws,
@@ -38,6 +41,7 @@ from reliab.structures import Partition, is_part
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
 
+_OF_EXACT = 0.001  # accuracy of an error whose structure is exact
 _EXACT_DRAWS = 64  # of the response that perfect actuators would have given
 _FEWEST_SAMPLES = 64
 _FEWEST_PER_PERIOD = 10.0
@@ -146,7 +150,11 @@ def rebuild_coupled(
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
     )
-    exact = Unknowns.of_test(Tolerances(), np.zeros((2, partition.degrees)), partition.degrees)
+    none = np.zeros(partition.degrees)
+    exact = Unknown(tolerances=Tolerances(), offset=none, error_at_start=none)
+    as_stated, _ = sweep.errors(exact, differences[::2])
+    accuracy = _OF_EXACT if unknown.own_frequency is None else ACCURACY
+    swept, drawn = sweep.errors(unknown, differences, accuracy=accuracy)
     return conclude(
         partition=partition,
         structure=structure,
@@ -154,8 +162,9 @@ def rebuild_coupled(
         noises=channels.noises,
         starts=channels.starts,
         unknown=unknown,
-        as_stated=sweep.errors(exact, differences[::2]),
-        swept=sweep.errors(unknown, differences, accuracy=unknown.accuracy),
+        drawn=drawn,
+        as_stated=as_stated,
+        swept=swept,
         raw=channels.measured,
         loose=_looseness(channels, differences, carry),
         every=every,
@@ -169,7 +178,7 @@ def _what_is_unknown(
     partition: Partition,
     structure: Partition,
     tolerances: Tolerances,
-) -> Unknowns:
+) -> Unknown:
     """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
     learned = learn_frequency(
         histories.carry @ histories.command,
@@ -182,8 +191,8 @@ def _what_is_unknown(
         smooth=True,
         entries=EntriesOfStructure.of_parts(partition, tolerances.of_parts),
     )
-    starts = _of_starts(channels, structure, histories.carry)
-    return Unknowns.of_test(tolerances, starts, partition.degrees, learned)
+    offset, at_start = _of_starts(channels, structure, histories.carry)
+    return Unknown(tolerances=tolerances, offset=offset, error_at_start=at_start, own_frequency=learned)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -198,19 +207,19 @@ class _Sweep:
     seed: int
 
     def errors(
-        self, unknown: Unknowns, differences: Array, *, accuracy: float = 0.0
-    ) -> tuple[Array, Array, Array]:
+        self, unknown: Unknown, differences: Array, *, accuracy: float = 0.0
+    ) -> tuple[tuple[Array, Array], dict[str, Array]]:
         """Mean square, peak and largest ideal motion, and mean and deviation over the draws.
 
-        Returns shapes (draws, 3, p) and twice (p, n); and what was drawn, shape (unknowns, draws).
+        Returns shapes (draws, 3, p) and twice (p, n); and what was drawn by name, each shape (draws,).
         """
         draws = differences.shape[0]
-        drawn = unknown.draw(draws, self.seed)
+        drawn, moving = draw_unknown(unknown, draws, self.seed)
         carried = self.histories.carry @ differences
         statistics, band = np.empty((draws, 3, carried.shape[1])), np.zeros((2, *carried.shape[1:]))
         for places, structure in self._structures(drawn, draws):
             chosen = {name: values[places] for name, values in drawn.items()}
-            statistics[places], sums = self._swept(structure, chosen, carried[places])
+            statistics[places], sums = self._swept(structure, chosen, moving[places], carried[places])
             band += sums
         statistics *= self._between_samples
         computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
@@ -218,8 +227,7 @@ class _Sweep:
         statistics[:, 1] *= computed
         mean = band[0] / draws
         deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
-        rows = np.array([drawn[name] for name in unknown.names]).reshape(-1, draws)
-        return statistics, np.stack([mean, deviation]), rows
+        return (statistics, np.stack([mean, deviation])), drawn
 
     def _structures(
         self, drawn: dict[str, Array], draws: int
@@ -243,24 +251,24 @@ class _Sweep:
             yield places, together.scaled(frequency=f, damping_ratio=ratio, share=share)
 
     def _swept(
-        self, structure: Partition, drawn: dict[str, Array], differences: Array
+        self, structure: Partition, drawn: dict[str, Array], moving: Array, differences: Array
     ) -> tuple[Array, Array]:
         """Statistics and sums over draws of structures of one size."""
-        recursion, states, (inputs, shifts), (late, rate) = self._driven(
-            structure, drawn, differences.shape[0]
-        )
+        recursion, states, (inputs, shifts), (late, rate) = self._driven(structure, drawn, moving)
         command = self.histories.carry @ self.histories.command[:, :: self.every]
         lags = drawn["feedback_lag"]
         return sweep_draws(recursion, states, command, differences, inputs, shifts, late, rate, lags)
 
-    def exact(self, unknown: Unknowns, differences: Array) -> Iterator[tuple[Partition, Array]]:
+    def exact(self, unknown: Unknown, differences: Array) -> Iterator[tuple[Partition, Array]]:
         """Structures and exact responses at the interface [m], draw by draw."""
         draws, carried = differences.shape[0], self.histories.carry @ differences
         command = self.histories.carry @ self.histories.command[:, :: self.every]
-        drawn = unknown.draw(draws, self.seed)
+        drawn, moving = draw_unknown(unknown, draws, self.seed)
         for places, structure in self._structures(drawn, draws):
             chosen = {name: values[places] for name, values in drawn.items()}
-            recursion, states, (inputs, shifts), (late, rate) = self._driven(structure, chosen, places.size)
+            recursion, states, (inputs, shifts), (late, rate) = self._driven(
+                structure, chosen, moving[places]
+            )
             for row, draw in enumerate(places.tolist()):
                 strayed = carried[draw] + np.tensordot(shifts[row], inputs, 1)
                 fed_back = strayed + late + chosen["feedback_lag"][row] * rate
@@ -277,17 +285,14 @@ class _Sweep:
         return whole.scaled(frequency=f, damping_ratio=ratio, share=share)
 
     def _driven(
-        self, structure: Partition, drawn: dict[str, Array], draws: int
+        self, structure: Partition, drawn: dict[str, Array], moving: Array
     ) -> tuple[Recursion, Array, tuple[Array, Array], tuple[Array, Array]]:
         """Recursion and states of draws, what sensors add and how much of it, and what a late force adds."""
         histories, every = self.histories, self.every
         step = every * histories.time_step
-        recursion = Recursion.of_displacement(structure, step, smooth=True).of_draws(draws)
+        recursion = Recursion.of_displacement(structure, step, smooth=True).of_draws(len(moving))
         command, measured = histories.command[:, ::every], histories.measured[:, ::every]
-        displaced, moving = (
-            np.array([drawn.get(f"initial_{name}_{place + 1}", none) for place in range(len(command))]).T
-            for name, none in (("displacement", np.zeros(draws)), ("velocity", np.zeros(draws)))
-        )
+        displaced = np.array([drawn[f"initial_state_{place + 1}"] for place in range(len(command))]).T
         return (
             recursion,
             states_at_first_sample(structure, recursion, displaced, moving, histories.standing),

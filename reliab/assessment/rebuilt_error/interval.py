@@ -23,6 +23,7 @@ from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import Partition, is_part
 
+_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _FREEDOM = 4.0  # degrees of freedom of a deviation that is known by its order of magnitude
@@ -37,22 +38,37 @@ FEWEST_SWEPT = 4096
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
-    """Standard deviations of everything that is uncertain."""
+    """Standard deviations of everything that is uncertain, of a test with one sensor or with p of them."""
 
     tolerances: Tolerances  # Of what is stated
-    offset: float  # Of the sensor offset that remains [m]
-    error_at_start: float  # Of the error at the first sample [m]; zero where the test begins at rest
+    # offset, error_at_start: Of the sensor offset that remains and of the error at the first sample, zero
+    # where the test begins at rest [m]; of several sensors each shape (p,)
+    offset: float | Array
+    error_at_start: float | Array
     own_frequency: OwnFrequency | None = None  # What the test shows of its frequency, where that was learned
 
     def deviations(self) -> dict[str, float]:
-        """Return standard deviations by name, in the order of the draws."""
-        stated = dict(self.tolerances.items())
+        """Return standard deviations by name, in the order of the draws; sensors have numbers if several."""
+        sizes = dict(self.tolerances.items())
         if self.own_frequency is not None:
-            stated["frequency"] = self.own_frequency.deviation
-        stated["sensor_offset"] = float(np.hypot(stated["sensor_offset"], self.offset))
+            sizes["frequency"] = self.own_frequency.deviation
         # last and only where they are not zero, so that the draws of all others stay the same without them
-        added = {**{name: stated.pop(name) for name in _LAST}, **self.tolerances.of_parts}
-        return {**stated, "initial_state": self.error_at_start} | {k: v for k, v in added.items() if v}
+        last = {name: sizes.pop(name) for name in _LAST}
+        added = {**self._by_sensor(last), **self.tolerances.of_parts}
+        return self._by_sensor({**sizes, "initial_state": 0.0}) | {k: v for k, v in added.items() if v}
+
+    def _by_sensor(self, sizes: Mapping[str, float]) -> dict[str, float]:
+        """Give what each sensor has of its own as often as there are sensors."""
+        several, deviations = np.ndim(self.offset) > 0, {}
+        for name, value in sizes.items():
+            if name in _OF_STRUCTURE:
+                deviations[name] = value
+                continue
+            own = {"sensor_offset": self.offset, "initial_state": self.error_at_start}.get(name)
+            each = np.broadcast_to(value if own is None else np.hypot(value, own), np.shape(self.offset))
+            for place, size in enumerate(np.atleast_1d(each).tolist()):
+                deviations[f"{name}_{place + 1}" if several else name] = size
+        return deviations
 
 
 EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
@@ -102,12 +118,11 @@ def sweep(
     `differences` [m].
     """
     thin = histories.thinned(every)
-    drawn, phase = draw_unknown(unknown, draws, seed)
+    drawn, moving = draw_unknown(unknown, draws, seed)
     changed = structures_of_draws(structure, drawn)
     recursion = Recursion.of_displacement(changed, thin.time_step).of_draws(draws)
     at_rest = Recursion.of_displacement(structure, thin.time_step)
     if before is None:
-        moving = phase * unknown.error_at_start
         states = states_at_first_sample(structure, recursion, drawn["initial_state"], moving, thin.standing)
         states = np.concatenate([states, [at_rest.static[:, 0] * thin.standing] * 2])
     else:
@@ -145,10 +160,14 @@ def samples_in_step(structure: Partition, noise: SensorNoise, samples: int) -> i
 
 
 def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
-    """Draw what is unknown, each shape (draws,), and a standard normal velocity at the first sample."""
-    deviations = unknown.deviations()
-    points = normal_points(len(deviations) + 1, draws, seed)
-    return drawn_at(points[:-1], deviations, unknown.own_frequency), _at_first_sample(points[-1])
+    """Draw what is unknown, each shape (draws,), and errors of the velocity at the first sample.
+
+    The latter over the lowest natural frequency in rad/s [m], shape (draws,) or (draws, p).
+    """
+    deviations, sensors = unknown.deviations(), np.size(unknown.offset)
+    points = normal_points(len(deviations) + sensors, draws, seed)
+    at_once = _at_first_sample(points[-sensors:].T.reshape(draws, *np.shape(unknown.offset)))
+    return drawn_at(points[:-sensors], deviations, unknown.own_frequency), at_once * unknown.error_at_start
 
 
 def drawn_at(
@@ -166,7 +185,7 @@ def drawn_at(
             drawn[name] = relative_ratios(values, deviations[name])
         elif name.startswith("lagging_hysteresis"):
             drawn[name] = np.maximum(values, 0.0)
-        elif name in _OPEN:
+        elif name.startswith(_OPEN):
             drawn[name] = np.where(values > 0.0, deviations[name], 0.0)
     if own_frequency is not None and own_frequency.entries is not None:
         return own_frequency.entries.matched(drawn)

@@ -10,6 +10,7 @@ whole⟩; shares sum to one, and one that works against the others is negative. 
 without a part holds to first order only, because a better actuator also changes the command.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,9 +45,12 @@ class Part:
 class Parts:
     """The error divided into parts."""
 
-    gain: float  # k of least squares [-]
-    delay: float  # τ of least squares [s]; negative where the actuator leads
-    # "amplitude", "delay", "neither", and "fed_back_force" where a lag of it is known
+    # gain, delay: k [-] and τ [s] of least squares, negative where the actuator leads; of several actuators
+    # those of each for the commands of all, shape (p, p)
+    gain: float | Array
+    delay: float | Array
+    # "amplitude", "delay", "neither" or, of several actuators, "actuator_1_gain" and so on;
+    # "fed_back_force" where a lag of it is known
     by_name: dict[str, Part]
 
     @property
@@ -73,18 +77,42 @@ class Parts:
 def divide(histories: Histories, structure: Partition) -> Parts:
     """Divide a rebuilt error into its parts."""
     command, measured, step = histories.command, histories.measured, histories.time_step
-    recursion = Recursion.of_displacement(structure, step)
     gain, delay, differences = follow(command, measured, step)
-    pieces = {
-        name: respond(recursion, difference)[0] - difference for name, difference in differences.items()
-    }
-    still = np.zeros(command.size)
-    pieces[NEITHER] += respond(recursion, still, recursion.static[:, 0] * histories.standing)[0]
     late = histories.fed_back - histories.difference
-    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
-        pieces[FED_BACK_FORCE] = respond(recursion, late)[0]
+    recursion = Recursion.of_displacement(structure, step)
+    of_interface = pieces_of(
+        recursion,
+        differences,
+        late,
+        standing=np.array([histories.standing]),
+        remainder=NEITHER,
+        measured=measured,
+    )
+    pieces = {name: piece[0] for name, piece in of_interface.items()}
     whole = np.sum(list(pieces.values()), axis=0)
     return parts_of(gain, delay, pieces, float(np.abs(measured - whole).max()))
+
+
+def pieces_of(
+    recursion: Recursion,
+    differences: Mapping[str, Array],
+    late: Array,
+    *,
+    standing: Array,
+    remainder: str,
+    measured: Array,
+) -> dict[str, Array]:
+    """Pieces of x_m − x_I that pieces of x_c − x_m [m] cause, shape (p, n), and one of a late force.
+
+    `late`: what a late force adds to x_c − x_m, `measured` [m], shape (p, n); `standing` [m], shape (p,):
+    x_c − x_m before the first sample, whose answer belongs to the `remainder`.
+    """
+    pieces = {name: respond(recursion, difference) - difference for name, difference in differences.items()}
+    still = np.zeros_like(pieces[remainder])
+    pieces[remainder] += respond(recursion, still, recursion.static @ standing)
+    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
+        pieces[FED_BACK_FORCE] = respond(recursion, late)
+    return pieces
 
 
 def follow(command: Array, measured: Array, step: float) -> tuple[float, float, dict[str, Array]]:
@@ -102,7 +130,7 @@ def follow(command: Array, measured: Array, step: float) -> tuple[float, float, 
     return float(gain), float(delay), differences
 
 
-def parts_of(gain: float, delay: float, pieces: dict[str, Array], ideal_peak: float) -> Parts:
+def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array], ideal_peak: float) -> Parts:
     """Sizes of pieces [m] that add up to an error; `delay` [s], `ideal_peak` of the exact response [m]."""
     whole = np.sum(list(pieces.values()), axis=0)
     return Parts(

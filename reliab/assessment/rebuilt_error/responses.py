@@ -20,16 +20,16 @@ from reliab.structures import Partition
 def exact_of_draws(rebuilt: RebuiltError, number: int) -> Iterator[tuple[Partition, Array]]:
     """Structures and responses at the interface without actuator errors [m], draw by draw, shape (1, m)."""
     thin = rebuilt.histories.thinned(rebuilt.every)
-    drawn, phase = draw_unknown(rebuilt.unknown, number, rebuilt.seed)
+    drawn, moving = draw_unknown(rebuilt.unknown, number, rebuilt.seed)
     structures = structures_of_draws(rebuilt.structure, drawn)
     recursions = Recursion.of_displacement(structures, thin.time_step).of_draws(number)
-    for draw, (fed_back, start) in enumerate(_driven(rebuilt, thin, recursions, drawn, phase)):
+    for draw, (fed_back, start) in enumerate(_driven(rebuilt, thin, recursions, drawn, moving)):
         response = respond(recursions.of_draw(draw), fed_back, start)
         yield structure_of_draw(structures, draw), thin.command - response
 
 
 def _driven(
-    rebuilt: RebuiltError, thin: Histories, recursions: Recursion, drawn: dict[str, Array], phase: Array
+    rebuilt: RebuiltError, thin: Histories, recursions: Recursion, drawn: dict[str, Array], moving: Array
 ) -> Iterator[tuple[Array, Array]]:
     """x_c − x_m of the force that was fed back [m] and state at the first sample, draw by draw."""
     inputs, shifts = inputs_of_reading(thin, drawn)
@@ -37,7 +37,7 @@ def _driven(
         rebuilt.structure,
         recursions,
         drawn["initial_state"],
-        phase * rebuilt.unknown.error_at_start,
+        moving,
         thin.standing,
     )
     late, velocity = thin.fed_back - thin.difference, np.gradient(thin.measured, thin.time_step)

@@ -7,13 +7,14 @@ were known better.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown, sweep
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.structures import Partition
+from reliab.structures import Partition, is_part
 from reliab.vocabulary import Metric
 
 _HALVINGS = 12
@@ -101,7 +102,8 @@ class _Effect:
 
 def _effects(squares: Array, drawn: dict[str, Array]) -> dict[str, _Effect]:
     scaled = [values / np.std(values) for values in drawn.values()]
-    columns = np.stack([np.ones_like(squares), *scaled, *(values**2 for values in scaled)])
+    joint = _products_of_sensors(dict(zip(drawn, scaled, strict=True)))
+    columns = np.stack([np.ones_like(squares), *scaled, *(values**2 for values in scaled), *joint])
     coefficients = np.linalg.lstsq(columns.T, squares, rcond=None)[0]
     rows = coefficients[:, np.newaxis] * columns
     return {
@@ -110,6 +112,14 @@ def _effects(squares: Array, drawn: dict[str, Array]) -> dict[str, _Effect]:
         )
         for k, name in enumerate(drawn)
     }
+
+
+def _products_of_sensors(scaled: Mapping[str, Array]) -> list[Array]:
+    """Products of what sensors of several actuators have alike: a rotation feels the difference of two."""
+    alike = {name: name.rstrip("_0123456789") for name in scaled if not is_part(name)}
+    return [
+        scaled[one] * scaled[other] for one, other in combinations(alike, 2) if alike[one] == alike[other]
+    ]
 
 
 def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:

@@ -68,8 +68,7 @@ class YieldingDraws:
     @cached_property
     def _drawn(self) -> tuple[dict[str, Array], Array]:
         """What is not known, and the velocity of the error at the first sample [m]."""
-        drawn, phase = draw_unknown(self.unknown, len(self.specimens), self.seed)
-        return drawn, phase * self.unknown.error_at_start
+        return draw_unknown(self.unknown, len(self.specimens), self.seed)
 
     @cached_property
     def _reading(self) -> tuple[Array, Array]:

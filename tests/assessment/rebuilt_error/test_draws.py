@@ -12,8 +12,10 @@ from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
+from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spectral import respond_spectrally
-from reliab.assessment.rebuilt_error.widenings import _for_half, widenings
+from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.widenings import _for_half, widenings, widenings_of_draws
 from reliab.structures import Partition
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
@@ -290,3 +292,17 @@ def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(hist
     assert half.rms == pytest.approx(0.5 * part.rms)
     ideal = np.abs(histories.measured - part.history).max()
     assert half.remaining_mte == pytest.approx(0.5 * np.abs(part.history).max() / ideal)
+
+
+def test_what_two_sensors_make_together_is_no_effect_of_others():
+    """A rotation feels the difference of two skews, whose squares hold their product."""
+    names = ("time_shift_1", "time_shift_2", "damping_ratio")
+    drawn = dict(zip(names, normal_points(3, 256, seed=1), strict=True))
+    first, second, ratio = drawn.values()
+    errors = np.sqrt(4.0 + (first - second) ** 2 + 0.2 * ratio)
+    spread = Spread(rms=errors, mte=errors, mean=np.zeros(1), deviation=np.zeros(1))
+    sizes = {
+        one.name: one for one in widenings_of_draws(spread, drawn, dict.fromkeys(names, 1.0), Metric.RMS)
+    }
+    assert sizes["damping_ratio"].contribution == pytest.approx(0.05, rel=0.02)
+    assert sizes["time_shift_1"].width_without < 0.8 * sizes["time_shift_1"].width

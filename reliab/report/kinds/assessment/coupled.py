@@ -140,16 +140,10 @@ def _histories(assessment: CoupledAssessment, degree: DegreeError) -> Figure:
 def _largest_parts(assessment: CoupledAssessment, degree: DegreeError) -> dict[str, Array]:
     """RMS over stretches of the test of the largest parts of an error [m], by name."""
     place = assessment.frame.partition.names.index(degree.name)
-    sizes = assessment.error.parts.of_degree(place)
-    largest = sorted(sizes, key=lambda name: -sizes[name].rms)[:_PARTS_DRAWN]
-    histories = assessment.error.parts.histories
-    width = max(degree.reference.size // _STRETCHES, 1)
-    return {
-        name.removeprefix("actuator_").replace("_", " "): np.sqrt(
-            np.mean(histories[name][place][: _STRETCHES * width].reshape(-1, width) ** 2, axis=1)
-        )
-        for name in largest
-    }
+    parts = assessment.error.parts.of_degree(place)
+    largest = sorted(parts.by_name, key=lambda name: -parts.by_name[name].rms)[:_PARTS_DRAWN]
+    over_time = parts.over_time(assessment.error.time_step, assessment.recording.duration / _STRETCHES)
+    return {name.removeprefix("actuator_").replace("_", " "): over_time[name] for name in largest}
 
 
 def _cautions(assessment: CoupledAssessment) -> list[Prose]:
@@ -166,7 +160,7 @@ def _cautions(assessment: CoupledAssessment) -> list[Prose]:
 def _parts(assessment: CoupledAssessment) -> Table:
     names = assessment.frame.partition.names
     judged = [degree.name for degree in assessment.error.judged]
-    by_degree = {name: assessment.error.parts.of_degree(names.index(name)) for name in judged}
+    by_degree = {name: assessment.error.parts.of_degree(names.index(name)).by_name for name in judged}
     causes = list(next(iter(by_degree.values()), {}))
     rows = [
         (
@@ -214,9 +208,9 @@ def _tracking(assessment: CoupledAssessment) -> Table:
 def _improve_first(assessment: CoupledAssessment, degree: DegreeError) -> Paragraph:
     """Say which part of an error to improve first."""
     place = assessment.frame.partition.names.index(degree.name)
-    first = assessment.error.parts.first(place)
-    remaining = assessment.error.parts.of_degree(place)[first].remaining_rms
+    parts = assessment.error.parts.of_degree(place)
+    remaining = parts.by_name[parts.first].remaining_rms
     return Paragraph(
-        text=f"Improve first: {cause_in_words(first)}. Without it RMSᴿ of {degree.name} would be "
+        text=f"Improve first: {cause_in_words(parts.first)}. Without it RMSᴿ of {degree.name} would be "
         f"{percent(remaining)}."
     )
