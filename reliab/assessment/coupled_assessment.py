@@ -17,7 +17,7 @@ from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import CoupledRecording
 from reliab.significant import percent, percent_with_interval
 from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import CoupledLimit
+from reliab.structures import StabilityLimit
 from reliab.vocabulary import MILLI, Metric
 
 CAUSES_IN_WORDS = {
@@ -52,7 +52,7 @@ class CoupledAssessment:
         Sizes of what is not known of the test, by the names of the tolerances.
     verdict : Verdict
         The verdict, by the error of the displacement whose error is largest.
-    limit : CoupledLimit
+    limit : StabilityLimit
         Where the test would become unstable.
     limit_of_gains : bool
         Whether that is with the measured gains; else they are too uncertain, and exact ones are taken.
@@ -72,7 +72,7 @@ class CoupledAssessment:
     faults: tuple[tuple[str, Fault], ...]
     sizes: Mapping[str, Size]
     verdict: Verdict
-    limit: CoupledLimit
+    limit: StabilityLimit
     responses: ResponseErrors
     limit_of_gains: bool = True
     doubt_of_skew: str = ""

@@ -38,7 +38,7 @@ from reliab.recordings import CoupledRecording, without_spikes
 from reliab.significant import percent, significant
 from reliab.simulation.frames import FrameUnderTest
 from reliab.stated_value import StatedValue
-from reliab.structures import CoupledLimit, Partition, Structure, coupled_limit, is_part
+from reliab.structures import Partition, StabilityLimit, Structure, is_part, stability_limit
 from reliab.vocabulary import MILLI, Metric
 
 _FEW_DRAWS = 2
@@ -147,16 +147,16 @@ def _stated_of_frequency(sizes: Mapping[str, Size], partition: Partition) -> flo
 
 
 class _Limit(TypedDict):
-    limit: CoupledLimit
+    limit: StabilityLimit
     limit_of_gains: bool
 
 
 def _limit(partition: Partition, gains: Array) -> _Limit:
     """Where the test becomes unstable with the measured gains; with exact ones where it would be at once."""
     try:
-        return {"limit": coupled_limit(partition, gains), "limit_of_gains": True}
+        return {"limit": stability_limit(partition, gains), "limit_of_gains": True}
     except InputError:
-        return {"limit": coupled_limit(partition), "limit_of_gains": False}
+        return {"limit": stability_limit(partition), "limit_of_gains": False}
 
 
 def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:

@@ -44,8 +44,7 @@ from reliab.motions import Motion
 from reliab.recordings import Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
-from reliab.structures.critical_delay import critical_delay
+from reliab.structures import Structure, stability_limit
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
@@ -169,7 +168,7 @@ def _examined(
         faults=effects,
         verdict=turning.limit(_verdict(error, effects)),
         turning=turning,
-        critical_delay=critical_delay(frame.partition, tracking.amplitude)[0],
+        critical_delay=stability_limit(frame.partition, tracking.amplitude).delay,
         criterion=criterion,
         population=None
         if criterion is None

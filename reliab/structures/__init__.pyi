@@ -1,8 +1,8 @@
 from .condensation import condensed as condensed
-from .coupled_stability import (
-    CoupledLimit as CoupledLimit,
-    coupled_limit as coupled_limit,
+from .critical_delay import (
+    StabilityLimit as StabilityLimit,
     frequencies_of_loop as frequencies_of_loop,
+    stability_limit as stability_limit,
 )
 from .partition import (
     Partition as Partition,

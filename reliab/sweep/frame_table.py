@@ -13,14 +13,8 @@ from reliab.errors import InputError
 from reliab.indices import Window, relative_error
 from reliab.motions import Motion
 from reliab.progress import Progress, silent
-from reliab.simulation import Excitation
-from reliab.simulation.frames import (
-    CoupledLoop,
-    FrameLoop,
-    FrameUnderTest,
-)
-from reliab.structures import coupled_limit
-from reliab.structures.critical_delay import critical_delay
+from reliab.simulation.frames import FrameLoop, FrameUnderTest
+from reliab.structures import stability_limit
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import excitation_of
@@ -52,18 +46,14 @@ class FrameRequest:
     window: Window = field(default_factory=Window)  # Part of the record over which the error is computed
 
     def __post_init__(self) -> None:
-        if self.frame.several:
-            delay = coupled_limit(self.frame.partition).delay
-            actuators = self.frame.partition.degrees
-        else:
-            delay, actuators = critical_delay(self.frame.partition)[0], 1
+        actuators = self.frame.partition.degrees
         if self.actuator is not None and not 1 <= self.actuator <= actuators:
             raise InputError(
                 f"The actuator that errs is one of the structure's {actuators}",
                 value=self.actuator,
                 remedy="Count them from 1, as the rows of [kinematics]",
             )
-        if delay == 0.0:
+        if stability_limit(self.frame.partition).delay == 0.0:
             raise InputError(
                 "A boundary needs a test that tolerates some delay",
                 value="a specimen with half of the mass at its interface or more",
@@ -83,14 +73,21 @@ def trace_frame_ellipses(
     name and `error_of` the response whose error counts.
     """
     tables, errors_at_rest, headers, modes = [], [], [], []
+    frame = request.frame
     for motion in motions:
-        loop = _loop(request, excitation_of(motion, request.window))
+        loop = FrameLoop(
+            excitation=excitation_of(motion, request.window),
+            partition=frame.partition,
+            kinematics=frame.kinematics,
+            actuator=None if request.actuator is None else request.actuator - 1,
+            output=frame.output,
+        )
         modes.append(loop.governing_mode)
         errors_at_rest.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
         progress(len(headers), len(motions))
-    mode, frame = modes[0], request.frame
+    mode = modes[0]
     return ellipse_dataset(
         np.stack(tables)[:, np.newaxis, np.newaxis],
         {**join_coordinates(headers), "f": [mode.frequency], "xi": [mode.damping_ratio]},
@@ -109,21 +106,9 @@ def trace_frame_ellipses(
     )
 
 
-def _loop(request: FrameRequest, excitation: Excitation) -> FrameLoop | CoupledLoop:
-    frame = request.frame
-    if frame.several:
-        return CoupledLoop(
-            excitation=excitation,
-            partition=frame.partition,
-            kinematics=frame.kinematics,
-            actuator=None if request.actuator is None else request.actuator - 1,
-        )
-    return FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
-
-
-def _table(loop: FrameLoop | CoupledLoop, request: FrameRequest) -> Array:
+def _table(loop: FrameLoop, request: FrameRequest) -> Array:
     """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
-    step = _FEW_AMPLITUDES if isinstance(loop, CoupledLoop) else AMPLITUDE_STEP
+    step = _FEW_AMPLITUDES if request.frame.several else AMPLITUDE_STEP
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
     contours = [

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -17,11 +17,9 @@ from reliab.motions import Motion
 from reliab.progress import Progress, silent
 from reliab.simulation import Excitation
 from reliab.simulation.frames import (
-    CoupledLoop,
+    FrameLoop,
     FrameUnderTest,
-    rig_response,
     stable_with,
-    stable_with_several,
 )
 from reliab.sweep.request import excitation_of
 from reliab.vocabulary import MILLI, Metric
@@ -57,7 +55,7 @@ def limits_of_coupling(
     for place, motion in enumerate(motions):
         excitation = excitation_of(motion, window)
         for pair in itertools.permutations(range(size), 2):
-            loop = CoupledLoop(
+            loop = FrameLoop(
                 excitation=excitation, partition=frame.partition, kinematics=frame.kinematics, actuator=pair
             )
             limits[place][pair] = min(_limit_of_coupling(loop, threshold, metric, side) for side in (-1, 1))
@@ -65,7 +63,7 @@ def limits_of_coupling(
     return limits
 
 
-def _limit_of_coupling(loop: CoupledLoop, threshold: float, metric: Metric, side: int) -> float:
+def _limit_of_coupling(loop: FrameLoop, threshold: float, metric: Metric, side: int) -> float:
     def beyond(share: float) -> float:
         cells = loop.cells(gain=1.0 + side * share, delay=0.0)
         return min(float(relative_error(loop.deviation(cells), metric)[0]), LARGEST_ERROR) - threshold
@@ -92,12 +90,7 @@ def errors_of_rig(
     where the test is unstable with this rig.
     Raises InputError if no transfer system is described, or the specimen is nonlinear.
     """
-    if frame.transfer_system is None:  # a rig of one actuator or of several
-        raise InputError(
-            "The error of a rig needs its transfer system",
-            value="no [transfer_system]",
-            remedy="Describe it in the file of the frame",
-        )
+    rig = _rig(frame)
     if frame.partition.effects:
         raise InputError(
             "The error of a described rig is computed for a linear specimen",
@@ -105,7 +98,7 @@ def errors_of_rig(
             remedy="Leave [[specimen.effects]] out",
         )
     columns = ["motion", "rms", "mte", "A", "d_ms"]
-    if not _stable(frame):
+    if not stable_with(frame.partition, rig):
         return pd.DataFrame(columns=columns)
     rows = []
     for motion in motions:
@@ -114,36 +107,27 @@ def errors_of_rig(
     return pd.DataFrame(rows, columns=columns)
 
 
-_ErrorsAndIndices = tuple[float, float, float, float]
-"""RMS^R, MTE^R and A [-], d [ms]."""
+def _rig(frame: FrameUnderTest) -> "TransferSystem | ActuatorMatrix":
+    if frame.transfer_system is None:
+        raise InputError(
+            "The error of a rig needs its transfer system",
+            value="no [transfer_system]",
+            remedy="Describe it in the file of the frame",
+        )
+    return frame.transfer_system
 
 
-def _stable(frame: FrameUnderTest) -> bool:
-    if frame.several:
-        return stable_with_several(frame.partition, cast("ActuatorMatrix", frame.transfer_system))
-    return stable_with(frame.partition, cast("TransferSystem", frame.transfer_system))
-
-
-def _tried(frame: FrameUnderTest, excitation: Excitation) -> _ErrorsAndIndices:
-    if frame.several:
-        return _tried_several(frame, excitation)
-    rig = cast("TransferSystem", frame.transfer_system)
-    test = rig_response(excitation, frame.partition, rig, frame.output)
-    index = frequency_evaluation(test.command, test.measured, test.step)
-    rms, mte = (response_error(test.response, test.ideal, metric) for metric in (Metric.RMS, Metric.MTE))
-    return rms, mte, index.amplitude, MILLI * index.equivalent_delay
-
-
-def _tried_several(frame: FrameUnderTest, excitation: Excitation) -> _ErrorsAndIndices:
-    loop = CoupledLoop(excitation=excitation, partition=frame.partition, kinematics=frame.kinematics)
-    command, measured, step = loop.response(cast("ActuatorMatrix", frame.transfer_system))
+def _tried(frame: FrameUnderTest, excitation: Excitation) -> tuple[float, float, float, float]:
+    """RMS^R, MTE^R and A [-], d [ms] of the rig under one motion."""
+    loop = FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
+    test = loop.response(_rig(frame))
     judged = np.flatnonzero(loop.judged)
     rms, mte = (
-        np.array([response_error(measured[place], loop.ideal[place], metric) for place in judged])
+        np.array([response_error(test.response[place], test.ideal[place], metric) for place in judged])
         for metric in (Metric.RMS, Metric.MTE)
     )
     worst = judged[np.argmax(rms)]
-    index = frequency_evaluation(command[worst], measured[worst], step)
+    index = frequency_evaluation(test.command[worst], test.measured[worst], test.step)
     return float(rms.max()), float(mte.max()), index.amplitude, MILLI * index.equivalent_delay
 
 

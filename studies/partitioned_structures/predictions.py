@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.criterion import growth
 from reliab.criterion.laws import Dimensionless, Equation18
@@ -14,8 +13,7 @@ from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.motions import Motion
 from reliab.shipped import shipped
 from reliab.simulation import Excitation
-from reliab.simulation.frames import FrameLoop
-from reliab.simulation.frames.rig_loop import over_frequency
+from reliab.simulation.frames import place_of_governing_mode
 from reliab.simulation.laboratory import Run
 from reliab.simulation.linear_loop import respond
 from reliab.structures import Partition, Structure
@@ -99,7 +97,7 @@ def by_law_with_share(
         RMS^R [-]; NaN where the specimen is no spring in that mode, or α too small beside ξ, so that the law
         of the share does not hold.
     """
-    place = FrameLoop.governing(partition, None)
+    place = place_of_governing_mode(partition)
     if partition.stiffness_shares[place] < _SPRING * abs(partition.impedance_shares[place]):
         return math.nan
     try:
@@ -134,18 +132,18 @@ def resolved(run: Run, partition: Partition, motion: Motion) -> float:
     """
     tracking = tracking_over_frequency(run.command, run.measured, run.step)
 
-    def measured(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    load = (partition.mass @ partition.influence).astype(complex)[:, np.newaxis]
+
+    def stray(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         # The force is that of the measured displacement, late by the laboratory's own lag.
         tracked = tracking.transfer(s)
         late = tracked * np.exp(-s * _FORCE_LAG)
-        command = over_frequency(partition, s, late, partition.direction)
-        return np.asarray(tracked * command)
-
-    def ideal(s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        return over_frequency(partition, s, np.ones_like(s))
+        ideal = np.linalg.solve(partition.frame.dynamic_stiffness(s), load)[..., 0] @ partition.direction
+        command = ideal / (1.0 + partition.error_transfer(s)[..., 0, 0] * (late - 1.0))
+        return np.asarray(tracked * command - ideal)
 
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
-    strayed = respond(excitation, measured)[0] - respond(excitation, ideal)[0]
+    strayed = respond(excitation, stray)[0]
     return float(np.sqrt(np.mean(strayed**2)))
 
 

@@ -4,8 +4,15 @@ import pandas as pd
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
 from reliab.arrays import Array
-from reliab.structures import Partition, Specimen, Structure, drift_interface, floor_interface, with_specimen
-from reliab.structures.critical_delay import critical_delay
+from reliab.structures import (
+    Partition,
+    Specimen,
+    Structure,
+    drift_interface,
+    floor_interface,
+    stability_limit,
+    with_specimen,
+)
 from reliab.structures.frames import Frame, modal_damping, shear_frame
 
 
@@ -59,7 +66,7 @@ def shares_of_structures() -> pd.DataFrame:
     """
     rows = []
     for name, partition in partitioned_structures().items():
-        limit, _ = critical_delay(partition)
+        limit = stability_limit(partition).delay
         ratios, alphas = partition.frame.damping_ratios, partition.stiffness_shares
         felt = partition.impedance_shares
         for mode, frequency in enumerate(partition.frame.modes.frequency):

@@ -33,7 +33,7 @@ from reliab.motions import Motion, resample
 from reliab.motions.synthetic import synthetic_suite
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.structures import Partition, Structure, coupled_limit
+from reliab.structures import Partition, Structure, stability_limit
 
 IN_TIME = 0.3  # s
 CHUNK = 0.25  # s, after which Python's monitor is asked
@@ -213,7 +213,7 @@ def frame_case(kind: str, diverges: bool, motion: Motion, rng: np.random.Generat
     degrees = 1 if kind == "frame" else int(rng.integers(2, 4))
     partition = drawn_frame(rng, degrees)
     gain = np.eye(degrees) + 0.01 * rng.standard_normal((degrees, degrees))
-    limit = coupled_limit(partition, gain).delay
+    limit = stability_limit(partition, gain).delay
     if not (4.0 / FINE < limit < 1.0):
         return None  # shorter than whole samples can show
     ground = resample(motion, FINE).acceleration

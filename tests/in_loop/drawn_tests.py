@@ -10,7 +10,7 @@ from reliab.effects import Role, find_effect, library
 from reliab.in_loop import LoopMonitor
 from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.structures import Partition, Structure, coupled_limit
+from reliab.structures import Partition, Structure, stability_limit
 
 FINE = 4096
 SHIPPED = [name for name, effect in library().items() if effect.role is Role.FORCE]
@@ -134,7 +134,7 @@ def of_frame(seed, rate):
     """A frame of three to five storeys with one actuator, late by up to 1.5 times the critical delay."""
     rng = np.random.default_rng((seed, 9))
     partition = random_partition(seed, 1)
-    delay = float(rng.uniform(0.0, 1.5)) * coupled_limit(partition).delay
+    delay = float(rng.uniform(0.0, 1.5)) * stability_limit(partition).delay
     (command,), (measured,) = delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
     read = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
     monitor = LoopMonitor(
@@ -166,7 +166,7 @@ def of_several_actuators(seed, rate):
         command = np.cumsum(rng.normal(size=(partition.degrees, 6 * rate)), axis=1) * 1e-3 / np.sqrt(rate)
         measured = 0.98 * command
     else:
-        delay = float(rng.uniform(0.0, 1.5)) * coupled_limit(partition).delay
+        delay = float(rng.uniform(0.0, 1.5)) * stability_limit(partition).delay
         command, measured = (
             np.linalg.solve(carry, moved)
             for moved in delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))

@@ -10,7 +10,7 @@ from reliab.assessment.coupled_error import rebuild_coupled
 from reliab.in_loop import LoopMonitor
 from reliab.shipped import shipped
 from reliab.simulation.frames import coupled_response, read_structure
-from reliab.structures import coupled_limit
+from reliab.structures import stability_limit
 
 pytestmark = needs_compiler
 FRAME = shipped("datasets", "frames/two_actuators.toml")
@@ -72,7 +72,7 @@ def test_a_coupled_loop_that_diverges_is_caught_and_a_stable_one_is_not(tmp_path
     rate = 2048
     for seed in range(10):
         partition = random_partition(seed)
-        limit = coupled_limit(partition).delay
+        limit = stability_limit(partition).delay
         monitor = LoopMonitor(structure=partition, time_step=1.0 / rate)
         library = built_of(monitor, tmp_path / f"{seed}")
         for share in (0.5, 1.5):

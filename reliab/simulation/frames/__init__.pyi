@@ -1,10 +1,10 @@
-from .coupled_deviation import CoupledLoop as CoupledLoop, stable_with_several as stable_with_several
 from .coupled_loop import (
     CoupledResponse as CoupledResponse,
     coupled_response as coupled_response,
     ideal_response as ideal_response,
     responses_over_frequency as responses_over_frequency,
 )
+from .exact_loop import stable_with as stable_with
 from .frame_file import (
     FrameUnderTest as FrameUnderTest,
     frame_of_tables as frame_of_tables,
@@ -12,5 +12,8 @@ from .frame_file import (
     read_structure as read_structure,
     with_one_actuator as with_one_actuator,
 )
-from .frame_loop import FrameLoop as FrameLoop, governing_mode as governing_mode
-from .rig_loop import rig_response as rig_response, stable_with as stable_with
+from .frame_loop import FrameLoop as FrameLoop
+from .governing_mode import (
+    governing_mode as governing_mode,
+    place_of_governing_mode as place_of_governing_mode,
+)

@@ -8,12 +8,12 @@ from scipy.io import savemat
 
 from reliab.errors import InputError
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.exact_loop import stable_with
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.simulation.frames.rig_loop import rig_response, stable_with
 from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, gain_and_delay
-from reliab.structures.critical_delay import critical_delay
+from reliab.structures import stability_limit
 
 TABLES = {
     "frame": {"masses_kg": [2000.0, 1500.0], "storey_stiffnesses_n_per_m": [4e5, 3e5]},
@@ -45,11 +45,12 @@ def test_the_error_is_that_of_the_digital_laboratory(case, shaking):
     assert stable_with(partition, system)
     # The laboratory holds a command for a step and feeds the force back one and a half steps late.
     run = run_laboratory(partition, Rig(transfer_system=system), shaking, 0.01, rate=RATE)
-    found = rig_response(Excitation(acceleration=shaking, time_step=0.01), partition, system)
-    times = found.step * np.arange(found.measured.size)
+    loop = FrameLoop(excitation=Excitation(acceleration=shaking, time_step=0.01), partition=partition)
+    test = loop.response(system)
+    times = test.step * np.arange(test.measured.shape[1])
     piston = np.interp(times, np.arange(run.piston.size) / RATE, run.piston)
-    strayed = found.measured - found.ideal
-    assert np.std(found.measured - piston) < 0.05 * np.std(strayed)
+    strayed = test.measured[0] - test.ideal[0]
+    assert np.std(test.measured[0] - piston) < 0.05 * np.std(strayed)
 
 
 @pytest.mark.parametrize("output", [None, np.array([0.0, 1.0]), np.array([-1.0, 1.0])])
@@ -57,11 +58,11 @@ def test_a_gain_and_a_delay_are_those_of_the_other_engine(shaking, output):
     partition = described({"gain": 0.99, "delay_ms": 3.0}).partition
     excitation = Excitation(acceleration=shaking, time_step=0.01)
     loop = FrameLoop(excitation=excitation, partition=partition, output=output)
-    expected, step = loop.response(0.99, 0.003)
-    found = rig_response(excitation, partition, gain_and_delay(0.99, 0.003), output)
-    times = step * np.arange(expected.size)
-    inside = np.interp(times, found.step * np.arange(found.response.size), found.response)
-    assert inside == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+    expected = loop.deviation(loop.cells(gain=0.99, delay=0.003))
+    test = loop.response(gain_and_delay(0.99, 0.003))
+    strayed = test.response[0] - test.ideal[0]
+    assert np.mean(strayed**2) == pytest.approx(expected.mean_square[0], rel=6e-3)
+    assert np.abs(strayed).max() == pytest.approx(expected.peak[0], rel=6e-3)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 1.0])
@@ -74,7 +75,7 @@ def test_stability_changes_at_the_critical_delay(share, gain, slower):
         "specimen": {"degree_of_freedom": "1", "stiffness_n_per_m": stiffnesses[0] * share},
     }
     partition = frame_of_tables(tables, "frame.toml").partition
-    limit, _ = critical_delay(partition, gain)
+    limit = stability_limit(partition, gain).delay
     assert stable_with(partition, gain_and_delay(gain, 0.995 * limit))
     assert not stable_with(partition, gain_and_delay(gain, 1.005 * limit))
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.structures import Partition, Structure, coupled_limit
-from reliab.structures.critical_delay import critical_delay
+from reliab.structures import Partition, Structure, stability_limit
+from reliab.structures.stability import critical_delay
 
 
 def coupled_corner(specimen_damping=0.0):
@@ -53,7 +53,7 @@ def rightmost_root(partition, gains, delay, nodes=24):
 @pytest.mark.parametrize("gains", [np.eye(2), np.array([[0.97, 0.05], [-0.04, 1.02]])])
 def test_critical_delay_is_where_a_root_crosses(specimen_damping, gains):
     partition = coupled_corner(specimen_damping)
-    limit = coupled_limit(partition, gains)
+    limit = stability_limit(partition, gains)
     root = rightmost_root(partition, gains, limit.delay)
     assert abs(root.real) < 1e-6 * abs(root)
     assert abs(root.imag) == pytest.approx(2.0 * np.pi * limit.frequency, rel=1e-6)
@@ -64,10 +64,20 @@ def test_critical_delay_is_where_a_root_crosses(specimen_damping, gains):
 def test_one_actuator_has_its_own_critical_delay():
     structure = Structure(frequency=1.3, damping_ratio=0.04, experimental_fraction=0.6)
     partition = Partition.of_structure(structure, 2000.0)
-    limit = coupled_limit(partition)
-    delay, frequency = critical_delay(partition)
-    assert limit.delay == pytest.approx(delay, rel=1e-10)
-    assert limit.frequency == pytest.approx(frequency, rel=1e-10)
+    assert stability_limit(partition).delay == pytest.approx(float(critical_delay(structure)), rel=1e-10)
+
+
+def test_specimens_with_half_of_the_mass_tolerate_no_delay_whatever_the_number_of_actuators():
+    heavy = Partition(
+        mass=np.eye(2),
+        damping=0.4 * np.eye(2),
+        stiffness=40.0 * np.eye(2),
+        interface=np.eye(2),
+        specimen_stiffness=10.0 * np.eye(2),
+        specimen_mass=np.diag([0.1, 0.6]),
+    )
+    assert stability_limit(heavy).delay == 0.0
+    assert rightmost_root(heavy.changed(specimen_mass=np.zeros((2, 2))), np.eye(2), 1e-3).real < 0.0
 
 
 def test_a_specimen_must_be_part_of_the_frame():
