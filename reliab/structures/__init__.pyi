@@ -1,4 +1,4 @@
-from .condensation import condensed as condensed
+from .condensation import condensed as condensed, static_shapes as static_shapes
 from .critical_delay import (
     StabilityLimit as StabilityLimit,
     frequencies_of_loop as frequencies_of_loop,

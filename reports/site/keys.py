@@ -100,7 +100,7 @@ def _value(entry: Schema, named: Schema) -> str:
         return f'"{entry["const"]}"'
     if ways := entry.get("anyOf"):
         return " or ".join(dict.fromkeys(_value(way, named) for way in ways if way.get("type") != "null"))
-    if entry["type"] == "object":
+    if "$ref" in entry or entry["type"] == "object":
         return "table"
     if entry["type"] == "array":
         pieces = entry.get("prefixItems")

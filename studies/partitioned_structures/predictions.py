@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.criterion import growth
 from reliab.criterion.laws import Dimensionless, Equation18

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.simulation.frames.coupled_tables import damping_of
 from reliab.simulation.frames.frame_tables import DampingTable
 from reliab.structures import Partition
 from reliab.structures.frames import modal_damping, rayleigh_damping, shear_frame
@@ -84,7 +83,7 @@ def followed():
 
 def test_damping_of_modes_leaves_what_has_no_mass_undamped():
     _, mass, stiffness = followed()
-    found = damping_of(DampingTable(ratios=(0.02, 0.05)), MASS, STIFFNESS)
+    found = DampingTable(ratios=(0.02, 0.05)).matrix(MASS, STIFFNESS)
     np.testing.assert_allclose(found[np.ix_([0, 2], [0, 2])], modal_damping(mass, stiffness, (0.02, 0.05)))
     assert not found[1].any()
     assert not found[:, 1].any()
@@ -93,8 +92,8 @@ def test_damping_of_modes_leaves_what_has_no_mass_undamped():
 def test_rayleigh_damping_of_what_has_no_mass_is_that_of_its_stiffness():
     shapes, mass, stiffness = followed()
     frequencies = tuple(np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)) / (2.0 * np.pi))
-    found = damping_of(
-        DampingTable(rayleigh_ratios=(0.03, 0.04), rayleigh_frequencies_hz=frequencies), MASS, STIFFNESS
+    found = DampingTable(rayleigh_ratios=(0.03, 0.04), rayleigh_frequencies_hz=frequencies).matrix(
+        MASS, STIFFNESS
     )
     condensed = rayleigh_damping(mass, stiffness, (0.03, 0.04), frequencies)
     np.testing.assert_allclose(shapes.T @ found @ shapes, condensed, rtol=1e-9)
@@ -104,8 +103,8 @@ def test_rayleigh_damping_of_what_has_no_mass_is_that_of_its_stiffness():
 @pytest.mark.parametrize("mass", [MASS, np.diag([3.0, 1.0, 2.0])])
 def test_a_stated_damping_matrix_is_taken_as_it_is(mass):
     rows = ((5.0, -1.0, 0.0), (-1.0, 4.0, -2.0), (0.0, -2.0, 3.0))
-    np.testing.assert_array_equal(damping_of(DampingTable(matrix_n_s_per_m=rows), mass, STIFFNESS), rows)
+    np.testing.assert_array_equal(DampingTable(matrix_n_s_per_m=rows).matrix(mass, STIFFNESS), rows)
     whole = np.diag([3.0, 1.0, 2.0])
     np.testing.assert_allclose(
-        damping_of(DampingTable(ratio=0.02), whole, STIFFNESS), modal_damping(whole, STIFFNESS, 0.02)
+        DampingTable(ratio=0.02).matrix(whole, STIFFNESS), modal_damping(whole, STIFFNESS, 0.02)
     )

@@ -100,18 +100,13 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
-from reliab.simulation.frames.coupled_tables import (
-    CoupledDescription,
-    TransferMatrixTable,
-    damping_of,
-)
-from reliab.simulation.frames.frame_tables import FrameDescription, TransferTable
+from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.frames.matrix_files import with_matrices
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
+from reliab.simulation.frames.transfer_table import rig_of_table
 from reliab.simulation.transfer_systems import (
     ActuatorMatrix,
-    TransferFunction,
     TransferSystem,
     invertible,
 )
@@ -189,21 +184,13 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
     """Build a tested frame from the tables of a file, with one actuator or several."""
     folder = Path(where).parent
     with _finite_products(where):
-        described_by = CoupledDescription if _names_several(content) else FrameDescription
         description = described(
-            described_by,
+            FrameDescription,
             with_matrices(content, folder),
             rule="A description of a frame holds known keys with allowed values",
             remedy=REMEDY,
         )
         return _build(description, folder)
-
-
-def _names_several(content: dict[str, Any]) -> bool:
-    """Whether the tables of a file describe a specimen of several driven degrees of freedom."""
-    specimen = content.get("specimen")
-    described_so = isinstance(specimen, dict) and bool({"degrees_of_freedom", "directions"} & specimen.keys())
-    return described_so or "kinematics" in content
 
 
 @contextmanager
@@ -224,7 +211,7 @@ def _finite_products(where: str) -> Iterator[None]:
 
 
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
-    partition, several = _partition(description), isinstance(description, CoupledDescription)
+    partition, several = _partition(description), description.of_several
     of = description.error
     if several and of.of != "interface":
         raise InputError(
@@ -233,7 +220,7 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
             remedy="Leave [error] out",
         )
     matrix, geometry, at_interface = np.eye(partition.degrees), None, True
-    if isinstance(description, CoupledDescription) and description.kinematics is not None:
+    if description.kinematics is not None:
         matrix, geometry = description.kinematics.described
         at_interface = description.kinematics.channels == "interface"
     kinematics, table = _kinematics(matrix, partition.degrees), description.transfer_system
@@ -243,7 +230,7 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
         partition=partition,
         output=None if several else of.output(partition.frame),
         error_of=words.get(of.of, f"degree of freedom {of.of}"),
-        transfer_system=_rig(table, kinematics if several else None, folder),
+        transfer_system=rig_of_table(table, kinematics if several else None, folder),
         tolerances=description.tolerances.of_structure(
             partition.degrees_of_freedom, partition.mass, partition.damping, partition.stiffness
         ),
@@ -272,7 +259,7 @@ def _partition(description: FrameDescription) -> Partition:
     if len(interface) != len(names):
         raise InputError(f"A direction needs {len(names)} numbers", value=len(interface))
     k, c, m = specimen.matrices(interface.shape[1])
-    damping = damping_of(description.damping, mass, stiffness)
+    damping = description.damping.matrix(mass, stiffness)
     if not specimen.part_of_structure:
         mass, damping, stiffness = (
             whole + interface @ added @ interface.T
@@ -289,7 +276,7 @@ def _partition(description: FrameDescription) -> Partition:
         influence=table.influence,  # type: ignore[arg-type]  # made an array there
         names=its_names,
         degrees_of_freedom=names,
-        effects=specimen.acting,
+        effects=tuple(table.effect for table in specimen.effects),
     )
 
 
@@ -300,33 +287,3 @@ def _kinematics(matrix: Array, degrees: int) -> Array:
             value=matrix.shape[1],
         )
     return invertible(matrix)
-
-
-def _rig(
-    table: TransferMatrixTable | TransferTable | None, kinematics: Array | None, folder: Path
-) -> TransferSystem | ActuatorMatrix | None:
-    """Rig of several actuators with their kinematics, or of one."""
-    if table is None:
-        return None
-    if isinstance(table, TransferTable):
-        if kinematics is None:
-            return table.system(folder)
-        size = len(kinematics)
-        alike = _entry(table, folder)
-        rows = tuple(tuple(alike if i == j else None for j in range(size)) for i in range(size))
-    else:
-        rows = tuple(tuple(_entry(entry, folder) for entry in row) for row in table.matrix)
-    return ActuatorMatrix(kinematics=np.eye(len(rows)) if kinematics is None else kinematics, transfer=rows)
-
-
-def _entry(entry: TransferTable | float, folder: Path) -> TransferFunction | None:
-    if isinstance(entry, TransferTable):
-        system = entry.system(folder)
-        if not isinstance(system, TransferFunction):
-            raise InputError(
-                "An entry of the matrix of transfer functions must not depend on the specimen",
-                value="servo_hydraulic",
-                remedy="Give numerator and denominator as they were identified with the specimen",
-            )
-        return system
-    return TransferFunction(numerator=(entry,), denominator=(1.0,)) if entry else None

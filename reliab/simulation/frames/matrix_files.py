@@ -1,12 +1,19 @@
-"""Matrices of a description that stand in files beside it."""
+"""Matrices of a description, as rows of numbers or in files beside it."""
 
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.files import require_small
 from reliab.received import named_within
+
+Row = tuple[float, ...]
+
+Matrix = tuple[Row, ...]
 
 _MATRICES: Final = frozenset(
     [
@@ -59,3 +66,13 @@ def _numbers(lines: Iterable[str], name: str) -> Iterable[list[float]]:
             ) from None
         if row:
             yield row
+
+
+def matrix_of_rows(rows: tuple[Row, ...] | None) -> Array:
+    """Matrix of rows, which must be of one length."""
+    rows = rows or ()
+    if len({len(row) for row in rows}) != 1:
+        raise InputError(
+            "The rows of a matrix must be of one length", value=f"lengths {[len(row) for row in rows]}"
+        )
+    return np.array(rows, dtype=np.float64)

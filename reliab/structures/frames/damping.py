@@ -1,6 +1,7 @@
 """Damping matrices from damping ratios of the modes, or from two damping ratios by Rayleigh's method."""
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from reliab.arrays import Array
@@ -53,7 +54,8 @@ def rayleigh_damping(
         )
     system = 0.5 * np.array([[1.0 / first, first], [1.0 / second, second]])
     on_mass, on_stiffness = np.linalg.solve(system, np.asarray(ratios, dtype=np.float64))
-    omega = natural_modes(mass, stiffness).circular_frequency
+    squares = scipy.linalg.eigh(mass, stiffness, eigvals_only=True)  # 1/ω², zero without a mass
+    omega = 1.0 / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
     lowest = 0.5 * (on_mass / omega + on_stiffness * omega).min()
     if lowest < 0.0:
         raise InputError(

@@ -88,6 +88,12 @@ def test_a_damping_ratio_of_the_specimen_is_that_of_its_own_oscillator():
         ({"damping": {"ratio": 0.1, "ratios": [0.1, 0.1]}}, "one of ratio, ratios"),
         ({"damping": {"rayleigh_ratios": [0.1, 0.1]}}, "belong together"),
         ({"specimen": {"stiffness_n_per_m": 1.0}}, "degree_of_freedom or direction"),
+        (
+            {"specimen": {"directions": [[1.0, 0.0]], "mass_kg": 1.0}},
+            "several driven degrees of freedom takes no mass_kg",
+        ),
+        ({"specimen": {"directions": [[1.0, 0.0]]}}, "need stiffness_matrix_n_per_m"),
+        ({"specimen": SPECIMEN | {"names": ["x"]}}, "one driven degree of freedom takes no names"),
         ({"specimen": {"direction": [1.0, 0.0], "below": 0}}, "below needs degree_of_freedom"),
         ({"specimen": SPECIMEN | {"damping_ratio": 0.1, "damping_n_s_per_m": 1.0}}, "or damping_ratio"),
         ({"error": {"of": "drift"}}, 'between belongs to of = "drift"'),

@@ -1,0 +1,178 @@
+"""The table `[transfer_system]` of `frame.toml`, and the actuators that it describes."""
+
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from reliab.arrays import Array
+from reliab.errors import InputError
+from reliab.received import named_within
+from reliab.simulation.frames.tolerances_table import DescribedTable
+from reliab.simulation.transfer_systems import (
+    ActuatorMatrix,
+    ServoHydraulic,
+    TransferFunction,
+    TransferSystem,
+)
+from reliab.simulation.transfer_systems.reading import read_matlab
+from reliab.vocabulary import MILLI
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+Root = float | tuple[float, float]
+"""A real zero or pole [1/s], or real and imaginary part of one that stands for a conjugate pair."""
+
+
+class ServoHydraulicTable(DescribedTable):
+    """The servo-hydraulic plant of the benchmark, with other numbers where given."""
+
+    input_gain: Positive = Field(
+        default=ServoHydraulic.input_gain, description="Gain of the command’s way to the valve"
+    )
+    valve_gain: Positive = Field(
+        default=ServoHydraulic.valve_gain, description="Gain of the valve [N/(m·s³)]"
+    )
+    piston_coupling_n_per_m: Positive = Field(
+        default=ServoHydraulic.piston_coupling, description="Coupling of the piston"
+    )
+    leakage_per_s: Positive = Field(default=ServoHydraulic.leakage, description="Leakage past the piston")
+    valve_damping_per_s: Positive = Field(
+        default=ServoHydraulic.valve_damping, description="Damping of the valve"
+    )
+    valve_stiffness_per_s2: Positive = Field(
+        default=ServoHydraulic.valve_stiffness, description="Stiffness of the valve"
+    )
+
+    @property
+    def plant(self) -> ServoHydraulic:
+        """The actuator."""
+        return ServoHydraulic(
+            input_gain=self.input_gain,
+            valve_gain=self.valve_gain,
+            piston_coupling=self.piston_coupling_n_per_m,
+            leakage=self.leakage_per_s,
+            valve_damping=self.valve_damping_per_s,
+            valve_stiffness=self.valve_stiffness_per_s2,
+        )
+
+
+class TransferTable(DescribedTable):
+    """The actuators with their inner control: one, in one of its ways with a pure delay beside it, or all."""
+
+    gain: Positive | None = Field(default=None, description="Gain at rest, alone or beside `poles_per_s`")
+    numerator: tuple[float, ...] | None = Field(
+        default=None, description="Coefficients of the numerator, in descending powers of s"
+    )
+    denominator: tuple[float, ...] | None = Field(
+        default=None, description="Coefficients of the denominator, likewise"
+    )
+    zeros_per_s: tuple[Root, ...] = Field(default=(), description="Zeros, as `poles_per_s`")
+    poles_per_s: tuple[Root, ...] | None = Field(
+        default=None, description="Poles; [real, imaginary] stands for a conjugate pair"
+    )
+    file: str | None = Field(
+        default=None, description="MATLAB file beside this one with num and den, z, p and k, or A, B, C and D"
+    )
+    variable: str | None = Field(default=None, description="Structure in that file which holds them")
+    servo_hydraulic: ServoHydraulicTable | None = Field(default=None, description="Plant of the benchmark")
+    matrix: tuple[tuple["TransferTable | float", ...], ...] | None = Field(
+        default=None,
+        description="Transfer functions of several actuators, coupled: row i and column j is what the "
+        "command of actuator j moves actuator i by; 0 where they are not coupled. Any other way is that of "
+        "each actuator",
+    )
+    delay_ms: Annotated[float, Field(ge=0.0)] = Field(
+        default=0.0, description="Pure delay beside each of these"
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.numerator is None) != (self.denominator is None):
+            message = "numerator and denominator belong together"
+            raise ValueError(message)
+        ways = self.denominator, self.poles_per_s, self.file, self.servo_hydraulic, self.matrix
+        count = sum(way is not None for way in ways)
+        if count > 1 or (count == 0 and self.gain is None and not self.delay_ms):
+            message = (
+                "give numerator and denominator, or poles_per_s, file, servo_hydraulic, matrix, or gain and "
+                "delay_ms"
+            )
+            raise ValueError(message)
+        only_with = (
+            (
+                self.gain is not None,
+                self.poles_per_s is not None or count == 0,
+                "gain needs poles_per_s or delay_ms",
+            ),
+            (bool(self.zeros_per_s), self.poles_per_s is not None, "zeros_per_s needs poles_per_s"),
+            (self.variable is not None, self.file is not None, "variable needs file"),
+            (bool(self.delay_ms), self.servo_hydraulic is None, "servo_hydraulic takes no delay_ms"),
+            (bool(self.delay_ms), self.matrix is None, "a matrix takes no delay_ms beside its entries"),
+        )
+        for present, allowed, message in only_with:
+            if present and not allowed:
+                raise ValueError(message)
+        return self
+
+    def system(self, folder: Path) -> TransferSystem:
+        """Transfer system of one actuator; a file is looked for in the folder of the description."""
+        delay = self.delay_ms / MILLI
+        gain = 1.0 if self.gain is None else self.gain
+        if self.servo_hydraulic is not None:
+            return self.servo_hydraulic.plant
+        if self.file is not None:
+            if Path(self.file).suffix.lower() != ".mat":
+                raise InputError(
+                    "A transfer system is read from a MATLAB file",
+                    value=self.file,
+                    remedy="Save num and den with scipy.io.savemat, or give numerator and denominator here",
+                )
+            return read_matlab(named_within(folder, self.file, where=""), self.variable, delay)
+        if self.poles_per_s is not None:
+            zeros, poles = _roots(self.zeros_per_s), _roots(self.poles_per_s)
+            return TransferFunction.from_poles(zeros, poles, gain, static=True, delay=delay)
+        numerator, denominator = self.numerator or (gain,), self.denominator or (1.0,)
+        return TransferFunction(numerator=numerator, denominator=denominator, delay=delay)
+
+
+def _roots(entries: tuple[Root, ...]) -> list[complex]:
+    """All zeros or poles, both of each pair."""
+    roots: list[complex] = []
+    for root in entries:
+        if isinstance(root, tuple):
+            roots += [complex(*root), complex(root[0], -root[1])] if root[1] else [complex(root[0])]
+        else:
+            roots.append(complex(root))
+    return roots
+
+
+def rig_of_table(
+    table: TransferTable | None, kinematics: Array | None, folder: Path
+) -> TransferSystem | ActuatorMatrix | None:
+    """Rig of several actuators with their kinematics, or of one without; None where none is described."""
+    if table is None:
+        return None
+    if kinematics is None and table.matrix is None:
+        return table.system(folder)
+    matrix = np.eye(1) if kinematics is None else kinematics
+    if table.matrix is None:
+        alike, size = _entry(table, folder), len(matrix)
+        rows = tuple(tuple(alike if i == j else None for j in range(size)) for i in range(size))
+    else:
+        rows = tuple(tuple(_entry(entry, folder) for entry in row) for row in table.matrix)
+    return ActuatorMatrix(kinematics=matrix, transfer=rows)
+
+
+def _entry(entry: TransferTable | float, folder: Path) -> TransferFunction | None:
+    if isinstance(entry, TransferTable):
+        system = entry.system(folder)
+        if not isinstance(system, TransferFunction):
+            raise InputError(
+                "An entry of the matrix of transfer functions must not depend on the specimen",
+                value="servo_hydraulic",
+                remedy="Give numerator and denominator as they were identified with the specimen",
+            )
+        return system
+    return TransferFunction(numerator=(entry,), denominator=(1.0,)) if entry else None
