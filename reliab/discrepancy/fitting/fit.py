@@ -11,8 +11,6 @@ from scipy import optimize
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Effect
 from reliab.signals import NoiseModel
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
@@ -23,7 +21,6 @@ _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _MOST_STEPS = 12
 _MOST_ROUNDS = 10
 _SETTLED = 0.5  # nats
-_LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,21 +60,6 @@ class Fit:
         """Logarithm of the marginal likelihood, by Laplace's approximation."""
         prior = -0.5 * float(self.coordinates @ self.coordinates)
         return self.log_likelihood + prior - 0.5 * float(np.linalg.slogdet(self.precision)[1])
-
-
-def acts(fitted: Fit, effect: type[Effect], deviations: float) -> bool:
-    """Whether an effect is so many standard deviations from none, where its parameters can say so."""
-    if not all(parameter.signed for parameter in effect.parameters):
-        return True
-    place = fitted.space.places(effect)
-    if effect is ClockOffset:
-        lag = fitted.space.values(fitted.coordinates)[place]
-        return bool((np.abs(lag) * fitted.space.block.rate > _LEAST_LAG).all())
-    none = fitted.coordinates.copy()
-    none[place] = 0.0
-    distance = np.abs(fitted.space.values(fitted.coordinates) - fitted.space.values(none))[place]
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
-    return bool((distance > deviations * spread).any())
 
 
 def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:

@@ -7,7 +7,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from reliab.discrepancy.fitting.fit import Fit, acts, fit, refined, reweighted, sharpened
+from reliab.discrepancy.fitting.acting import acts, exceeds_rounding, takes_over_delay
+from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
@@ -153,13 +154,14 @@ class Search:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
             of_the_whole = gained > least * self._energy(self.null, candidate.noise)
             simple = not unknown and all(further_than(kind, held) <= _SIMPLE for kind in added)
-            of_what_is_left = MATERIAL if of_the_whole else BESIDE
+            instead = takes_over_delay(candidate, smaller)
+            of_what_is_left = MATERIAL if of_the_whole or instead else BESIDE
             large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
-            share = beside if held else MATERIAL
+            share = beside if held and not instead else MATERIAL
             return large and self._predicts(candidate, smaller, 1.0 - share)
         if smaller is self.null:
             return True
-        if self._is_shift(candidate, added):
+        if self._is_shift(candidate, added) or takes_over_delay(candidate, smaller):
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         closed = self._energy(self.null, candidate.noise) - remaining
         if gained > LEAST_SHARE * closed:
@@ -214,10 +216,9 @@ class Search:
         both = ClockOffset in alike and len(alike) > 1
         return not both or self._matters(candidate, reduce(self.without, alike, candidate))
 
-    @staticmethod
-    def _acts(candidate: Fit, kind: type[Effect]) -> bool:
-        """Whether an effect's parameters are beyond their own uncertainty of no effect."""
-        return acts(candidate, kind, _AWAY)
+    def _acts(self, candidate: Fit, kind: type[Effect]) -> bool:
+        """Whether an effect's parameters are beyond their own uncertainty, and beyond a converter's steps."""
+        return acts(candidate, kind, _AWAY) and exceeds_rounding(self.problem, candidate, kind)
 
     def _best_known(self) -> Fit:
         """Return the most credible model of members of the library alone."""
