@@ -44,7 +44,7 @@ def evaluate(seed: int, folder: Path, options: Options, *, variant: str | None =
         except RuntimeError as error:
             print(f"{name} cannot be drawn: {error}")
             return
-        changes = changes_of(variant, seed, nothing_hidden=not label.effects)
+        changes = changes_of(variant, seed, hidden=label.names)
         for change in changes:
             VARIANTS[change](campaign)
         result = {**answer(campaign), "changed": changes}
@@ -64,6 +64,7 @@ def answer(folder: Path) -> dict[str, Any]:
         return {"verdict": "refused", "effects": [], "refusal": str(refusal)}
     result = found.to_dict()
     result["misstated"] = [item.name for block in found.blocks for item in block.misstated]
+    result["either_misstated"] = [item.name for block in found.blocks for item in block.either_misstated]
     result["foretold"] = [row for block in found.blocks for row in foretold(block)]
     result["seconds"] = time.perf_counter() - begin
     add(found)

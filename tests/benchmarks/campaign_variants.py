@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 from blind_campaigns.outcomes import WRONG_STRUCTURE
@@ -17,6 +17,7 @@ FORCE_OFFSET = "force_offset"
 MIXED = "mixed"
 _OFFSET = 0.1  # of the RMS of a test's force
 _EVERY_THIRD = 3
+_FORCE_BIAS = "force_bias"
 
 
 def _scaled(key: str, factor: float) -> Callable[[Path], None]:
@@ -67,16 +68,17 @@ def _with_offset_of_force(campaign: Path) -> None:
         file.write_text("\n".join([header, *shifted]) + "\n", encoding="ascii")
 
 
-def changes_of(variant: str | None, seed: int, *, nothing_hidden: bool) -> tuple[str, ...]:
-    """Names of the changes of a campaign.
+def changes_of(variant: str | None, seed: int, *, hidden: Collection[str]) -> tuple[str, ...]:
+    """Names of the changes of a campaign, for the names of what is hidden in it.
 
-    In the mixed variant every third one gets an offset of the force, and where nothing is hidden frequency,
-    damping ratio or mass of the structure are stated wrongly in turn.
+    In the mixed variant every third one gets an offset of the force, unless an offset is hidden, whose size
+    it would change; where nothing is hidden frequency, damping ratio or mass of the structure are stated
+    wrongly in turn.
     """
     if variant != MIXED:
         return () if variant is None else (variant,)
-    offset = (FORCE_OFFSET,) if seed % _EVERY_THIRD == 0 else ()
-    wrong = (tuple(WRONG_STRUCTURE)[seed // _EVERY_THIRD % len(WRONG_STRUCTURE)],) if nothing_hidden else ()
+    offset = (FORCE_OFFSET,) if seed % _EVERY_THIRD == 0 and _FORCE_BIAS not in hidden else ()
+    wrong = () if hidden else (tuple(WRONG_STRUCTURE)[seed // _EVERY_THIRD % len(WRONG_STRUCTURE)],)
     return offset + wrong
 
 

@@ -75,6 +75,7 @@ class Outcome:
     def told(self) -> bool:
         """Whether all that was stated wrongly is told, or said to be one of two that no data tell apart."""
         doubted = self._mentioned() if self.verdict == "not_identifiable" else set()
+        doubted |= set((self.result or {}).get("either_misstated", []))
         return self.wrongly_stated <= self.misstated | doubted
 
     @property

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from reliab.cli.diagnose import _proved
-from reliab.discrepancy import Gap, Verdict
+from reliab.discrepancy import BlockDiagnosis, Gap, Verdict
 from reliab.discrepancy.naming import unexplained
 from reliab.discrepancy.naming.naming import offset_odds
-from reliab.discrepancy.result.diagnosis import contradiction, remainder_statement, statement
+from reliab.discrepancy.result.diagnosis import contradiction, one_of_two, remainder_statement, statement
 from reliab.discrepancy.result.gap import Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy.report import _closed, _floor
@@ -49,6 +49,7 @@ def blocks(draw):
         leaves_noise=draw(st.booleans()),
         structured_share=draw(st.floats(0.02, 1.0)),
         misstated=(),
+        either_misstated=(),
         block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"),
     )
 
@@ -199,11 +200,59 @@ def test_what_contradicts_the_campaign_is_said_first(verdict):
         tests_before={},
         tests_after={},
     )
-    block = SimpleNamespace(gap=gap, leaves_noise=True, misstated=(mass,))
+    block = SimpleNamespace(gap=gap, leaves_noise=True, misstated=(mass,), either_misstated=())
     assert statement(verdict, [block]).startswith(
         "The tests did not run with what was stated (mass 1.031 times). "
     )
     assert "1.031 ± 0.0003 times the stated one: check the table [structure]" in contradiction(mass)
+
+
+def test_one_of_two_stated_values_is_said_to_be_wrong():
+    frequency = Estimate(name="structure_frequency", value=0.9806, sd=0.0001, units="-", signed=True)
+    mass = Estimate(name="structure_mass", value=1.029, sd=0.0002, units="-", signed=True)
+    sentence = one_of_two((frequency, mass))
+    assert "natural frequency of 0.9806 ± 0.0001 or a mass of 1.029 ± 0.0002 times" in sentence
+    assert "do not tell which" in sentence
+
+
+def structure_of(frequency, mass, *, alike):
+    """A block whose tests tell a combination of frequency and mass, to a thousandth, and `alike` of another.
+
+    Along the combination (1, -1) a change of both leaves the tests the same.
+    """
+    told, untold = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([1.0, -1.0]) / np.sqrt(2.0)
+    covariance = 1e-8 * np.outer(told, told) + alike**2 * np.outer(untold, untold)
+    names = ("structure_frequency", "structure_mass")
+    block = SimpleNamespace(
+        calibrations=[SimpleNamespace(parameter=SimpleNamespace(name=name)) for name in names]
+    )
+    space = SimpleNamespace(
+        values=lambda _x: np.array([frequency, mass]), covariance_of_values=lambda _x, _c: covariance
+    )
+    found = object.__new__(BlockDiagnosis)
+    object.__setattr__(found, "block", block)
+    object.__setattr__(found, "best", SimpleNamespace(space=space, coordinates=None, covariance=None))
+    sds = np.sqrt(np.diag(covariance))
+    items = [
+        Estimate(name=name, value=value, sd=float(sd), units="-", signed=True)
+        for name, value, sd in zip(names, (frequency, mass), sds, strict=True)
+    ]
+    object.__setattr__(found, "calibration", tuple(items))
+    return found
+
+
+def test_frequency_and_mass_contradict_together_what_neither_does_alone():
+    found = structure_of(1.01, 1.01, alike=0.01)
+    assert found.misstated == ()
+    assert [item.value for item in found.either_misstated] == pytest.approx([1.02, 1.02], abs=1e-3)
+
+
+def test_nothing_is_doubted_that_is_as_stated_or_clear_by_itself():
+    assert structure_of(1.01, 0.99, alike=0.01).either_misstated == ()  # along what the tests do not tell
+    assert structure_of(1.002, 1.002, alike=0.01).either_misstated == ()  # within what goes without a remark
+    clear = structure_of(1.02, 1.0, alike=0.001)
+    assert [item.name for item in clear.misstated] == ["structure_frequency"]
+    assert clear.either_misstated == ()
 
 
 @pytest.mark.parametrize(

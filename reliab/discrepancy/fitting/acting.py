@@ -49,8 +49,10 @@ def takes_over_delay(candidate: Fit, smaller: Fit) -> bool:
     It then stands in the place of a calibration, and is no further effect beside the others.
     """
     added = set(candidate.space.effects) - set(smaller.space.effects)
-    names = [one.parameter.name for one in candidate.space.block.calibrations]
-    if len(added) != 1 or not issubclass(next(iter(added)), LinearEffect) or _DELAY not in names:
+    if len(added) != 1 or not issubclass(next(iter(added)), LinearEffect):
+        return False
+    names = [item.parameter.name for item in candidate.space.block.calibrations]
+    if _DELAY not in names:
         return False
     place = names.index(_DELAY)
     delay, former = (fit.space.values(fit.coordinates)[place] for fit in (candidate, smaller))

@@ -154,10 +154,10 @@ class Search:
             least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
             of_the_whole = gained > least * self._energy(self.null, candidate.noise)
             simple = not unknown and all(further_than(kind, held) <= _SIMPLE for kind in added)
-            instead = takes_over_delay(candidate, smaller)
+            instead = bool(held) and takes_over_delay(candidate, smaller)
             of_what_is_left = MATERIAL if of_the_whole or instead else BESIDE
             large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
-            share = beside if held and not instead else MATERIAL
+            share = MATERIAL if instead or not held else beside
             return large and self._predicts(candidate, smaller, 1.0 - share)
         if smaller is self.null:
             return True

@@ -82,11 +82,16 @@ class ModelSpace:
 
         The error of the model is added.
         """
+        variances = np.diag(self.covariance_of_values(coordinates, covariance))
+        return np.asarray(np.hypot(np.sqrt(variances), self.model_errors(self.values(coordinates))))
+
+    def covariance_of_values(self, coordinates: Array, covariance: Array) -> Array:
+        """Propagate a covariance to that of the SI values, to first order, shape (size, size)."""
         mean, spread = self._prior
         scaled = (mean + spread * coordinates).tolist()
-        slopes = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, scaled, strict=True)]
-        of_data = np.abs(np.array(slopes)) * spread * np.sqrt(np.diag(covariance))
-        return np.asarray(np.hypot(of_data, self.model_errors(self.values(coordinates))))
+        rates = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, scaled, strict=True)]
+        slopes = np.array(rates) * spread
+        return np.asarray(slopes[:, np.newaxis] * covariance * slopes)
 
     def model_errors(self, values: Array) -> Array:
         """Size of the model's own error in SI values of the parameters, shape (…, size).

@@ -27,9 +27,16 @@ from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.gap import FurtherError
-from reliab.discrepancy.result.missing_effect import MissingEffect, Rival, calibration, estimates, widened
+from reliab.discrepancy.result.missing_effect import (
+    Estimate,
+    MissingEffect,
+    Rival,
+    calibration,
+    estimates,
+    widened,
+)
 from reliab.discrepancy.terms import StatedDamping, is_outside
-from reliab.effects import Effect, ViscousDamping
+from reliab.effects import Effect, StrokeSaturation, ViscousDamping
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
@@ -208,12 +215,20 @@ class _Naming:
         return MissingEffect(
             effect=effect,
             probability=min(sure, self.most),
-            estimates=estimates(effect, self.best),
+            estimates=self._estimates(effect),
             rivals=rivals,
             error_with=self._error(self.best),
             error_without=self._error(smaller),
             on_bounds=tuple(name.removeprefix(key) for name in self.bounds if name.startswith(key)),
         )
+
+    def _estimates(self, effect: type[Effect]) -> tuple[Estimate, ...]:
+        """Parameters of an effect; a converter reads the level at which a stop holds within its step."""
+        fitted = estimates(effect, self.best)
+        if not issubclass(effect, StrokeSaturation):
+            return fitted
+        rounding = max(self.search.problem.steps.values()) / np.sqrt(12.0)
+        return tuple(replace(item, sd=float(np.hypot(item.sd, rounding))) for item in fitted)
 
     def _error(self, fitted: Fit) -> float:
         return held_out_nrmse(self.proof, residuals(self.proof, fitted))

@@ -5,18 +5,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+import numpy as np
+
 from reliab.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.renamed import renamed_method
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
-
-
 _SMALLEST_OFFSET = 0.005  # of the force's RMS in the strongest test
 
 
@@ -43,6 +44,8 @@ NOMINAL_VALUES = {
     ),
 }
 """What is calibrated relative to values that the campaign states."""
+
+_ALIKE = ("structure_frequency", "structure_mass")
 
 
 class Verdict(StrEnum):
@@ -147,11 +150,30 @@ class BlockDiagnosis:
     def misstated(self) -> tuple[Estimate, ...]:
         """Values of structure and specimen, over the stated ones, with which the tests did not run."""
         return tuple(
-            item
-            for item in self.calibration
-            if item.name in NOMINAL_VALUES
-            and abs(item.value - 1.0) > max(NOMINAL_VALUES[item.name].tolerance, _CLEAR * item.sd)
+            item for item in self.calibration if item.name in NOMINAL_VALUES and _is_contradiction(item)
         )
+
+    @property
+    def either_misstated(self) -> tuple[Estimate, ...]:
+        """Frequency and mass of the structure, each as it would be if the other were as stated.
+
+        A linear specimen tells one combination of the two. Where that contradicts what was stated and
+        neither does by itself, one of them is wrong, and the tests do not tell which.
+        """
+        names = [calibration.parameter.name for calibration in self.block.calibrations]
+        if not set(_ALIKE) <= set(names) or any(item.name in _ALIKE for item in self.misstated):
+            return ()
+        space, x = self.best.space, self.best.coordinates
+        places = [names.index(name) for name in _ALIKE]
+        covariance = space.covariance_of_values(x, self.best.covariance)[np.ix_(places, places)]
+        precision = np.linalg.inv(covariance + MODEL_ERROR**2 * np.eye(len(places)))
+        size = np.diag(precision)
+        away = (precision @ (space.values(x)[places] - 1.0) / size).tolist()
+        either = tuple(
+            Estimate(name=name, value=1.0 + change, sd=sd, units="-", signed=True)
+            for name, change, sd in zip(_ALIKE, away, (1.0 / np.sqrt(size)).tolist(), strict=True)
+        )
+        return either if all(map(_is_contradiction, either)) else ()
 
     @property
     def not_fed_back(self) -> Estimate | None:
@@ -183,3 +205,8 @@ class BlockDiagnosis:
             "further_test": None if self.further is None else self.further.to_dict(),
             "posterior_converged": self.converged,
         }
+
+
+def _is_contradiction(item: Estimate) -> bool:
+    """Whether a value over the stated one is clearly another, and by more than goes without a remark."""
+    return abs(item.value - 1.0) > max(NOMINAL_VALUES[item.name].tolerance, _CLEAR * item.sd)

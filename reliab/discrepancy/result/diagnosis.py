@@ -103,7 +103,8 @@ class Diagnosis:
     def remarks(self) -> tuple[str, ...]:
         """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
         contradicted = (contradiction(item) for block in self.blocks for item in block.misstated)
-        remarks = [*self.faults, *contradicted, *(effect.remark for effect in self.doubtful)]
+        either = (one_of_two(block.either_misstated) for block in self.blocks if block.either_misstated)
+        remarks = [*self.faults, *contradicted, *either, *(effect.remark for effect in self.doubtful)]
         for block in self.blocks:
             remarks += _limits_of(block)
         remarks += [
@@ -269,6 +270,18 @@ def contradiction(item: Estimate) -> str:
     )
 
 
+def one_of_two(either: Sequence[Estimate]) -> str:
+    """Say that one of two stated values is wrong, and what each would be if the other were right."""
+    cases = [
+        f"a {NOMINAL_VALUES[item.name].meaning} of {significant(item.value, 4)} ± {significant(item.sd, 1)}"
+        for item in either
+    ]
+    return (
+        f"The tests ran with {' or '.join(cases)} times the stated one, and do not tell which: "
+        f"{NOMINAL_VALUES[either[-1].name].check}."
+    )
+
+
 def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
     """Say what a verdict means.
 
@@ -276,11 +289,10 @@ def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
     where every block is explained.
     """
     misstated = [item for block in blocks for item in block.misstated]
+    either = [block.either_misstated for block in blocks if block.either_misstated]
     first = ""
-    if misstated:
-        values = [
-            f"{NOMINAL_VALUES[item.name].meaning} {significant(item.value, 4)} times" for item in misstated
-        ]
+    if misstated or either:
+        values = [*map(_times, misstated), *(" or ".join(map(_times, pair)) for pair in either)]
         first = f"The tests did not run with what was stated ({'; '.join(values)}). "
     if verdict is not Verdict.NO_MISSING_EFFECT:
         return f"{first}{_VERDICTS[verdict]}"
@@ -290,9 +302,13 @@ def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
         return (
             f"{first}Calibration explains the tests but for a remainder in {channels} that may not be noise."
         )
-    if misstated:
+    if first:
         return f"{first}With the calibrated values nothing is missing."
     return "Calibration alone explains the tests: nothing is missing."
+
+
+def _times(item: Estimate) -> str:
+    return f"{NOMINAL_VALUES[item.name].meaning} {significant(item.value, 4)} times"
 
 
 def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
