@@ -6,8 +6,10 @@ from typing import Any
 from reliab.significant import percent
 
 
-def kept_shares(rows: Sequence[Mapping[str, Any]], of_side: str = "") -> Iterator[str]:
-    """Say of each method and law whether the share of motions that it states is kept.
+def kept_shares(
+    rows: Sequence[Mapping[str, Any]], of_side: str = "", whose: str = "the motions"
+) -> Iterator[str]:
+    """Say of each method and law whether the share that it states is kept, and by which motions.
 
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
     >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
@@ -27,7 +29,7 @@ def kept_shares(rows: Sequence[Mapping[str, Any]], of_side: str = "") -> Iterato
             for rate, stated in judged
         )
         first, *others = shares.split(" where", 1)
-        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of the motions where{others[0]}."
+        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} where{others[0]}."
 
 
 def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:

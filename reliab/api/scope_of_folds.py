@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from reliab.api.judged_motions import Division
 from reliab.criterion import Position, compare_with_scope, magnitudes_of, scope_of
@@ -39,6 +40,19 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
                 f"{_range(outside)}{unit}; those that their criterion is learned from have "
                 f"{_range(ends)}{unit}. It makes no promise for them."
             )
+
+
+def motions_outside(ellipses: xr.Dataset, division: Division) -> NDArray[np.bool_]:
+    """Which motions lie outside of those from which a criterion that judges them is learned, (motions,)."""
+    learned_from = ellipses if division.learn_from is None else division.learn_from
+    known = _quantities(ellipses)
+    outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
+    for fold in division.folds:
+        scope = scope_of(learned_from.isel(motion=fold.learned))
+        for quantity, values in known.items():
+            beyond = [_is_outside(scope, quantity, float(value)) for value in values]
+            outside |= fold.judged & np.array(beyond, dtype=np.bool_)
+    return outside
 
 
 def _group(fold: Fold) -> str:

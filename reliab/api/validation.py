@@ -1,6 +1,7 @@
 """`reliab.validate_criteria`, `reliab.calibrate_probabilities`: whether criteria hold on unseen motions."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from reliab.api.judged_motions import (
     true_errors,
 )
 from reliab.api.kept_shares import kept_shares
-from reliab.api.scope_of_folds import sentences_of_outside
+from reliab.api.scope_of_folds import motions_outside, sentences_of_outside
 from reliab.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
 from reliab.criterion import population_of
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known
@@ -81,7 +82,7 @@ class Validation:
             "judged_on": _judged(self.ellipses, self.counts.scheme),
             "outside": list(sentences_of_outside(self.ellipses, self.division)),
             "rows": rows,
-            "sentences": [*kept_shares(rows), *kept_shares(leads, " for leads")],
+            "sentences": list(_sentences(self, rows, leads)),
             "by_frequency": _rows(self.counts, ("xi",)),
             "by_damping_ratio": _rows(self.counts, ("f",)),
             "rows_lead": leads,
@@ -238,6 +239,23 @@ def _judged(ellipses: xr.Dataset, scheme: str) -> str:
         **{name: f"each {name} judged by the others" for name in GROUP_SCHEMES},
     }
     return f"{population_of(ellipses)} ({ways.get(scheme, scheme.replace('_', ' '))})"
+
+
+def _sentences(
+    validation: Validation, rows: list[dict[str, Any]], leads: list[dict[str, Any]]
+) -> Iterator[str]:
+    """Say of each criterion whether the share that it states is kept by the motions of which it speaks."""
+    outside, whose = motions_outside(validation.ellipses, validation.division), "the motions"
+    if outside.all():
+        yield "All motions lie outside of those that their criteria are learned from: no share is promised."
+        return
+    if outside.any():
+        whose = "the motions that do not lie outside"
+        counts = validation.counts.counts.isel(motion=~outside)
+        inside = replace(validation.counts, counts=counts)
+        rows, leads = (_rows(inside, ("f", "xi"), side) for side in ("lag", "lead"))
+    yield from kept_shares(rows, whose=whose)
+    yield from kept_shares(leads, " for leads", whose)
 
 
 def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
 from reliab.assessment.placement import carried_limits
-from reliab.criterion import Criterion, Position, growth
+from reliab.criterion import Criterion, growth, promised
 from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
 from reliab.vocabulary import MILLI
@@ -38,6 +38,8 @@ class Tolerance:
     position : str
         Where the case that the criterion is for lies among its ground motions: "inside", "at the edge" or
         "outside", where no share is promised.
+    promised_from : float
+        Share from which the criterion promises one.
     population : str
         Ground motions for which the criterion speaks, in words; empty where it does not state them.
     scope : mapping of str to sequence of float
@@ -55,13 +57,14 @@ class Tolerance:
     outside_validity: bool
     experimental_fraction: float = 1.0
     position: str = "inside"
+    promised_from: float = 0.0
     population: str = ""
     scope: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     @property
     def promise(self) -> float | None:
         """Share of the population's ground motions; None where the criterion promises none."""
-        return None if self.position == Position.OUTSIDE else self.confidence
+        return promised(self.confidence, self.position, self.promised_from)
 
     @property
     def amplitude_error(self) -> float:
@@ -186,6 +189,7 @@ def tolerable_errors(
                     critical_delay=float(critical_delay(in_laboratory)),
                     outside_validity=carried_from is not None,
                     position=candidate.provenance.position,
+                    promised_from=candidate.provenance.promised_from,
                     population=candidate.provenance.population,
                     scope=candidate.provenance.scope,
                 )

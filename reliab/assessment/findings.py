@@ -11,7 +11,7 @@ from reliab.assessment.improvement import Improvement, improvement
 from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.scope_of_test import ScopeOfTest
+from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.tracking_measures import TrackingMeasures
 from reliab.assessment.turning import Turning
@@ -118,7 +118,7 @@ class Findings:
             probability=self.index_probability,
             confidence=self.criterion.confidence,
             own_motion=self.placement is not None,
-            outside=self._why_for_none if self.speaks_for_none else (),
+            outside=why_for_none(self.scope, self.criterion) if self.speaks_for_none else (),
         )
 
     @property
@@ -130,11 +130,6 @@ class Findings:
     def promise(self) -> float | None:
         """Share of the population's ground motions that is promised for the test; None where none is."""
         return None if self.speaks_for_none else self.criterion.confidence
-
-    @property
-    def _why_for_none(self) -> tuple[str, ...]:
-        reason = "The criterion itself is for a case outside of its population."
-        return self.scope.sentences if self.scope.outside else (*self.scope.sentences, reason)
 
     @property
     def reliable(self) -> bool:

@@ -14,7 +14,7 @@ from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_estimate, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error import Part
 from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
-from reliab.assessment.scope_of_test import compared
+from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
@@ -118,6 +118,14 @@ class FrameAssessment:
                 ModeOfTest(frequency=frequency, damping_ratio=ratio, share=share, amplitude=a, delay=d)
             )
         return tuple(modes)
+
+    @property
+    def promise(self) -> float | None:
+        """Share of the population's ground motions that the criterion promises for the test."""
+        if self.criterion is None:
+            return None
+        outside = compared(self.criterion, {"length": self.recording.duration}).outside
+        return None if outside else self.criterion.promise
 
     @property
     def reliable(self) -> bool:
@@ -248,14 +256,15 @@ def _by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
     if placed is None or criterion is None:
         return None
     scope = compared(criterion, {"length": assessment.recording.duration})
-    probability = None if scope.outside else capped(placed.probability)
+    promise = assessment.promise
+    probability = None if promise is None else capped(placed.probability)
     verdict = verdict_by_index(
         index=placed.index,
         interval=placed.index_interval,
         probability=probability,
         confidence=criterion.confidence,
         own_motion=False,
-        outside=scope.sentences if scope.outside else (),
+        outside=why_for_none(scope, criterion) if promise is None else (),
     )
     return {
         "verdict": str(verdict.word),
@@ -265,6 +274,6 @@ def _by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
         "probability": probability,
         "a": placed.a,
         "b": placed.b,
-        "confidence": None if scope.outside else criterion.confidence,
+        "confidence": promise,
         "scope": scope.to_dict(),
     }

@@ -67,6 +67,16 @@ def compared(criterion: Criterion, test: Mapping[str, float]) -> ScopeOfTest:
     return ScopeOfTest(position=found.position, sentences=found.sentences, test=test, population=scope)
 
 
+def why_for_none(scope: ScopeOfTest, criterion: Criterion) -> tuple[str, ...]:
+    """Why a criterion promises nothing for a test: for its own quantities, or for the criterion's case."""
+    if scope.outside:
+        return scope.sentences
+    reason = "The criterion itself is for a case outside of its population."
+    if criterion.provenance.position != Position.OUTSIDE:
+        reason = "The criterion was asked for at a share too small to be kept."
+    return (*scope.sentences, reason)
+
+
 def place_by_response(
     recording: Recording, question: Question, reference: Array, criterion: Criterion, tracking: TrackingIndex
 ) -> Placement | None:

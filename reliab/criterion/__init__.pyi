@@ -52,6 +52,7 @@ from .scope import (
     magnitudes_of as magnitudes_of,
     population_of as population_of,
     populations_in_words as populations_in_words,
+    promised as promised,
     range_of as range_of,
     regions_of as regions_of,
     scope_of as scope_of,

@@ -5,7 +5,7 @@ from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
 from reliab.criterion.protection import lengths_together
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.vocabulary import Side
 
 _FEW_EVENTS = 30
@@ -19,6 +19,7 @@ def cautions_of(
     sentences = (
         _without_promise(grid, method, confidence, empty),
         str(ellipses.attrs.get("caution", "")),
+        _too_small(ellipses, confidence),
         _fitted(grid, method),
         _left_out(grid, method),
         _unequally_kept(ellipses),
@@ -50,6 +51,16 @@ def _without_promise(grid: SampleGrid, method: Method, confidence: float, empty:
         f"Too few motions or earthquakes for {method.name} at {confidence:g}: {motions} motions of "
         f"{_earthquakes(events)} support {significant(carried)} at most, so that the limits are zero and no "
         f"test is accepted."
+    )
+
+
+def _too_small(ellipses: EllipseTable, confidence: float) -> str:
+    least = float(ellipses.attrs.get("promised_from", 0.0))
+    if confidence >= least:
+        return ""
+    return (
+        f"No share below {percent(least)} is promised by a response: limits at 50 % have 7 to 17 % more area "
+        "than at 95 %, and populations of ground motions differ by too much of that."
     )
 
 

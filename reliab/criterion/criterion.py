@@ -12,7 +12,7 @@ from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
-from reliab.criterion.scope import Position
+from reliab.criterion.scope import promised
 from reliab.criterion.showing import draw_region, table_of_criterion
 from reliab.described_files import MOST_BYTES_OF_JSON, described_text
 from reliab.errors import InputError
@@ -201,8 +201,11 @@ class Criterion:
 
     @property
     def promise(self) -> float | None:
-        """Share of the population's ground motions; None for a case that lies outside of the population."""
-        return None if self.provenance.position == Position.OUTSIDE else self.confidence
+        """Share of the population's ground motions.
+
+        None for a case that lies outside of the population, or a share too small to be kept.
+        """
+        return promised(self.confidence, self.provenance.position, self.provenance.promised_from)
 
     def __repr__(self) -> str:
         return (

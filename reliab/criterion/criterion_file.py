@@ -83,6 +83,7 @@ class _ProvenanceTable(_Part):
     population: str = ""
     scope: dict[str, list[float]] = {}
     position: str = "inside"
+    promised_from: float = 0.0
 
 
 class _CriterionFile(_Part):

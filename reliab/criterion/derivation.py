@@ -289,6 +289,7 @@ class Derivation:
             population=population_of(self.ellipses),
             scope=self.ellipses.attrs.get("scope", scope_of(self.ellipses)),
             position=self.ellipses.attrs.get("position", "inside"),
+            promised_from=float(self.ellipses.attrs.get("promised_from", 0.0)),
             settings={
                 **self.method.settings,
                 **self.lag.learned.settings,

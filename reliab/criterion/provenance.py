@@ -68,6 +68,8 @@ class Provenance:
         `sensitivity` [-].
     position : str
         Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside".
+    promised_from : float
+        Share of ground motions [-] from which one is promised: smaller ones cannot be kept.
     """
 
     source: str
@@ -84,6 +86,7 @@ class Provenance:
     population: str = ""
     scope: dict[str, list[float]] = field(default_factory=dict)
     position: str = "inside"
+    promised_from: float = 0.0
 
 
 def kind_of_motions(events: Sequence[str]) -> str:

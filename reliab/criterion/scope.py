@@ -24,6 +24,31 @@ _NAMES = {
 }
 
 
+def promised(confidence: float, position: str, least: float) -> float | None:
+    """Tell which share of a population's ground motions a criterion promises.
+
+    Parameters
+    ----------
+    confidence : float
+        Share that was asked for [-].
+    position : str
+        Where the case lies among the population, one of :class:`Position`.
+    least : float
+        Share from which one can be kept [-].
+
+    Returns
+    -------
+    float or None
+        The share; None outside of the population, and for a share below the least.
+
+    Examples
+    --------
+    >>> promised(0.95, "inside", 0.8), promised(0.95, "outside", 0.8), promised(0.5, "inside", 0.8)
+    (0.95, None, None)
+    """
+    return None if position == Position.OUTSIDE or confidence < least else confidence
+
+
 class Position(StrEnum):
     """Where a test lies among the motions behind a criterion."""
 

@@ -29,7 +29,9 @@ from reliab.criterion import (
     names_along,
     population_of,
     protect_over_lengths,
+    range_of,
     scope_of,
+    shipped_measures,
 )
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending, written_whole
@@ -240,12 +242,35 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "motions": first["motion"].values.tolist(),
         "events": first["event"].values.tolist(),
         "share": share_of(first),
-        "lengths": scope_of(first).get("length"),
+        **_ranges(first),
         "population": population_of(next(iter(ellipses.values()))),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
     }
+
+
+def _ranges(ellipses: xr.Dataset) -> dict[str, Any]:
+    """Ranges over the motions of their lengths, and of the responses to them at each structure."""
+    return {"lengths": scope_of(ellipses).get("length"), "responses": _of_responses(ellipses)}
+
+
+def _of_responses(ellipses: xr.Dataset) -> dict[str, list[list[list[float]]]] | None:
+    """Ranges of what is known of responses, over (f, ξ, 4); None for other motions than those that ship."""
+    measures = shipped_measures()
+    pairs = (ellipses["f"], measures.frequencies), (ellipses["xi"], measures.damping_ratios)
+    alike = all(np.array_equal(values.values, known) for values, known in pairs)
+    if not alike or set(ellipses["motion"].values.tolist()) != set(measures.motions.tolist()):
+        return None
+    rows, columns = (range(known.size) for _, known in pairs)
+    return {
+        name: [[_rounded(range_of(values[:, row, column])) for column in columns] for row in rows]
+        for name, values in measures.compared.items()
+    }
+
+
+def _rounded(values: list[float]) -> list[float]:
+    return [float(f"{value:.4g}") for value in values]
 
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:

@@ -117,6 +117,19 @@ def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_an
     amplitude, delay = assessment.tracking.amplitude, 1e3 * assessment.tracking.delay
     assert by_index["index"] == pytest.approx((amplitude - 1.0) ** 2 / a + delay**2 / b)
     assert by_index["reliable"] == (by_index["verdict"] == "reliable")
+    assert by_index["confidence"] == 0.95
+
+
+def test_a_criterion_for_a_case_outside_of_its_population_promises_nothing_for_a_frame(frame, test_and_truth):
+    mode = governing_mode(frame.partition, frame.output)
+    printed = published_criterion("guo_2017_18")
+    changes = {"experimental_fraction": mode.experimental_fraction, "position": "outside"}
+    criterion = replace(printed, provenance=replace(printed.provenance, **changes))
+    assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
+    by_index = assessment.to_dict()["by_index"]
+    assert (by_index["confidence"], by_index["verdict"]) == (None, "undecided")
+    facts = frame_assessment_report(assessment, provenance={}).facts
+    assert "no share of" in str(facts["Index of the criterion"])
 
 
 def test_a_criterion_of_another_structure_is_refused(frame, test_and_truth):

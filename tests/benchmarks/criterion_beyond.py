@@ -1,6 +1,7 @@
 """Share of cut records and simulated ground motions under which criteria hold, inside and outside of scope.
 
     python tests/benchmarks/criterion_beyond.py RECORDS [--cut 10 15 20 30] [--simulated 20] [--seed 3435]
+        [--population NAME...]
 
 With `--cut` one component of each of the records is cut to its first seconds and judged by what was learned
 without its earthquake; with `--simulated` that many components of each population of
@@ -13,7 +14,7 @@ response.
 """
 
 import argparse
-from functools import cache
+from functools import cache, partial
 from itertools import product
 
 import numpy as np
@@ -148,6 +149,9 @@ def drawn(name, number, history):
     )
 
 
+DRAWS = (one_frequency, bare_pulse)
+
+
 def main():
     """Print two lines for each length and population."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -155,6 +159,7 @@ def main():
     parser.add_argument("--cut", type=float, nargs="*", default=())
     parser.add_argument("--simulated", type=int, default=0)
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--population", nargs="*", help="beginnings of names, all by default", default=("",))
     options = parser.parse_args()
     heads = "as recorded          protected            by length            by response          excess"
     print(f"{'':26s} structures      {heads}")
@@ -165,17 +170,22 @@ def main():
             f"first {seconds:g} s",
             [row for motion in suite[::2] for row in judged(motion, window, motion.event)],
         )
-    pairs = range(1, options.simulated // 2 + 1)
+    pairs, numbers = range(1, options.simulated // 2 + 1), range(options.simulated)
     populations = {
-        name: [motion for pair in pairs for motion in simulated(name, pair, options.seed)]
-        for name in POPULATIONS
+        **{name: partial(_of_earthquakes, name, pairs) for name in POPULATIONS},
+        **{draw.__name__.replace("_", " "): partial(_of_draws, draw, numbers) for draw in DRAWS},
     }
-    for draw in (one_frequency, bare_pulse):
-        drawn_alike = [draw(number, options.seed) for number in range(options.simulated)]
-        populations[draw.__name__.replace("_", " ")] = drawn_alike
     for name, motions in populations.items():
-        if motions:
-            show(name, [row for motion in motions for row in judged(motion, Window(), "")])
+        if options.simulated and any(name.startswith(start) for start in options.population):
+            show(name, [row for motion in motions(options.seed) for row in judged(motion, Window(), "")])
+
+
+def _of_earthquakes(name, pairs, seed):
+    return [motion for pair in pairs for motion in simulated(name, pair, seed)]
+
+
+def _of_draws(draw, numbers, seed):
+    return [draw(number, seed) for number in numbers]
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Reliability diagram of the probability by the index, under earthquakes that were left out.
 
-    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population]
+    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population] [--seed S]
 
 Rigs with a gain and a delay are drawn around the boundaries of each of the 100 records, whole or cut to
 SECONDS. Their probability is stated as `reliab assess` does, by the motions of other earthquakes: as a
@@ -73,19 +73,33 @@ def judged(motion, seconds, f, xi, rng, *, population):
     return np.array(stated), errors(gain, delay) <= THRESHOLD, kept, areas
 
 
-def show_bands(name, probability, good):
-    """Print what is stated and what is good, for each band of what is stated."""
+def show_bands(name, probability, good, events):
+    """Print what is stated and what is good, for each band of what is stated.
+
+    Beside the share that is good stands its standard deviation by earthquakes drawn with replacement.
+    """
     known = np.isfinite(probability)
-    probability, good = probability[known], good[known]
+    probability, good, events = probability[known], good[known], events[known]
     band = np.clip(np.digitize(probability, BANDS) - 1, 0, len(BANDS) - 2)
     for place in range(len(BANDS) - 1):
         if (chosen := band == place).any():
+            doubt = by_earthquakes(good[chosen], events[chosen])
             print(
                 f"  {name:10s} {BANDS[place]:.2f} to {BANDS[place + 1]:.2f}: stated "
-                f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} of {chosen.sum()}"
+                f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} ± {doubt:.2f} "
+                f"of {chosen.sum()}"
             )
     if known.any():
         print(f"  {name:10s} Brier score {np.mean((probability - good) ** 2):.3f}", flush=True)
+
+
+def by_earthquakes(good, events):
+    """Standard deviation of a share when whole earthquakes are drawn with replacement."""
+    _, group = np.unique(events, return_inverse=True)
+    sums = np.array([np.bincount(group, weights=values) for values in (good, np.ones(good.size))])
+    drawn = np.random.default_rng(1).integers(0, sums.shape[1], (500, sums.shape[1]))
+    shares = sums[0][drawn].sum(axis=1) / sums[1][drawn].sum(axis=1)
+    return shares.std()
 
 
 def main():
@@ -94,10 +108,11 @@ def main():
     parser.add_argument("records")
     parser.add_argument("seconds", type=float, nargs="*")
     parser.add_argument("--population", action="store_true")
+    parser.add_argument("--seed", type=int, default=34)
     options = parser.parse_args()
     suite = load_motions(options.records, sets=["far_field", "near_field"])
     for seconds in [None, *options.seconds]:
-        rng = np.random.default_rng(34)
+        rng = np.random.default_rng(options.seed)
         results = [
             judged(motion, seconds, f, xi, rng, population=options.population)
             for motion in suite
@@ -105,10 +120,11 @@ def main():
         ]
         stated = np.concatenate([part[0] for part in results], axis=1)
         good = np.concatenate([part[1] for part in results])
+        events = np.repeat([motion.event for motion in suite], len(STRUCTURES) * RIGS)
         kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
         print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
         for name, probability in zip(("population", "response", "unstated"), stated, strict=True):
-            show_bands(name, probability, good)
+            show_bands(name, probability, good, events)
         print(
             f"  95 % kept by {', '.join(f'{share:.1%}' for share in kept.mean(axis=0))}; "
             f"area of the second over the first {np.median(areas[:, 1] / areas[:, 0]):.2f}",

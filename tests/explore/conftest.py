@@ -33,7 +33,7 @@ def by_javascript(packed):
         pytest.skip("the page's scripts are run by node, and there is none here")
 
     def ask(*questions):
-        table = packed if any(kind in ("limits", "band") for kind, _ in questions) else None
+        table = packed if any(kind in ("limits", "band", "ranges") for kind, _ in questions) else None
         job = json.dumps({"packed": table, "words": words(), "questions": questions})
         script = Path(__file__).with_name("numbers.mjs")
         done = subprocess.run(  # noqa: S603

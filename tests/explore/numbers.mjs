@@ -7,10 +7,11 @@ import { pathToFileURL } from "node:url";
 const folder = process.argv[2];
 const load = (name) => import(pathToFileURL(join(folder, `${name}.js`)).href);
 const { band, index, limits, printedLimits } = await load("criterion");
-const { examine, judgingCommand, lengthAmong, place } = await load("dropped_test");
+const { among, examine, judgingCommand, place, rangesAt } = await load("dropped_test");
 const { unpack } = await load("ellipses");
 const { realTransform } = await load("fourier");
 const { readTest } = await load("reading");
+const { responseMeasures } = await load("response");
 const { spline } = await load("spline");
 const functions = await load("special_functions");
 
@@ -27,7 +28,9 @@ const answers = {
   spline: ({ values, places }) => places.map(spline(Float64Array.from(values))),
   read: ({ text }) => { const test = readTest(text, words); return { ...test, command: [...test.command], measured: [...test.measured] }; },
   test: ({ text, threshold }) => place(examine(readTest(text, words)), threshold),
-  among: ({ length, lengths }) => lengthAmong(length, lengths),
+  among: ({ quantities, ranges }) => among(quantities, ranges),
+  ranges: ({ structure }) => rangesAt(packed, structure),
+  response: ({ values, step, structure }) => responseMeasures(Float64Array.from(values), step, structure),
   command: ({ name, structure, deviations, criterion }) => judgingCommand(name, structure, deviations, criterion),
 };
 

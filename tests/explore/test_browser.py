@@ -5,6 +5,7 @@ import re
 import time
 
 import layouts
+import numpy as np
 import pandas as pd
 import pytest
 from headless_browser import PATIENCE, programs, start
@@ -71,7 +72,7 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     assert f"{python.tracking.amplitude:.5f}" in numbers
     assert f"{1e3 * python.tracking.delay:.4f} ms" in numbers
     assert f"{python.population.index:#.4g}: inside the region" in numbers
-    assert f"motions{python.scope.position}: 9.97 to " in numbers
+    assert f"motions{python.scope.position}: length of the record 40.0 s, of theirs 9.97 to " in numbers
     assert text(page, "command") == "reliab assess test.csv --f 1 --xi 0.02"
     assert not VERDICT.search(page.find_element("tag name", "body").text)
     requests = [
@@ -84,6 +85,21 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     ]  # a new profile's
     assert {each["request"]["url"] for each in by_page} == {address}
     assert page.get_log("browser") == []
+
+
+def test_of_a_test_outside_of_the_motions_no_share_is_promised(page, tmp_path):
+    """The sample, after which the rig is at rest for longer than any record lasts."""
+    header, *lines = SAMPLE.read_text(encoding="utf-8").splitlines()
+    before, last = (float(line.split(",")[0]) for line in lines[-2:])
+    still = lines[-1].partition(",")[2]
+    moments = np.arange(last, last + 70.0, last - before)[1:]
+    resting = [f"{moment:.6f},{still}" for moment in moments]
+    path = tmp_path / "long.csv"
+    path.write_text("\n".join([header, *lines, *resting]), encoding="utf-8")
+    drop(page, path)
+    assert "motionsoutside: length of the record 110" in text(page, "numbers")
+    assert "none: the criterion says nothing of such a test" in text(page, "numbers")
+    assert text(page, "meaning").startswith("No share of ground motions is promised for this test")
 
 
 def test_a_file_that_is_no_text_is_answered_with_the_command_that_makes_one(page, tmp_path):

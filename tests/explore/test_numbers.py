@@ -12,8 +12,9 @@ from scipy.stats import t as student
 from reliab.assessment import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
+from reliab.boundary import ellipse_of_response
 from reliab.cli import run
-from reliab.criterion import compare_with_scope, published_criterion
+from reliab.criterion import ResponseMeasures, compare_with_scope, published_criterion
 from reliab.errors import InputError
 from reliab.recordings import read_recording
 from reliab.shipped import shipped
@@ -134,10 +135,35 @@ def test_band_is_the_criterion_without_one_earthquake_after_the_other(by_javascr
 def test_a_length_is_among_those_of_the_motions_as_assess_says_it(by_javascript, packed):
     lengths = packed["lengths"]
     cases = [5.0, lengths[0], 12.0, lengths[1], 30.0, lengths[2], 95.0, lengths[3], 130.0]
-    answers = by_javascript(*(("among", {"length": length, "lengths": lengths}) for length in cases))
+    asked_of = [{"quantities": {"length": length}, "ranges": {"length": lengths}} for length in cases]
+    answers = [answer["position"] for answer in by_javascript(*(("among", asked) for asked in asked_of))]
     scope = {"length": lengths}
     assert answers == [str(compare_with_scope(scope, {"length": length}).position) for length in cases]
     assert set(answers) == {"inside", "at the edge", "outside"}
+
+
+@pytest.mark.parametrize(("f", "xi", "share"), [(0.9, 0.024, 1.0), (1.7, 0.08, 0.4)])
+def test_a_response_is_among_those_of_the_motions_as_assess_says_it(by_javascript, f, xi, share):
+    """The least favourable quantity decides; ranges are those of the nearest structure that ships."""
+    step, structure = 0.01, Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
+    times = step * np.arange(3000)
+    motion = np.sin(2.0 * np.pi * f * times) * np.exp(-(((times - 12.0) / 4.0) ** 2))
+    of_one = ResponseMeasures.of_one(ellipse_of_response(motion, step, structure), structure, "a test")
+    quantities = {name: float(values.item()) for name, values in of_one.compared.items()}
+    stated = {"frequency": f, "dampingRatio": xi, "share": share}
+    measured, ranges = by_javascript(
+        ("response", {"values": motion.tolist(), "step": step, "structure": stated}),
+        ("ranges", {"structure": stated}),
+    )
+    assert measured == pytest.approx(quantities, rel=1e-6)
+    scope = default_criterion(f, xi).provenance.scope
+    for name in quantities:
+        assert ranges[name] == pytest.approx(scope[name], rel=1e-3)
+    cases = [quantities | {"effective_duration": value} for value in (*ranges["effective_duration"], 900.0)]
+    answers = by_javascript(*(("among", {"quantities": case, "ranges": ranges}) for case in cases))
+    expected = [str(compare_with_scope(ranges, case).position) for case in cases]
+    assert [answer["position"] for answer in answers] == expected
+    assert expected[-1] == "outside"
 
 
 def test_printed_law_and_index(by_javascript):

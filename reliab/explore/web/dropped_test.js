@@ -22,12 +22,34 @@ export function place({ notes, plain, rise, straight }, threshold) {
   return { ...straight, notes: [...notes, sentence] };
 }
 
-// Where a length [s] lies among those of the criterion's motions (least, 5 %, 95 %, greatest), as `reliab assess` says it.
-export function lengthAmong(length, lengths) {
-  if (!lengths) return null;
-  const [least, low, high, greatest] = lengths;
-  if (length < least || length > greatest) return "outside";
-  return length < low || length > high ? "at the edge" : "inside";
+const NAMES = {
+  length: ["length of the record", " s"],
+  effective_duration: ["effective duration of the response", " s"],
+  frequency_ratio: ["frequency of the error over that of the structure", ""],
+  sensitivity: ["error for an amplitude error as large as the damping ratio", ""],
+};
+
+// Where quantities of a test lie among those of the criterion's motions (least, 5 %, 95 %, greatest), as `reliab
+// assess` says it: the least favourable of all, with its name, value and range; null where nothing is known of them.
+export function among(quantities, ranges) {
+  const order = ["inside", "at the edge", "outside"];
+  const places = Object.keys(ranges).filter((name) => name in quantities && ranges[name]).map((name) => {
+    const value = quantities[name], [least, low, high, greatest] = ranges[name];
+    const beyond = value < least || value > greatest, near = value < low || value > high;
+    const [words, unit] = NAMES[name];
+    return { position: order[beyond ? 2 : Number(near)], words, unit, value, least, greatest };
+  });
+  const worst = (place) => order.indexOf(place.position);
+  return places.reduce((found, place) => (found === null || worst(place) > worst(found) ? place : found), null);
+}
+
+// Ranges over the criterion's motions of what is known of a test: its length, and its response at the nearest structure.
+export function rangesAt({ lengths, responses, frequencies, dampingRatios }, { frequency, dampingRatio }) {
+  const nearest = (values, wanted) => values.reduce((best, value, i) =>
+    (Math.abs(value - wanted) <= Math.abs(values[best] - wanted) ? i : best), 0);
+  const row = nearest(frequencies, frequency), column = nearest(dampingRatios, dampingRatio);
+  const of = Object.entries(responses ?? {}).map(([name, table]) => [name, table[row][column]]);
+  return { length: lengths, ...Object.fromEntries(of) };
 }
 
 // The command that judges the test, to be copied; a name that a shell could misread is left to the user.

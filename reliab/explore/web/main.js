@@ -15,7 +15,7 @@ const SLICE = 12; // milliseconds of computing between two looks at the controls
 const data = JSON.parse(field("data").textContent);
 const ellipses = await unpack(data.ellipses);
 const state = { kept: null, drawn: null, probe: [1, 0], round: 0 };
-const panel = new TestPanel(data.words, data.ellipses.lengths, () => refresh());
+const panel = new TestPanel(data.words, data.ellipses, () => refresh());
 
 prepareControls(ellipses, data.settings, () => refresh());
 field("provenance").textContent = data.provenance;
@@ -88,6 +88,10 @@ function explain() {
     : thresholdIsMeaningless(ellipses, now)
       ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
       : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
+  if (panel.among()?.position === "outside") {
+    field("meaning").textContent = "No share of ground motions is promised for this test: it lies outside of those behind the criterion.";
+    return;
+  }
   field("meaning").textContent = `A test inside the region has an error below ${inWords(now).split(" for ")[0]} with a ` +
     `predictive probability of ${Number((100 * now.confidence).toFixed(1))} % for a motion of a further earthquake like ` +
     `these: ${ellipses.population}${lengthsInWords(now)}.`;

@@ -3,9 +3,10 @@
 import { testedStructure } from "./controls.js";
 import { index } from "./criterion.js";
 import { node } from "./drawing.js";
-import { examine, judgingCommand, lengthAmong, place } from "./dropped_test.js";
+import { among, examine, judgingCommand, place, rangesAt } from "./dropped_test.js";
 import { drawHistories } from "./histories.js";
 import { readTest, ReadingError } from "./reading.js";
+import { responseMeasures } from "./response.js";
 
 const field = (id) => document.getElementById(id);
 const LARGEST_FILE = 200e6; // bytes
@@ -20,11 +21,11 @@ export class TestPanel {
 
   #words;
 
-  #lengths;
+  #motions;
 
-  constructor(words, lengths, changed) {
+  constructor(words, motions, changed) {
     this.#words = words;
-    this.#lengths = lengths;
+    this.#motions = motions;
     this.#changed = changed;
     this.#listen();
   }
@@ -34,20 +35,28 @@ export class TestPanel {
     if (this.test === null) return null;
     const placed = place(this.test, asked.threshold), { amplitude, delay, notes } = placed;
     const value = index(delay < 0 && limits.lead ? limits.lead : limits.lag, amplitude, delay);
-    const among = lengthAmong(this.test.duration, this.#lengths);
-    const where = among === "outside" ? "none: the criterion says nothing of records of this length"
+    const lies = this.among();
+    const where = lies?.position === "outside" ? "none: the criterion says nothing of such a test"
       : Number.isFinite(value) ? `${value.toPrecision(4)}: ${value <= 1 ? "inside" : "outside"} the region` : "none: no test is accepted";
     this.#write([
       ["Amplitude A", amplitude.toFixed(5)],
       ["Equivalent delay d", `${(1e3 * delay).toFixed(4)} ms`],
       ["Index by the criterion", where],
-      ...(among ? [["Length among the criterion's motions", `${among}: ${this.#lengths[0].toPrecision(3)} to ${this.#lengths[3].toPrecision(3)} s`]] : []),
+      ...(lies ? [["Among the criterion's motions", `${lies.position}: ${lies.words} ${lies.value.toPrecision(3)}${lies.unit}, of theirs ${lies.least.toPrecision(3)} to ${lies.greatest.toPrecision(3)}${lies.unit}`]] : []),
       ["Length and sampling rate", `${this.test.duration.toFixed(2)} s at ${(1 / this.test.step).toPrecision(5)} Hz`],
     ]);
     field("notes").replaceChildren(...notes.map((text) => node("li", "", text)));
     const { structure, deviations } = testedStructure();
     field("command").textContent = judgingCommand(this.test.name, structure, deviations, asked);
     return placed;
+  }
+
+  // Where the test lies among the criterion's motions; null without a test, or where nothing is known of them.
+  among() {
+    if (this.test === null) return null;
+    const { structure } = testedStructure(), { command, step, duration } = this.test;
+    const quantities = { length: duration, ...responseMeasures(command, step, structure) };
+    return among(quantities, rangesAt(this.#motions, structure));
   }
 
   // Read another test; nothing of the one before stays, and of several files the last one counts.

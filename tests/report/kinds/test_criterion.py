@@ -1,5 +1,7 @@
 """A criterion can be reported whatever its motions, structures and names."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,16 @@ def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
 def test_any_number_of_motions_and_earthquakes(ellipses_of, set_without_warnings, motions, events):
     document, _ = report(ellipses_of((1.0,), (0.02,), motions=motions, events=events))
     set_without_warnings(document)
+
+
+@pytest.mark.parametrize("position", ["inside", "outside"])
+def test_outside_of_its_population_no_share_is_promised(ellipses_of, text_of, position):
+    ellipses = ellipses_of((0.5, 1.0), (0.02,))
+    criterion = derive_criterion(ellipses, confidence=0.93)
+    lies = replace(criterion, provenance=replace(criterion.provenance, position=position))
+    text = text_of(criterion_report(title="C", ellipses=ellipses, criteria=[lies], provenance={}))
+    assert ("93 %" in text) == (position == "inside")
+    assert ("no share of" in text) == (position == "outside")
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
-from reliab.significant import percent, significant
+from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
@@ -73,7 +73,7 @@ def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
         population = assessment.criterion.provenance.population
         motions = f"motions like the {population}" if population else "the population's ground motions"
         facts["Index of the criterion"] = (
-            f"{index} against 1, for {percent(assessment.criterion.confidence)} of {motions}"
+            f"{index} against 1, for {share_in_words(assessment.promise)} of {motions}"
         )
     return facts
 

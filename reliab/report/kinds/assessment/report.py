@@ -91,9 +91,9 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
 def _of_ground_motions(assessment: Assessment) -> str:
     """Say for which ground motions the criterion speaks, and where the test lies among them."""
     population, position = assessment.criterion.provenance.population, assessment.scope.position
-    if not population or position is None:
-        return f"{percent(assessment.criterion.confidence)} of the ground motions behind the criterion"
     share = share_in_words(assessment.promise)
+    if not population or position is None:
+        return f"{share} of the ground motions behind the criterion"
     return f"{share} of motions like the {population}, with the test {position} of them"
 
 

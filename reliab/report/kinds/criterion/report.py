@@ -25,7 +25,7 @@ from reliab.report.wording import (
     values,
     window_in_words,
 )
-from reliab.significant import percent
+from reliab.significant import percent, share_in_words
 from reliab.sweep import share_of
 from reliab.vocabulary import PERCENT, Metric
 
@@ -84,7 +84,7 @@ def _verdict(reported: ReportedCriteria, population: str) -> Prose:
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
         *error_below(criterion.metric, criterion.threshold),
-        f" for {percent(criterion.confidence)} of {population} like those behind it while ",
+        f" for {share_in_words(criterion.promise)} of {population} like those behind it while ",
         ellipse(a, b),
         *prose(
             " with $d$ in ms: at most {amplitude} of amplitude error alone, or {delay:.2f} ms of delay alone"
@@ -124,7 +124,7 @@ def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[st
             *error_below(criterion.metric, criterion.threshold),
             f", {MEANINGS_OF_ERRORS[Metric(criterion.metric)]}, over {window_in_words(source.window)}",
         ),
-        "Confidence": f"{percent(criterion.confidence)}, {together}: {meaning}",
+        "Confidence": f"{share_in_words(criterion.promise)}, {together}: {meaning}",
     }
     if coverage is not None and len(coverage):
         facts["Put to the test"] = _tested(coverage, criterion.confidence)

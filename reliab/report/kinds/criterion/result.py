@@ -18,7 +18,7 @@ from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
 from reliab.report.wording import ERROR_NAMES
-from reliab.significant import percent
+from reliab.significant import percent, share_in_words
 from reliab.vocabulary import PERCENT, Metric
 
 _MOST_COLUMNS = 9
@@ -71,7 +71,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         blocks.insert(1, Remark(text=zero))
     if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
-    title = f"Criterion for {percent(main_criterion.confidence)} of {population} like those behind it"
+    title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 
@@ -129,7 +129,7 @@ def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
             {
                 "metric": ERROR_NAMES[Metric(criterion.metric)],
                 "threshold": criterion.threshold,
-                "confidence": criterion.confidence,
+                "confidence": criterion.promise,
                 "a": a,
                 "b": b,
                 "amplitude": np.sqrt(a),
@@ -151,7 +151,7 @@ def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
     for criterion in alike:
         a, b = (float(limit) for limit in criterion.limits(*reported.structure))
         if a > 0.0 and b > 0.0:
-            limits[f"{percent(criterion.confidence)} of motions"] = (a, b)
+            limits[f"{share_in_words(criterion.promise)} of motions"] = (a, b)
     return limits
 
 
@@ -225,7 +225,7 @@ def _over_frequency_or_damping(reported: ReportedCriteria, *, along_f: bool) -> 
     for criterion in reported.criteria:
         a, b = (limit.ravel() for limit in reported.over_grid(criterion))
         error = f"{percent(criterion.threshold)} {ERROR_NAMES[Metric(criterion.metric)]}"
-        name = f"{error}, {percent(criterion.confidence)} of motions"
+        name = f"{error}, {share_in_words(criterion.promise)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
     draw = parameters_over_frequency if along_f else parameters_over_damping_ratio
     what = "natural frequency" if along_f else "damping ratio"
