@@ -5,7 +5,7 @@ draws themselves, y = y₀ + Σ aᵢuᵢ + bᵢuᵢ² by least squares, and give
 were known better.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -88,38 +88,44 @@ def widening_alone(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Effect:
-    """What one quantity adds to the squares of the errors, a u + b u²."""
+    """What one quantity adds to the squares of the errors, a u + b u² alone and u Σ cᵢuᵢ with others."""
 
     name: str
     linear: Array  # a u, shape (draws,)
     square: Array  # b u², shape (draws,)
+    joint: Array  # u Σ cᵢuᵢ with what sensors of other actuators have alike, shape (draws,)
     nominal: float  # y₀, the square of the error with everything as stated
 
     def added(self, factor: float) -> Array:
         """Return what it would add if it were known better by a factor."""
-        return factor * self.linear + factor**2 * self.square
+        return factor * (self.linear + self.joint) + factor**2 * self.square
 
 
 def _effects(squares: Array, drawn: dict[str, Array]) -> dict[str, _Effect]:
-    scaled = [values / np.std(values) for values in drawn.values()]
-    joint = _products_of_sensors(dict(zip(drawn, scaled, strict=True)))
-    columns = np.stack([np.ones_like(squares), *scaled, *(values**2 for values in scaled), *joint])
+    scaled = {name: values / np.std(values) for name, values in drawn.items()}
+    pairs = _alike_at_sensors(scaled)
+    products = [scaled[one] * scaled[other] for one, other in pairs]
+    terms = [*scaled.values(), *(values**2 for values in scaled.values()), *products]
+    columns = np.stack([np.ones_like(squares), *terms])
     coefficients = np.linalg.lstsq(columns.T, squares, rcond=None)[0]
     rows = coefficients[:, np.newaxis] * columns
+    joint = list(zip(pairs, rows[1 + 2 * len(drawn) :], strict=True))
     return {
         name: _Effect(
-            name=name, linear=rows[1 + k], square=rows[1 + len(drawn) + k], nominal=float(coefficients[0])
+            name=name,
+            linear=rows[1 + k],
+            square=rows[1 + len(drawn) + k],
+            joint=np.sum([np.zeros_like(squares), *(row for pair, row in joint if name in pair)], axis=0),
+            nominal=float(coefficients[0]),
         )
         for k, name in enumerate(drawn)
     }
 
 
-def _products_of_sensors(scaled: Mapping[str, Array]) -> list[Array]:
-    """Products of what sensors of several actuators have alike: a rotation feels the difference of two."""
-    alike = {name: name.rstrip("_0123456789") for name in scaled if not is_part(name)}
-    return [
-        scaled[one] * scaled[other] for one, other in combinations(alike, 2) if alike[one] == alike[other]
-    ]
+def _alike_at_sensors(names: Iterable[str]) -> list[tuple[str, str]]:
+    """Pairs of what sensors of several actuators have alike: a rotation feels the difference of two."""
+    alike = {name: name.rstrip("_0123456789") for name in names if not is_part(name)}
+    return [(one, other) for one, other in combinations(alike, 2) if alike[one] == alike[other]]
 
 
 def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:
@@ -130,7 +136,7 @@ def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float)
         return _width(replace(spread, **{metric.value: changed}), metric)
 
     whole, without = _width(spread, metric), width(0.0)
-    alone = np.sqrt(np.maximum(effect.nominal + effect.added(1.0), 0.0))
+    alone = np.sqrt(np.maximum(effect.nominal + effect.linear + effect.square, 0.0))
     return Widening(
         name=effect.name,
         deviation=deviation,
