@@ -47,8 +47,6 @@ _ASSUMED = (
     "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
     "0.005 to 0.1 gives the same."
 )
-_OF_CHANNELS = ("scale", "skew", "filter_delay", "hysteresis")  # of several actuators, all alike
-_BESIDE_SEVERAL = "beside a `structure` with several actuators"
 
 _NOT_FOR_FRAMES = {
     "model": "The error of a frame's test is rebuilt for a linear specimen",
@@ -413,10 +411,7 @@ class _Terms:
 
         return ForceChannel.parse(self.force_channel)
 
-    def _judge_of_frames(self, structure: "FrameUnderTest | str | Path") -> Judge:
-        from reliab.assessment import assess_frame
-        from reliab.simulation.frames import read_structure
-
+    def _refuse_beside_a_frame(self) -> None:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
         for name in self.former:
@@ -427,15 +422,26 @@ class _Terms:
                     f"`{name}` has no meaning beside the `structure` of a frame. {reason}",
                     remedy="Leave it out",
                 )
+
+    def _judge_of_frames(self, structure: "FrameUnderTest | str | Path") -> Judge:
+        from reliab.assessment import assess_frame, require_answerable
+        from reliab.simulation.frames import read_structure
+
+        self._refuse_beside_a_frame()
         measured, of_force = self._specimen_is_measured(), self._channel_of_force()
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-        if frame.several:
-            return self._judge_of_several_actuators(frame)
+        require_answerable(
+            frame,
+            criterion=self.criterion is not None,
+            specimen=self.specimen is not None,
+            force_channel=of_force is not None,
+            measured=measured,
+        )
         criterion, equipment = self._own_criterion(), known_equipment(self.equipment, exact=self.exact)
         motion = self._own_motion()
 
-        def judge(channels: Channels, test: Test) -> "FrameAssessment":
-            recording = channels.read(test)
+        def judge(channels: Channels, test: Test) -> "FrameAssessment | CoupledAssessment":
+            recording = channels.read_several_actuators(test) if frame.several else channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
             require_positive(stated)
@@ -451,35 +457,6 @@ class _Terms:
                 motion=motion,
                 measured_specimen=measured,
                 force_channel=of_force,
-            )
-
-        return judge
-
-    def _judge_of_several_actuators(self, frame: "FrameUnderTest") -> Judge:
-        from reliab.assessment import assess_coupled
-
-        if self.force_channel:
-            raise unused("force_channel", _BESIDE_SEVERAL)
-        for name in ("criterion", "specimen"):
-            if getattr(self, name) is not None:
-                raise unused(name, _BESIDE_SEVERAL)
-        require_positive(self.numbers)
-        equipment, motion = known_equipment(self.equipment, exact=self.exact), self._own_motion()
-
-        def judge(channels: Channels, test: Test) -> "CoupledAssessment":
-            recording = channels.read_several_actuators(test)
-            filters = channels.filters(self.filters, recording.stated)
-            of_channels = {name: recording.stated[name] for name in _OF_CHANNELS if name in recording.stated}
-            stated = {**of_channels, **self.numbers}
-            require_positive(stated)
-            return assess_coupled(
-                corrected(recording, stated, filters),
-                frame,
-                threshold=self._threshold,
-                metric=Metric.parse(self.metric or Metric.RMS),
-                stated={**stated, **stated_of_filters(filters)},
-                equipment=equipment,
-                motion=motion,
             )
 
         return judge

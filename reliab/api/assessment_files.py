@@ -48,13 +48,8 @@ def file_report(
         If the file cannot be written.
     """
     require_ending(report, ".pdf")
-    from reliab.assessment import CoupledAssessment
     from reliab.report import write_pdf
-    from reliab.report.kinds.assessment import (
-        assessment_report,
-        coupled_assessment_report,
-        frame_assessment_report,
-    )
+    from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
 
     files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
     if structure is not None:
@@ -62,8 +57,6 @@ def file_report(
     checksums = _checksums(files)
     if isinstance(assessment, Assessment):
         document = assessment_report(assessment, provenance=checksums)
-    elif isinstance(assessment, CoupledAssessment):
-        document = coupled_assessment_report(assessment, provenance=checksums)
     else:
         document = frame_assessment_report(assessment, provenance=checksums)
     write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)

@@ -12,11 +12,6 @@ from .budget import (
 )
 from .comparison import Comparison as Comparison, RankedTest as RankedTest, rank_tests as rank_tests
 from .corrected_response import corrected_response as corrected_response
-from .coupled_assessment import (
-    CoupledAssessment as CoupledAssessment,
-    cause_in_words as cause_in_words,
-)
-from .coupled_test import assess_coupled as assess_coupled
 from .default_criterion import (
     default_criterion as default_criterion,
     ellipses_of_motions as ellipses_of_motions,
@@ -30,11 +25,19 @@ from .design import (
 )
 from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_text
 from .error_of_test import PART_NAMES as PART_NAMES, ErrorOfTest as ErrorOfTest
+from .error_with_threshold import ErrorOfSeveral as ErrorOfSeveral, ErrorWithThreshold as ErrorWithThreshold
 from .faults import plain_faults as plain_faults
-from .frame_assessment import FrameAssessment as FrameAssessment, ModeOfTest as ModeOfTest
+from .frame_assessment import (
+    CoupledAssessment as CoupledAssessment,
+    FrameAssessment as FrameAssessment,
+    JudgedFrame as JudgedFrame,
+    ModeOfTest as ModeOfTest,
+    part_in_words as part_in_words,
+)
 from .frame_responses import ResponseErrors as ResponseErrors
 from .frame_test import (
     assess_frame as assess_frame,
+    require_answerable as require_answerable,
     require_linear_interface as require_linear_interface,
 )
 from .measured_specimen import ForceChannel as ForceChannel

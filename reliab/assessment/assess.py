@@ -286,7 +286,9 @@ def _errors(
     return error_with_faults(
         recording,
         faults,
-        lambda test, offset, left: error_of_test(test, question, sensor_offset=offset, left_by_repairs=left),
+        lambda test, known, left: error_of_test(
+            test, question, sensor_offset=0.0 if known else None, left_by_repairs=left
+        ),
     )
 
 

@@ -1,6 +1,6 @@
 """Where a recording contradicts what is stated of the test: its verdict is then undecided at best."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -8,13 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.band import noise_floor, power_of
+from reliab.assessment.budget import Size, Source
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
+from reliab.structures import Partition, is_part
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
+    from reliab.assessment.coupled_error import ShownByGround
     from reliab.assessment.measured_specimen import MeasuredSpecimen
     from reliab.assessment.own_motion import OwnPlacement
 
@@ -36,16 +39,14 @@ class Contradiction:
 
     finding: str  # What contradicts it, a sentence
     remedy: str  # What would resolve it, a sentence
+    of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
 
 
 def limited(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
-    """Return a verdict that is not "reliable" where the recording contradicts what is stated."""
-    if verdict.word is Word.NOT_RELIABLE:
-        return verdict
-    return verdict.doubted(
-        [contradiction.finding for contradiction in contradictions],
-        [contradiction.remedy for contradiction in contradictions],
-    )
+    """Return a verdict that is undecided where the recording contradicts what is stated."""
+    bad = verdict.word is Word.NOT_RELIABLE
+    doubts = [one for one in contradictions if one.of_structure or not bad]
+    return verdict.doubted([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
 
 
 def of_frequency(
@@ -152,3 +153,41 @@ def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contra
 def _noise(values: NDArray[np.float64]) -> float:
     floor, total = noise_floor(values)
     return floor * values.size / total
+
+
+def of_ground(
+    shown: "ShownByGround | None", sizes: Mapping[str, Size], partition: Partition
+) -> Iterator[Contradiction]:
+    """Say where the recorded ground motion contradicts the structure, known as `sizes` say."""
+    if shown is None:
+        return
+    if shown.other:
+        yield Contradiction(
+            finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
+            "unexplained: it does not belong to this test, or its structure is another one.",
+            remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
+            of_structure=True,
+        )
+    elif shown.contradicts(_stated_of_frequency(sizes, partition)):
+        lowest = float(partition.natural_frequencies[0])
+        scatter = (
+            f"{significant(shown.frequency * lowest, 4)} ± {significant(shown.deviation * lowest, 1)} Hz"
+        )
+        yield Contradiction(
+            finding=f"The recorded ground motion shows a lowest natural frequency of {scatter}; "
+            f"{significant(lowest, 4)} Hz follows from the structure as stated.",
+            remedy="Correct stiffness or mass of the structure, or state their tolerances.",
+            of_structure=True,
+        )
+
+
+def _stated_of_frequency(sizes: Mapping[str, Size], partition: Partition) -> float:
+    """Relative standard deviation of the lowest natural frequency that follows from what is stated."""
+    lowest = float(partition.natural_frequencies[0])
+    stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
+    of_parts = [
+        float(partition.with_parts({name: deviation}).natural_frequencies[0]) / lowest - 1.0
+        for name, deviation in stated.items()
+        if is_part(name)
+    ]
+    return float(np.linalg.norm([stated.get("frequency", 0.0), *of_parts]))

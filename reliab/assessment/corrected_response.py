@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_assessment import CoupledAssessment
+from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.exact_response import (
     ExactResponse,
     ExactTest,
-    exact_test_of_one,
-    exact_test_of_several,
+    exact_test,
 )
 from reliab.assessment.findings import Findings
-from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_assessment import CoupledAssessment, JudgedFrame
 from reliab.assessment.frame_responses import weights_of_storeys
 from reliab.assessment.ground_of_test import own_ground
 from reliab.assessment.rebuilt_error import HALF_WIDTH
@@ -48,7 +47,7 @@ _NOT_ITS_MOTION = (
 )
 
 
-def corrected_response(found: Findings | FrameAssessment | CoupledAssessment) -> "xr.Dataset":
+def corrected_response(found: Findings | JudgedFrame) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
@@ -86,10 +85,10 @@ def corrected_response(found: Findings | FrameAssessment | CoupledAssessment) ->
         test=test,
         ground=ground,
         named=isinstance(found, CoupledAssessment),
-        only_displacements=not isinstance(found, CoupledAssessment) and found.error.modelled,
+        only_displacements=isinstance(found.error, ErrorOfTest) and found.error.modelled,
         with_forces=not isinstance(found, Findings) or "mass" in found.stated,
     )
-    known = "stated" if isinstance(found, CoupledAssessment) else found.error.specimen_known
+    known = found.error.specimen_known if isinstance(found.error, ErrorOfTest) else "stated"
     columns, sizes = table.banded()
     return xr.Dataset(
         {name: ("time_s", values) for name, values in columns.items()},
@@ -215,14 +214,12 @@ class _Table:
         return rows, sizes
 
 
-def _exact_test(found: Findings | FrameAssessment | CoupledAssessment) -> ExactTest:
+def _exact_test(found: Findings | JudgedFrame) -> ExactTest:
     """Say what a test should have been; not of a calibrated model's."""
-    if isinstance(found, CoupledAssessment):
-        return exact_test_of_several(found.error, found.recording)
-    if isinstance(found, FrameAssessment):
-        return exact_test_of_one(found.error, found.frame.partition.frame.names, found.recording.ground)
+    if isinstance(found, JudgedFrame):
+        return exact_test(found.error, found.frame.partition.degrees_of_freedom, found.recording.ground)
     unit = found.error.specimen is None and "mass" in found.stated
-    return exact_test_of_one(found.error, (), None, found.stated["mass"].value if unit else 1.0)
+    return exact_test(found.error, (), None, found.stated["mass"].value if unit else 1.0)
 
 
 def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:

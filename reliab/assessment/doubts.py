@@ -1,9 +1,9 @@
 """The verdict by the error of the test, and what makes it undecided."""
 
-from collections.abc import Iterable
+import math
 
-from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
@@ -17,6 +17,7 @@ _NONLINEAR = (
     "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or "
     "give a model of it that `reliab diagnose` calibrated."
 )
+_NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
@@ -25,25 +26,29 @@ _SKEW = (
 
 
 def verdict_of_error(
-    error: ErrorOfTest,
+    error: ErrorWithThreshold,
     effects: tuple[FaultEffect, ...],
-    equation: OwnEquation,
-    otherwise: tuple[ErrorOfTest, ...],
+    equation: OwnEquation | None = None,
+    otherwise: tuple[ErrorOfTest, ...] = (),
     assumed: tuple[ErrorOfTest, ...] = (),
 ) -> Verdict:
     """Judge a test by its own error.
 
     Returns undecided where the interval contains the threshold, where a fault of the recording would change
-    the verdict, where the test contradicts its stated structure, and where another damping ratio than the
-    assumed one would change the verdict.
+    the verdict, where the test contradicts its stated structure, where another damping ratio than the
+    assumed one would change the verdict, and where noise leaves nothing to be judged.
     """
+    equation = equation or OwnEquation()
     size = error.estimate(error.metric)
+    if math.isnan(size.value):
+        return Verdict(word=Word.UNDECIDED, reasons=error.not_judged, would_decide=(_NOISY,))
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
+    largest = f"{error.of_which}, the largest," if error.of_which else ""
     reason = (
-        f"{name} is {percent(size.value, decimals=2)}, 90 % interval {percent(size.low, decimals=2)} to "
-        f"{percent(size.high, decimals=2)}, against a threshold "
-        f"of {percent(error.threshold)}: "
+        f"{name}{largest} is {percent(size.value, decimals=2)}, 90 % interval "
+        f"{percent(size.low, decimals=2)} to {percent(size.high, decimals=2)}, against a threshold of "
+        f"{percent(error.threshold)}: "
         f"probability {probability_text(error.probability)} of staying below it."
     )
     verdict = Verdict(
@@ -70,20 +75,17 @@ def verdict_of_error(
     return verdict.doubted(reasons, remedies)
 
 
-def doubted_by_entries(
-    verdict: Verdict, unknown: Iterable[str], errors: Array, threshold: float, *, learned: bool
-) -> Verdict:
+def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     """Call no test reliable of which a structure that stated entries allow has too large an error.
 
     The error is largest with the natural frequency that a test near resonance really had. Entries leave it
     open, so that a 90 % interval holds too rarely where the test is too short to show it.
-
-    `errors` of the draws, shape (draws,), and `threshold` [-]; `learned`: whether the frequency was learned.
     """
-    largest = float(errors.max())
-    if learned or verdict.word is not Word.RELIABLE or largest <= threshold:
+    learned = error.rebuilt.unknown.own_frequency is not None
+    if learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
         return verdict
-    if not any(map(is_of_entries, unknown)):
+    largest = error.largest_drawn
+    if largest <= error.threshold:
         return verdict
     reason = (
         "Single entries of a matrix are uncertain, and with one of the structures that they allow the error "
@@ -93,7 +95,7 @@ def doubted_by_entries(
     return verdict.doubted([reason], [_ENTRIES])
 
 
-def sizes_otherwise(error: ErrorOfTest, otherwise: tuple[ErrorOfTest, ...]) -> str:
+def sizes_otherwise(error: ErrorWithThreshold, otherwise: tuple[ErrorOfTest, ...]) -> str:
     """Say how large the error is, and how large with other values that are stated or possible."""
     sizes = ", ".join(
         f"{percent(restated.estimate(error.metric).value, decimals=2)} with {restated.under}"
@@ -123,13 +125,13 @@ def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], li
     for effect in effects:
         if effect.otherwise is None:
             if word is Word.RELIABLE:
-                reasons.append(effect.fault.finding)
+                reasons.append(effect.fault.sentence)
                 remedies.append("Export the test again, each channel from its own sensor.")
             continue
         if effect.fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             reasons.append(
-                f"{effect.fault.finding} The verdict depends on it, and whether the structure felt it is not "
-                "known."
+                f"{effect.fault.sentence} The verdict depends on it, and whether the structure felt it is "
+                "not known."
             )
             remedies.append("Mend the recording, or find out whether the loop felt it, and assess it again.")
     return reasons, remedies

@@ -1,7 +1,7 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, TypedDict
 
@@ -9,17 +9,15 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.budget import (
-    BudgetItem,
     Equipment,
     Size,
     Source,
     as_certain_as,
-    budget_of_error,
     sizes_of_unknown,
     tolerances_of,
 )
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error import (
-    Estimate,
     Part,
     Parts,
     RebuiltError,
@@ -34,16 +32,13 @@ from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.errors import InputError
 from reliab.recordings import Recording
-from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure, whole_structure
-from reliab.vocabulary import MILLI, PERCENT, Metric
+from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen
     from reliab.simulation.hybrid_test import UpdatedModel
-
-"""Largest probability where sizes of what is unknown are assumed."""
 
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
@@ -100,25 +95,17 @@ class Question:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorOfTest:
-    """Error of a test.
+class ErrorOfTest(ErrorWithThreshold):
+    """Error of a test with one actuator.
 
     Attributes
     ----------
-    rebuilt : RebuiltError
-        The error with its histories and draws.
-    metric : Metric
-        Which error is asked about.
-    threshold : float
-        Error with which it is compared [-].
     damping_ratio : float
         ξ of the structure with which it was rebuilt [-].
     under : str
         What was taken to hold beside what was stated, in words; empty where nothing was.
     alternatives : tuple of ErrorOfTest
         Errors of the same test under other explanations of what it shows, none of which can be excluded.
-    sizes : mapping of str to Size
-        Sizes of what is not known of the test, by the names of the tolerances.
     specimen : MeasuredSpecimen or None
         What was learned of the specimen from its own force, where it is known by that only.
     modelled : bool
@@ -128,19 +115,12 @@ class ErrorOfTest:
     """
 
     rebuilt: RebuiltError
-    metric: Metric
-    threshold: float
     damping_ratio: float
     under: str = ""
     alternatives: tuple["ErrorOfTest", ...] = ()
-    sizes: Mapping[str, Size] = field(default_factory=dict)
     specimen: "MeasuredSpecimen | None" = None
     modelled: bool = False
     if_linear: Spread | None = None
-
-    def estimate(self, metric: Metric) -> Estimate:
-        """Error by one metric, with its 90 % interval [-]."""
-        return self.rebuilt.estimate(metric)
 
     @property
     def specimen_known(self) -> str:
@@ -202,37 +182,9 @@ class ErrorOfTest:
         yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
         return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
 
-    @cached_property
-    def budget(self) -> tuple[BudgetItem, ...]:
-        """What makes the interval, the largest contribution first."""
-        return budget_of_error(self.widenings, self.sizes)
-
     @property
-    def frequency_shown(self) -> tuple[str, ...]:
-        """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
-        shown = self.rebuilt.unknown.own_frequency
-        if shown is None or not shown.contradicts:
-            return ()
-        stated = float(self.rebuilt.structure.natural_frequencies[0])
-        sentence = (
-            f"The recording moves as a structure of {significant(stated * (1.0 + shown.value))} ± "
-            f"{significant(stated * shown.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
-            "interval is that of what the recording shows, the value that of what was stated."
-        )
-        return (sentence,)
-
-    @property
-    def would_decide(self) -> tuple[str, ...]:
-        """What would narrow the interval most, in a sentence; none where nothing widens it."""
-        if not self.widenings:
-            return ()
-        widest = self.widenings[0]
-        item = next(item for item in self.budget if item.name == widest.name)
-        if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
-            return (item.remedy,)
-        half = significant(PERCENT * widest.deviation_for_half, 2)
-        whose = "" if self.if_linear is None else " of a linear specimen"
-        return (f"Determine the {item.quantity} to {half} %: the interval{whose} is then half as wide.",)
+    def _of_specimen(self) -> str:
+        return "" if self.if_linear is None else " of a linear specimen"
 
 
 def error_of_test(

@@ -2,18 +2,21 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.assessment.rebuilt_error.responses import exact_of_draws
 from reliab.assessment.substructures import Substructures
-from reliab.recordings import CoupledRecording
 from reliab.structures import Partition
+
+if TYPE_CHECKING:
+    from reliab.assessment.coupled_error import CoupledError
 
 _DRAWS = 64
 
@@ -64,13 +67,22 @@ def _in_kilograms(partition: Partition, mass: float) -> Partition:
     return partition.changed(**{name: mass * getattr(partition, name) for name in names})
 
 
-def exact_test_of_one(
-    error: ErrorOfTest, names: tuple[str, ...], ground: Array | None, mass: float = 1.0
+def exact_test(
+    error: ErrorWithThreshold, degrees: tuple[str, ...], ground: Array | None, mass: float = 1.0
 ) -> ExactTest:
-    """Say what a test with one actuator should have been.
+    """Say what a test should have been.
 
-    `names` of its degrees of freedom, `ground` [m/s²], `mass` [kg] by which matrices are multiplied.
+    `degrees`: names of all degrees of freedom; `ground` [m/s²]; `mass` [kg] by which matrices of a test with
+    one actuator are multiplied.
     """
+    if isinstance(error, ErrorOfSeveral):
+        return _of_several(error.rebuilt, degrees, ground)
+    if isinstance(error, ErrorOfTest):
+        return _of_one(error, degrees, ground, mass)
+    raise TypeError(error)
+
+
+def _of_one(error: ErrorOfTest, degrees: tuple[str, ...], ground: Array | None, mass: float) -> ExactTest:
     rebuilt, specimen = error.rebuilt, error.specimen
     measured, step = rebuilt.histories.measured, rebuilt.time_step
 
@@ -94,7 +106,7 @@ def exact_test_of_one(
         time_step=step,
         every=rebuilt.every,
         interface=("",),
-        degrees=names,
+        degrees=degrees,
         ground=ground,
         measured=measured[np.newaxis],
         command=rebuilt.histories.command[np.newaxis],
@@ -105,8 +117,7 @@ def exact_test_of_one(
     )
 
 
-def exact_test_of_several(error: CoupledError, recording: CoupledRecording) -> ExactTest:
-    """Say what a test with several actuators should have been."""
+def _of_several(error: "CoupledError", degrees: tuple[str, ...], ground: Array | None) -> ExactTest:
     histories = error.histories
     step, carry = error.time_step, histories.carry
 
@@ -120,8 +131,8 @@ def exact_test_of_several(error: CoupledError, recording: CoupledRecording) -> E
         time_step=step,
         every=error.every,
         interface=error.partition.names,
-        degrees=error.partition.degrees_of_freedom,
-        ground=recording.ground,
+        degrees=degrees,
+        ground=ground,
         measured=measured,
         command=carry @ histories.command,
         fed_back=stated.structure.force_of_linear(measured, step)[1],
@@ -131,7 +142,7 @@ def exact_test_of_several(error: CoupledError, recording: CoupledRecording) -> E
     )
 
 
-def _band_of_several(error: CoupledError, measured: Array) -> tuple[Array, Array]:
+def _band_of_several(error: "CoupledError", measured: Array) -> tuple[Array, Array]:
     """Give both ends of the 90 % band of the exact displacements [m], each shape (p, n)."""
     places = np.arange(measured.shape[1]) / error.every
     known = np.arange(error.degrees[0].draws.mean.size)

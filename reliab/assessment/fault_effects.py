@@ -1,26 +1,31 @@
 """Effects of the faults of a recording on the error of the test."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
 
 from reliab.assessment.budget import Size, Source
-from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.recordings import Recording
+from reliab.recordings import CoupledRecording, Recording
+
+_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
+_Error = TypeVar("_Error", bound=ErrorWithThreshold)
 
 
 def error_with_faults(
-    recording: Recording,
+    recording: _OfTest,
     faults: Sequence[Fault],
-    rebuilt: Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest],
-) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
+    rebuilt: Callable[[_OfTest, frozenset[int], Mapping[str, Size]], _Error],
+) -> tuple[_Error, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
-    `rebuilt` takes a recording, the sensor's offset [m] where it is known, and what repairs leave unknown.
+    `rebuilt` takes a recording, the places of sensors whose offsets are known, since the faults say what they
+    read, and what repairs leave unknown.
     Returns `effects`: for each fault the error without it, or with it where `error` already excludes it.
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
-    known = 0.0 if any(fault.size for fault in faults) else None
+    known = frozenset(fault.place for fault in faults if fault.size)
     error = rebuilt(repaired(recording, unfelt), known, _sizes_left(unfelt) | _sizes_open(faults))
     effects = []
     for fault in faults:
@@ -37,7 +42,7 @@ def error_with_faults(
 def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
     """Offsets and drifts of which the command does not show whether the loop felt them."""
     return {
-        f"open_{fault.kind}": Size(deviation=fault.size, source=Source.LEARNED)
+        fault.at_sensor("open"): Size(deviation=fault.size, source=Source.LEARNED)
         for fault in faults
         if fault.size and fault.in_loop is None
     }
@@ -46,7 +51,7 @@ def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
 def _sizes_left(faults: Sequence[Fault]) -> dict[str, Size]:
     """Sizes of what the repair of faults leaves unknown, by the names of the tolerances."""
     return {
-        f"sensor_{fault.kind}": Size(deviation=fault.deviation, source=Source.LEARNED)
+        fault.at_sensor("sensor"): Size(deviation=fault.deviation, source=Source.LEARNED)
         for fault in faults
         if fault.deviation
     }

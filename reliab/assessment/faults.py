@@ -7,14 +7,14 @@ shifts the structure's mean position.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex
-from reliab.recordings import Recording, without_spikes
+from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import CubicPath
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
@@ -22,6 +22,7 @@ from reliab.vocabulary import MILLI
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
+_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
@@ -52,6 +53,37 @@ class Fault:
     # size, deviation: Estimate of an offset or drift and its standard error [m]
     size: float = 0.0
     deviation: float = 0.0
+    # actuator, place: Number of the actuator whose channels have it, and its place, among several; then
+    # `in_measured` and `in_command` have shape (p, n)
+    actuator: str = ""
+    place: int = 0
+
+    def of_actuator(self, place: int, recording: CoupledRecording) -> "Fault":
+        """Give the same fault as one of the channels of several actuators."""
+
+        def among_all(added: Array | None) -> Array | None:
+            if added is None:
+                return None
+            rows = np.zeros_like(recording.command)
+            rows[place] = added
+            return rows
+
+        return replace(
+            self,
+            in_measured=among_all(self.in_measured),
+            in_command=among_all(self.in_command),
+            actuator=recording.actuators[place],
+            place=place,
+        )
+
+    def at_sensor(self, what: str) -> str:
+        """Name what an offset or drift leaves unknown of its sensor, such as "open_offset_2"."""
+        return f"{what}_{self.kind}_{self.place + 1}" if self.actuator else f"{what}_{self.kind}"
+
+    @property
+    def sentence(self) -> str:
+        """What was found, with the actuator if there are several."""
+        return f"Actuator {self.actuator}: {self.finding}" if self.actuator else self.finding
 
     @property
     def repairable(self) -> bool:
@@ -59,7 +91,7 @@ class Fault:
         return self.in_measured is not None or self.in_command is not None
 
 
-def repaired(recording: Recording, faults: Iterable[Fault]) -> Recording:
+def repaired(recording: _OfTest, faults: Iterable[Fault]) -> _OfTest:
     """Remove faults from a recording."""
     command, measured = recording.command, recording.measured
     for fault in faults:

@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault
 from reliab.assessment.improvement import Improvement, improvement
 from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
+from reliab.assessment.plain_error import finite
 from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.tracking_measures import TrackingMeasures
@@ -48,7 +50,19 @@ class FaultEffect:
     fault: Fault  # The fault
     # Error of the test without the fault; where the verdict already excludes the fault because the loop did
     # not feel it, the error with the fault; None where that is not known
-    otherwise: ErrorOfTest | None
+    otherwise: ErrorWithThreshold | None
+
+    def to_dict(self, error: ErrorWithThreshold) -> dict[str, Any]:
+        """Put it into plain values beside the error of the test, with the actuator if there are several."""
+        fault, otherwise = self.fault, self.otherwise
+        return {
+            **({"actuator": fault.actuator} if fault.actuator else {}),
+            "kind": fault.kind,
+            "finding": fault.finding,
+            "in_loop": fault.in_loop,
+            "error": finite(error.estimate(error.metric).value),
+            "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,30 +1,42 @@
-"""What is found about a test of a partitioned frame."""
+"""What is found about a test of a partitioned frame, with one actuator or with several."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
+from reliab.assessment.budget import BudgetItem
 from reliab.assessment.contradictions import Contradiction, of_stability
-from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_of_test import PART_NAMES, ErrorOfTest
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_estimate, plain_part, plain_specimen
+from reliab.assessment.plain_error import finite, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error import Part
-from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion
 from reliab.indices import TrackingOverFrequency
-from reliab.recordings import Recording
+from reliab.recordings import CoupledRecording, Recording
 from reliab.significant import percent_with_interval
 from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import Structure
+from reliab.structures import StabilityLimit, Structure
 from reliab.vocabulary import MILLI, Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.coupled_error import ShownByGround
+
+_CAUSES: Final = {
+    "gain": "gain",
+    "delay": "delay",
+    "cross_coupling": "motion that other actuators cause",
+    "rest": "other tracking errors",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,36 +48,39 @@ class ModeOfTest:
     frequency, damping_ratio, share : float
         Natural frequency [Hz], damping ratio and the specimen's share of the stiffness [-].
     amplitude, delay : float or None
-        A [-] and d [s] at that frequency; None where the test does not show them.
+        A [-] and d [s] at that frequency; None where the test does not show them, or there are several
+        actuators.
     """
 
     frequency: float
     damping_ratio: float
     share: float
-    amplitude: float | None
-    delay: float | None
+    amplitude: float | None = None
+    delay: float | None = None
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Put it into plain values."""
+        return {
+            "f_hz": self.frequency,
+            "xi": self.damping_ratio,
+            "alpha": self.share,
+            "A": self.amplitude,
+            "d_ms": None if self.delay is None else MILLI * self.delay,
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FrameAssessment:
-    """Assessment of a test of a partitioned frame.
+class JudgedFrame(ABC):
+    """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators.
 
     Attributes
     ----------
-    recording : Recording
+    recording : Recording or CoupledRecording
         The test.
     frame : FrameUnderTest
-        The frame.
-    mode : Structure
-        Frequency, damping ratio and specimen's share of the mode that governs the error.
-    tracking : TrackingIndex
-        A and d with their uncertainty, without faults of the recording.
-    over_frequency : TrackingOverFrequency or None
-        A and d over frequency; None where the displacements are hardly coherent.
-    error : ErrorOfTest
-        The error of the measured interface displacement, from the test alone.
-    resolved : Part or None
-        Part of the error that A and d over frequency account for; None where these are.
+        The frame and its actuators.
+    error : ErrorWithThreshold
+        The error of the measured interface displacements, from the test alone.
     responses : ResponseErrors
         Errors of all floors and storeys, as the computer had them in the test.
     faults : tuple of FaultEffect
@@ -74,10 +89,143 @@ class FrameAssessment:
         The verdict, by the test's own error.
     turning : Turning
         What was not stated and would turn it.
-    critical_delay : float
-        Exact critical delay at the measured amplitude [s]; infinite where no delay is critical.
+    limit : StabilityLimit
+        Where the test would become unstable with the measured gains.
     contradictions : tuple of Contradiction
         Where the recording contradicts what is stated, so that the verdict is undecided at best.
+    """
+
+    recording: Recording | CoupledRecording
+    frame: FrameUnderTest
+    error: ErrorWithThreshold
+    responses: ResponseErrors
+    faults: tuple[FaultEffect, ...]
+    verdict: Verdict
+    turning: Turning
+    limit: StabilityLimit
+    contradictions: tuple[Contradiction, ...] = ()
+
+    error_of: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def longest_delay(self) -> float:
+        """Delay of the actuator that is latest [s]."""
+
+    @property
+    def critical_delay(self) -> float:
+        """Exact critical delay [s]; infinite where no delay is critical."""
+        return self.limit.delay
+
+    @property
+    def metric(self) -> Metric:
+        """Which error is asked about."""
+        return self.error.metric
+
+    @property
+    def threshold(self) -> float:
+        """Largest error of a reliable test [-]."""
+        return self.error.threshold
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error is below the threshold."""
+        return self.error.probability
+
+    @property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval of the error, the largest contribution first."""
+        return self.error.budget
+
+    @property
+    def reliable(self) -> bool:
+        """Whether the verdict is "reliable"."""
+        return self.verdict.word is Word.RELIABLE
+
+    @property
+    def modes(self) -> tuple[ModeOfTest, ...]:
+        """Modes of the frame, the lowest first."""
+        partition = self.frame.partition
+        frequency, ratio, _ = partition.modes
+        rows = zip(frequency.tolist(), ratio.tolist(), partition.stiffness_shares.tolist(), strict=True)
+        return tuple(ModeOfTest(frequency=f, damping_ratio=xi, share=share) for f, xi, share in rows)
+
+    @property
+    def stability_margin(self) -> float | None:
+        """Stability margin 1 − d/τ_c [-]; None where the loop is unstable with any delay."""
+        if math.isinf(self.critical_delay):
+            return 1.0
+        if self.critical_delay <= 0.0:
+            return None
+        return 1.0 - max(self.longest_delay, 0.0) / self.critical_delay
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the recording and the loop, in sentences."""
+        contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
+        return (
+            *(effect.fault.sentence for effect in self.faults),
+            *self.error.not_judged,
+            *self.error.frequency_shown,
+            *dict.fromkeys(contradiction.finding for contradiction in contradictions),
+            *self.turning.warnings(self.verdict),
+            *self.responses.warnings,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown.
+
+        The keys of other assessments where they have the same meaning.
+        """
+        return {
+            "test": self.recording.name,
+            "structure": self.frame.name,
+            "error_of": self.error_of,
+            "critical_delay_ms": finite(MILLI * self.critical_delay),
+            "critical_frequency_hz": finite(self.limit.frequency),
+            "stability_margin": self.stability_margin,
+            "modes": [mode.to_dict() for mode in self.modes],
+            "error": self.error.to_dict(),
+            "responses": self.responses.to_dict(),
+            "budget": [item.to_dict() for item in self.budget],
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            "probability": self.probability,
+            "verdict": str(self.verdict.word),
+            "reliable": self.reliable,
+            "reasons": list(self.verdict.reasons),
+            "would_decide": list(self.verdict.would_decide),
+            "faults": [effect.to_dict(self.error) for effect in self.faults],
+            "warnings": list(self.warnings),
+            "recording": {"channels": [channel.summary() for channel in self.recording.channels]},
+            "duration_s": self.recording.duration,
+            "rate_hz": 1.0 / self.recording.time_step,
+            "notes": list(self.recording.notes),
+        }
+
+    def __repr__(self) -> str:
+        size, word = self.error.estimate(self.metric), str(self.verdict.word).replace("_", " ")
+        about = f"{type(self).__name__} of {self.recording.name}"
+        if math.isnan(size.value):
+            return f"<{about}: {word}, all motion is lost in noise>"
+        interval = percent_with_interval(size.value, size.low, size.high)
+        return f"<{about}: {word}, {self.metric.upper()} error{self.error.of_which} {interval}>"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameAssessment(JudgedFrame):
+    """Assessment of a test of a partitioned frame with one actuator.
+
+    Attributes
+    ----------
+    mode : Structure
+        Frequency, damping ratio and specimen's share of the mode that governs the error.
+    tracking : TrackingIndex
+        A and d with their uncertainty, without faults of the recording.
+    over_frequency : TrackingOverFrequency or None
+        A and d over frequency; None where the displacements are hardly coherent.
+    resolved : Part or None
+        Part of the error that A and d over frequency account for; None where these are.
     criterion : Criterion or None
         A criterion of this frame, where one is given.
     population : Placement or None
@@ -85,39 +233,15 @@ class FrameAssessment:
     """
 
     recording: Recording
-    frame: FrameUnderTest
+    error: ErrorOfTest
     mode: Structure
     tracking: TrackingIndex
     over_frequency: TrackingOverFrequency | None
-    error: ErrorOfTest
     resolved: Part | None
-    responses: ResponseErrors
-    faults: tuple[FaultEffect, ...]
-    verdict: Verdict
-    turning: Turning
-    critical_delay: float
-    contradictions: tuple[Contradiction, ...] = ()
     criterion: Criterion | None = None
     population: Placement | None = None
 
-    @property
-    def modes(self) -> tuple[ModeOfTest, ...]:
-        """Modes of the frame, the lowest first."""
-        partition, resolved = self.frame.partition, self.over_frequency
-        rows = zip(
-            partition.frame.modes.frequency.tolist(),
-            partition.frame.damping_ratios.tolist(),
-            partition.stiffness_shares.tolist(),
-            strict=True,
-        )
-        modes = []
-        for frequency, ratio, share in rows:
-            seen = resolved is not None and resolved.known(frequency)
-            a, d = map(float, resolved.at(frequency)) if resolved is not None and seen else (None, None)
-            modes.append(
-                ModeOfTest(frequency=frequency, damping_ratio=ratio, share=share, amplitude=a, delay=d)
-            )
-        return tuple(modes)
+    error_of = "the measured interface displacement"
 
     @property
     def promise(self) -> float | None:
@@ -128,99 +252,125 @@ class FrameAssessment:
         return None if outside else self.criterion.promise
 
     @property
-    def reliable(self) -> bool:
-        """Whether the verdict is "reliable"."""
-        return self.verdict.word is Word.RELIABLE
+    def longest_delay(self) -> float:
+        """Equivalent delay of the actuator [s]."""
+        return self.tracking.delay
 
     @property
-    def stability_margin(self) -> float | None:
-        """Stability margin 1 − d/τ_c [-]; None where the loop is unstable with any delay."""
-        if math.isinf(self.critical_delay):
-            return 1.0
-        if self.critical_delay <= 0.0:
-            return None
-        return 1.0 - max(self.tracking.delay, 0.0) / self.critical_delay
+    def modes(self) -> tuple[ModeOfTest, ...]:
+        """Modes of the frame, the lowest first, with A and d where the test shows them."""
+        resolved = self.over_frequency
+        if resolved is None:
+            return super().modes
+        modes = []
+        for mode in super().modes:
+            seen = resolved.known(mode.frequency)
+            a, d = map(float, resolved.at(mode.frequency)) if seen else (None, None)
+            modes.append(replace(mode, amplitude=a, delay=d))
+        return tuple(modes)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
-        sentences = [effect.fault.finding for effect in self.faults]
-        sentences += self.error.frequency_shown
-        contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
-        sentences += dict.fromkeys(contradiction.finding for contradiction in contradictions)
-        sentences += self.turning.warnings(self.verdict)
-        sentences += self.responses.warnings
-        if self.over_frequency is None:
-            sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
-        return tuple(sentences)
+        if self.over_frequency is not None:
+            return super().warnings
+        return (
+            *super().warnings,
+            "A and d over frequency are unknown: the displacements are hardly coherent.",
+        )
 
     def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown.
-
-        The keys of other assessments where they have the same meaning, with `structure`, `error_of`,
-        `modes` and `over_frequency` of the frame.
-        """
-        tracking, error, plain = self.tracking, self.error, self.tracking.plain
+        """Put everything into plain numbers: also A and d, over frequency too, and the criterion's index."""
+        tracking, plain = self.tracking, self.tracking.plain
         return {
-            "test": self.recording.name,
-            "structure": self.frame.name,
-            "error_of": "the measured interface displacement",
+            **super().to_dict(),
             "A": tracking.amplitude,
             "phi": -2.0 * np.pi * plain.equivalent_frequency * tracking.delay,
             "f_eq_hz": plain.equivalent_frequency,
             "d_ms": MILLI * tracking.delay,
-            "critical_delay_ms": finite(MILLI * self.critical_delay),
-            "stability_margin": self.stability_margin,
-            "modes": [_mode(mode) for mode in self.modes],
             "over_frequency": _over_frequency(self),
-            "error": _error(error),
-            "responses": self.responses.to_dict(),
-            "budget": [item.to_dict() for item in error.budget],
-            "specimen": plain_specimen(error.specimen_known, error.specimen),
+            "specimen": plain_specimen(self.error.specimen_known, self.error.specimen),
             "would_turn": self.turning.to_dict(),
-            "metric": str(error.metric),
-            "threshold": error.threshold,
-            "probability": error.probability,
-            "verdict": str(self.verdict.word),
-            "reliable": self.reliable,
-            "reasons": list(self.verdict.reasons),
-            "would_decide": list(self.verdict.would_decide),
-            "faults": [_fault(effect, error) for effect in self.faults],
-            "warnings": list(self.warnings),
-            "recording": {"channels": [channel.summary() for channel in self.recording.channels]},
-            "duration_s": self.recording.duration,
-            "rate_hz": 1.0 / self.recording.time_step,
-            "notes": list(self.recording.notes),
             "by_index": None if self.criterion is None else _by_index(self),
         }
 
-    def __repr__(self) -> str:
-        size = self.error.estimate(self.error.metric)
-        return (
-            f"<FrameAssessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, "
-            f"{self.error.metric.upper()} error {percent_with_interval(size.value, size.low, size.high)}>"
-        )
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledAssessment(JudgedFrame):
+    """Assessment of a test of a partitioned frame with several actuators.
+
+    Attributes
+    ----------
+    limit_of_gains : bool
+        Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken.
+    shown_by_ground : ShownByGround, optional
+        What the recorded ground acceleration shows of the structure; None where it was not recorded.
+    """
+
+    recording: CoupledRecording
+    error: ErrorOfSeveral
+    limit_of_gains: bool = True
+    shown_by_ground: "ShownByGround | None" = None
+
+    error_of = "the measured interface displacements"
+
+    @property
+    def longest_delay(self) -> float:
+        """Delay of the actuator that follows its own command latest [s]."""
+        return float(np.diag(self.error.parts.delay).max())
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the recording, the displacements and the loop, in sentences."""
+        sentences = list(super().warnings)
+        if not self.limit_of_gains:
+            sentences.append(
+                "The actuators' gains cannot be told apart by this motion: the stability margin is that of "
+                "actuators without gain errors."
+            )
+        if self.shown_by_ground is not None and self.shown_by_ground.opposite:
+            sentences.append("The ground acceleration has the opposite sign.")
+        return tuple(sentences)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put everything into plain numbers: also what each actuator did.
+
+        `error.degrees_of_freedom` holds each interface displacement, `error.rms` and `error.mte` the
+        governing one; A and d are those of the actuator that tracks worst.
+        """
+        gains, delays = np.asarray(self.error.parts.gain), np.asarray(self.error.parts.delay)
+        omega = 2.0 * np.pi * float(self.frame.partition.natural_frequencies[0])
+        worst = int(np.argmax(np.hypot(np.diag(gains) - 1.0, omega * np.diag(delays))))
+        actuators = [
+            {
+                "name": number,
+                "A": float(gains[place, place]),
+                "d_ms": MILLI * float(delays[place, place]),
+                "gain_matrix_row": gains[place].tolist(),
+                "delay_matrix_row_ms": (MILLI * delays[place]).tolist(),
+            }
+            for place, number in enumerate(self.recording.actuators)
+        ]
+        at_interface, shown = self.frame.channels_at_interface, self.shown_by_ground
+        directions = zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True)
+        return {
+            **super().to_dict(),
+            "channels_are": "interface displacements" if at_interface else "displacements of actuators",
+            "actuators": actuators,
+            "A": actuators[worst]["A"],
+            "d_ms": actuators[worst]["d_ms"],
+            "critical_direction": dict(directions),
+            "shown_by_ground": None if shown is None else shown.to_dict(),
+        }
 
 
-def _mode(mode: ModeOfTest) -> dict[str, float | None]:
-    return {
-        "f_hz": mode.frequency,
-        "xi": mode.damping_ratio,
-        "alpha": mode.share,
-        "A": mode.amplitude,
-        "d_ms": None if mode.delay is None else MILLI * mode.delay,
-    }
-
-
-def _error(error: ErrorOfTest) -> dict[str, Any]:
-    return {
-        **{str(name): plain_estimate(error.estimate(name)) for name in Metric},
-        "interval_level": ERROR_LEVEL,
-        "probability": error.probability,
-        "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
-        "improve_first": error.parts.first,
-        "would_decide": list(error.would_decide),
-    }
+def part_in_words(part: str) -> str:
+    """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
+    for cause, words in _CAUSES.items():
+        if part.startswith("actuator_") and part.endswith(f"_{cause}"):
+            number = part.removeprefix("actuator_").removesuffix(f"_{cause}")
+            return f"{words} of actuator {number}"
+    return PART_NAMES[part]
 
 
 def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
@@ -236,17 +386,6 @@ def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
         "d_ms_deviation": (MILLI * resolved.delay_deviation).tolist(),
         "coherence": resolved.coherence.tolist(),
         "error": plain_part(part),
-    }
-
-
-def _fault(effect: FaultEffect, error: ErrorOfTest) -> dict[str, Any]:
-    otherwise = effect.otherwise
-    return {
-        "kind": effect.fault.kind,
-        "finding": effect.fault.finding,
-        "in_loop": effect.fault.in_loop,
-        "error": finite(error.estimate(error.metric).value),
-        "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
     }
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.exact_response import ExactTest
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.exact_response import ExactTest, exact_test
 from reliab.assessment.ground_of_test import GroundOfTest, ground_of_test
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error import Estimate
@@ -143,31 +144,33 @@ class ResponseErrors:
 
 
 def errors_of_responses(
-    test: ExactTest, motion: Motion | None = None, error: ErrorOfTest | None = None
+    error: ErrorWithThreshold, degrees: tuple[str, ...], recorded: Array | None, motion: Motion | None = None
 ) -> ResponseErrors:
-    """Compute the errors of all floors and storeys of a frame.
+    """Compute the errors of all floors and storeys of a frame from those of the interface.
 
-    `motion`: ground motion, by default the recorded one; `error`: of a test with one actuator, whose specimen
-    may have yielded, or is known by its force.
+    `degrees`: names of all degrees of freedom; `recorded`: ground acceleration [m/s²]; `motion`: the ground
+    motion in place of it.
     """
+    test = exact_test(error, degrees, recorded)
     names, weights = _responses(test)
-    share = 0.0 if error is None or error.if_linear is None else error.sizes["yielding"].deviation
+    one = error if isinstance(error, ErrorOfTest) else None
+    share = 0.0 if one is None or one.if_linear is None else one.sizes["yielding"].deviation
     ground = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=ground)
     sizes = looking.as_stated
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     yielded = draws[:0]
-    if error is not None and share:
-        of_yielding = exact_if_yielding(error.rebuilt)
-        yielded = looking.of_draws((Substructures.of_partition(one), exact) for one, exact in of_yielding)
+    if one is not None and share:
+        of_yielding = exact_if_yielding(one.rebuilt)
+        yielded = looking.of_draws((Substructures.of_partition(each), exact) for each, exact in of_yielding)
     errors = [
         _response(sizes[:, place], draws[..., place], yielded[..., place], share, *name)
         for place, name in enumerate(names)
     ]
     expected = motion is not None or test.ground is not None
     return ResponseErrors(
-        each=tuple(sorted(errors, key=lambda one: -one.size)),
-        specimen="may_have_yielded" if share else "linear" if error is None else _specimen_of(error),
+        each=tuple(sorted(errors, key=lambda response: -response.size)),
+        specimen="may_have_yielded" if share else "linear" if one is None else _specimen_of(one),
         ground_factor=ground.factor if ground is not None and ground.differs else None,
         other_motion=expected and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.over_peaks,

@@ -1,18 +1,23 @@
 """The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from typing import TypedDict, TypeVar, Unpack, overload
 
 import numpy as np
 
-from reliab.assessment.budget import (
-    Equipment,
-    Size,
-    sizes_of_structure,
-    tolerances_of,
+from reliab.arrays import Array
+from reliab.assessment.budget import Equipment, Size, sizes_of_structure, tolerances_of
+from reliab.assessment.contradictions import (
+    Contradiction,
+    limited,
+    of_frequency,
+    of_ground,
+    of_specimen,
+    of_stability,
 )
-from reliab.assessment.contradictions import limited, of_frequency, of_specimen, of_stability
+from reliab.assessment.coupled_error import compare_with_ground, rebuild_coupled
 from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
 from reliab.assessment.error_of_test import (
     ErrorOfTest,
@@ -22,14 +27,13 @@ from reliab.assessment.error_of_test import (
     that_may_have_yielded,
     with_learned,
 )
-from reliab.assessment.exact_response import exact_test_of_one
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import error_with_faults
-from reliab.assessment.faults import find_faults, repaired
+from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
 from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.measured_specimen import ForceChannel
-from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error import Part, rebuild
@@ -41,18 +45,48 @@ from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.motions import Motion
-from reliab.recordings import Recording, without_spikes
+from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure, stability_limit
+from reliab.structures import Partition, StabilityLimit, Structure, stability_limit
 from reliab.vocabulary import Metric
 
 _FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
+_LEAST_SHARE = 1e-6
+_SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
+
+_Assessment = TypeVar("_Assessment", bound=JudgedFrame)
+
+
+class _Asked(TypedDict, total=False):
+    """Arguments of `assess_frame` that need a name; they are declared here for the checkers of types."""
+
+    criterion: Criterion | None
+    threshold: float
+    metric: Metric
+    stated: Mapping[str, StatedValue] | None
+    equipment: Equipment | None
+    linear_specimen: bool
+    motion: Motion | None
+    measured_specimen: bool
+    force_channel: ForceChannel | None
+
+
+@overload
+def assess_frame(recording: Recording, frame: FrameUnderTest, **asked: Unpack[_Asked]) -> FrameAssessment: ...
+@overload
+def assess_frame(
+    recording: CoupledRecording, frame: FrameUnderTest, **asked: Unpack[_Asked]
+) -> CoupledAssessment: ...
+@overload
+def assess_frame(
+    recording: Recording | CoupledRecording, frame: FrameUnderTest, **asked: Unpack[_Asked]
+) -> FrameAssessment | CoupledAssessment: ...
 
 
 def assess_frame(
-    recording: Recording,
+    recording: Recording | CoupledRecording,
     frame: FrameUnderTest,
     *,
     criterion: Criterion | None = None,
@@ -64,25 +98,25 @@ def assess_frame(
     motion: Motion | None = None,
     measured_specimen: bool = False,
     force_channel: ForceChannel | None = None,
-) -> FrameAssessment:
+) -> FrameAssessment | CoupledAssessment:
     """Judge a test of a partitioned frame by the error computed from its displacements.
 
     Parameters
     ----------
-    recording : Recording
-        Command and measured displacement at the interface.
+    recording : Recording or CoupledRecording
+        Command and measured displacement at the interface, or those of several actuators.
     frame : FrameUnderTest
-        The frame; its specimen must be linear, or measured.
+        The frame; its specimen must be linear, or with one actuator measured.
     criterion : Criterion, optional
-        A criterion that was derived for this frame. Its threshold and metric are used, and the test's index
-        is stated beside the error.
+        A criterion that was derived for this frame with one actuator. Its threshold and metric are used, and
+        the test's index is stated beside the error.
     threshold : float, optional
         Largest error of a reliable test [-].
     metric : Metric, optional
         Which error.
     stated : mapping of str to StatedValue, optional
-        Time "feedback_lag" by which the force was fed back late [ms], "scale" of the displacement sensor [-],
-        and the deviations of what the recording was corrected for.
+        Time "feedback_lag" by which the force was fed back late [ms], "scale" of the displacement sensors
+        [-], and the deviations of what the recording was corrected for.
     equipment : Equipment, optional
         What is not known where neither the frame's tolerances nor `stated` have it; by default all that is
         exact.
@@ -100,24 +134,29 @@ def assess_frame(
 
     Returns
     -------
-    FrameAssessment
+    FrameAssessment or CoupledAssessment
         A, d, the stability margin, the error with its interval, faults of the recording, and the verdict.
 
     Raises
     ------
     InputError
         If the specimen is nonlinear and not measured, or measured and has a mass of its own, the error asked
-        for is not that of the interface, the criterion is for another structure, or the recording cannot be
-        judged.
+        for is not that of the interface, the criterion is for another structure, the recording does not fit
+        the frame or cannot be judged, or something is asked of several actuators that only one has.
     """
-    require_linear_interface(frame, measured=measured_specimen)
+    require_answerable(
+        frame,
+        criterion=criterion is not None,
+        specimen=measured_specimen or linear_specimen,
+        force_channel=force_channel is not None,
+        measured=measured_specimen,
+    )
     stated = stated or {}
-    mode = governing_mode(frame.partition, frame.output)
+    mode = _mode_of_sizes(frame)
     if criterion is not None:
         _check_criterion(criterion, mode)
         threshold, metric = criterion.threshold, Metric(criterion.metric)
-    if "scale" in stated:
-        recording = replace(recording, measured=recording.measured / stated["scale"].value)
+    scale = stated.get("scale", StatedValue(1.0)).value
     question = Question(
         structure=mode,
         stated=stated,
@@ -128,29 +167,27 @@ def assess_frame(
         measured_specimen=measured_specimen,
         force_channel=force_channel,
     )
-    return _examined(recording, frame, question, criterion, motion)
+    if isinstance(recording, CoupledRecording):
+        in_order = _in_order(recording, frame)
+        return _of_several(replace(in_order, measured=in_order.measured / scale), frame, question, motion)
+    if frame.several:
+        raise _too_few("one command", frame, recording.name)
+    scaled = replace(recording, measured=recording.measured / scale)
+    return _of_one(scaled, frame, question, criterion, motion)
 
 
-def _examined(
+def _of_one(
     recording: Recording,
     frame: FrameUnderTest,
     question: Question,
     criterion: Criterion | None,
     motion: Motion | None,
 ) -> FrameAssessment:
-    mode = question.structure
+    mode, partition = question.structure, frame.partition
     require_length(recording, mode.frequency)
-    require_drawable(recording, frame.partition)
-    require_plausible(recording, stiffness=frame.partition.specimen.stiffness)
-    bridged, *_ = without_spikes(recording)
-    faults = find_faults(
-        recording,
-        track(bridged, draws=_FEW_DRAWS),
-        threshold=question.threshold,
-        experimental_fraction=float(frame.partition.shares_at_sensors(np.eye(1))[0]),
-    )
-    rebuilt = _rebuilding(frame, question)
-    error, effects = error_with_faults(recording, faults, rebuilt)
+    require_drawable(recording, partition)
+    faults = tuple(_faults(recording, frame, question.threshold))
+    error, effects = error_with_faults(recording, faults, _rebuilding(frame, question))
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
@@ -162,44 +199,92 @@ def _examined(
         over_frequency=over_frequency,
         error=error,
         resolved=_resolved(sound, over_frequency, error),
-        responses=errors_of_responses(
-            exact_test_of_one(error, frame.partition.frame.names, recording.ground), motion, error
-        ),
+        responses=errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion),
         faults=effects,
         verdict=turning.limit(_verdict(error, effects)),
         turning=turning,
-        critical_delay=stability_limit(frame.partition, tracking.amplitude).delay,
+        limit=stability_limit(partition, tracking.amplitude),
         criterion=criterion,
         population=None
         if criterion is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
-    return _with_contradictions(assessment, sound)
-
-
-def _verdict(error: ErrorOfTest, effects: tuple[FaultEffect, ...]) -> Verdict:
-    verdict = verdict_of_error(error, effects, OwnEquation(), ())
-    return doubted_by_entries(
-        verdict,
-        error.sizes,
-        error.rebuilt.draws.errors(error.metric),
-        error.threshold,
-        learned=error.rebuilt.unknown.own_frequency is not None,
-    )
-
-
-def _with_contradictions(assessment: FrameAssessment, sound: Recording) -> FrameAssessment:
-    """Add where the recording contradicts what is stated, which limits the verdict."""
-    specimen = assessment.error.specimen
-    frequencies = [mode.frequency for mode in assessment.modes]
-    contradictions = (
-        *(of_frequency(sound, assessment.tracking, frequencies) if specimen is None else ()),
+    specimen, frequencies = error.specimen, [each.frequency for each in assessment.modes]
+    return _contradicted(
+        assessment,
+        *(of_frequency(sound, tracking, frequencies) if specimen is None else ()),
         *of_stability(assessment.stability_margin),
         *of_specimen(specimen),
     )
+
+
+def _of_several(
+    recording: CoupledRecording, frame: FrameUnderTest, question: Question, motion: Motion | None
+) -> CoupledAssessment:
+    partition, carry = frame.partition, frame.to_interface
+    require_length(recording, question.structure.frequency)
+    faults = tuple(_faults(recording, frame, question.threshold))
+    error, effects = error_with_faults(recording, faults, _rebuilding_of_several(frame, question))
+    ground, rebuilt = recording.ground, error.rebuilt
+    shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.structure, ground)
+    limit, of_gains = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
+    assessment = CoupledAssessment(
+        recording=recording,
+        frame=frame,
+        error=error,
+        responses=errors_of_responses(error, partition.degrees_of_freedom, ground, motion),
+        faults=effects,
+        verdict=_verdict(error, effects),
+        turning=examine_turning(error, recording, question),
+        limit=limit,
+        limit_of_gains=of_gains,
+        shown_by_ground=shown,
+    )
+    return _contradicted(
+        assessment,
+        *of_ground(shown, _sizes(frame, question, recording), partition),
+        *of_stability(assessment.stability_margin),
+    )
+
+
+def _verdict(error: ErrorWithThreshold, effects: tuple[FaultEffect, ...]) -> Verdict:
+    return doubted_by_entries(verdict_of_error(error, effects), error)
+
+
+def _contradicted(assessment: _Assessment, *contradictions: Contradiction) -> _Assessment:
+    """Add where the recording contradicts what is stated, which limits the verdict."""
     return replace(
         assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
     )
+
+
+def _faults(
+    recording: Recording | CoupledRecording, frame: FrameUnderTest, threshold: float
+) -> Iterator[Fault]:
+    """Find the faults of each channel; those that hardly move have none."""
+    shares = frame.partition.shares_at_sensors(frame.to_interface)
+    for number, channel in _channels(recording):
+        require_plausible(channel, stiffness=float(frame.partition.specimen_stiffness[number, number]))
+        bridged, *_ = without_spikes(channel)
+        faults = find_faults(
+            channel,
+            track(bridged, draws=_FEW_DRAWS),
+            threshold=threshold,
+            experimental_fraction=float(shares[number]),
+        )
+        if isinstance(recording, CoupledRecording):
+            faults = tuple(fault.of_actuator(number, recording) for fault in faults)
+        yield from faults
+
+
+def _channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Recording]]:
+    """Give the recordings of all actuators that move, each with its place."""
+    if isinstance(recording, Recording):
+        yield 0, recording
+        return
+    moved = np.ptp(recording.command, axis=1)
+    for number in np.flatnonzero(moved > _SMALL_MOTION * moved.max()).tolist():
+        yield number, recording.of_actuator(number)
 
 
 def _over_frequency(recording: Recording) -> TrackingOverFrequency | None:
@@ -217,15 +302,22 @@ def _resolved(
     return error.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
 
 
+def _sizes(
+    frame: FrameUnderTest, question: Question, recording: Recording | CoupledRecording
+) -> dict[str, Size]:
+    """Sizes of what is not known, before anything is learned from the test."""
+    return {**question.sizes(recording.time_step), **sizes_of_structure(frame)}
+
+
 def _rebuilding(
     frame: FrameUnderTest, question: Question
-) -> Callable[[Recording, float | None, Mapping[str, Size]], ErrorOfTest]:
-    """Give the function that rebuilds the error of a recording whose sensor has a stated offset [m]."""
-    structure, of_structure = frame.partition, sizes_of_structure(frame)
+) -> Callable[[Recording, frozenset[int], Mapping[str, Size]], ErrorOfTest]:
+    """Give the function that rebuilds the error of a recording; see `error_with_faults`."""
+    structure = frame.partition
 
-    def rebuilt(test: Recording, offset: float | None, left: Mapping[str, Size]) -> ErrorOfTest:
-        sizes = {**question.sizes(test.time_step), **of_structure, **left}
-        tolerances, specimen = tolerances_of(sizes), None
+    def rebuilt(test: Recording, known: frozenset[int], left: Mapping[str, Size]) -> ErrorOfTest:
+        sizes = {**_sizes(frame, question, test), **left}
+        tolerances, specimen, offset = tolerances_of(sizes), None, 0.0 if known else None
         if question.measured_specimen:
             specimen = specimen_from_force(
                 test, test.measured, question, structure, sensor_offset=offset, tolerances=tolerances
@@ -252,6 +344,91 @@ def _rebuilding(
         return that_may_have_yielded(of_test, question.yielding(test))
 
     return rebuilt
+
+
+def _rebuilding_of_several(
+    frame: FrameUnderTest, question: Question
+) -> Callable[[CoupledRecording, frozenset[int], Mapping[str, Size]], ErrorOfSeveral]:
+    """Give the function that rebuilds the errors of a recording; see `error_with_faults`."""
+
+    def rebuilt(test: CoupledRecording, known: frozenset[int], left: Mapping[str, Size]) -> ErrorOfSeveral:
+        sizes = {**_sizes(frame, question, test), **left}
+        error = rebuild_coupled(
+            frame.straightened(test.command),
+            frame.straightened(test.measured),
+            test.time_step,
+            frame.partition,
+            to_interface=frame.to_interface,
+            feedback_lag=question.feedback_lag,
+            sensor_offsets=np.array(
+                [0.0 if place in known else np.nan for place in range(len(test.command))]
+            ),
+            tolerances=tolerances_of(sizes),
+        )
+        return ErrorOfSeveral(
+            rebuilt=error,
+            metric=question.metric,
+            threshold=question.threshold,
+            sizes=with_learned(sizes, error.unknown.own_frequency),
+        )
+
+    return rebuilt
+
+
+def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:
+    """Where the test becomes unstable with the measured gains; with exact ones where it would be at once."""
+    try:
+        return stability_limit(partition, gains), True
+    except InputError:
+        return stability_limit(partition), False
+
+
+def _mode_of_sizes(frame: FrameUnderTest) -> Structure:
+    """Mode that governs the error; of several actuators the lowest one."""
+    if not frame.several:
+        return governing_mode(frame.partition, frame.output)
+    frequency, ratio, _ = frame.partition.modes
+    return Structure(
+        frequency=float(frequency[0]),
+        damping_ratio=float(ratio[0]),
+        experimental_fraction=float(np.clip(frame.partition.stiffness_shares[0], _LEAST_SHARE, 1.0)),
+    )
+
+
+def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
+    """Put channels that have the names of the degrees of freedom into their order."""
+    names, numbers = frame.partition.names, recording.actuators
+    if len(numbers) != len(names):
+        raise _too_few(f"those of {', '.join(numbers)}", frame, recording.name)
+    if frame.channels_at_interface and set(numbers) == set(names) and numbers != names:
+        order = [numbers.index(name) for name in names]
+        return replace(
+            recording, command=recording.command[order], measured=recording.measured[order], actuators=names
+        )
+    return recording
+
+
+def _too_few(channels: str, frame: FrameUnderTest, where: str) -> InputError:
+    return InputError(
+        "A test must have a command and a measured displacement for each actuator",
+        value=f"{channels} for {len(frame.partition.names)} actuators",
+        remedy="Name the columns command_1, measured_1, command_2, …",
+        where=where,
+    )
+
+
+def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **asked: bool) -> None:
+    """Refuse what a frame's test cannot be asked, by the names of the arguments of `reliab.assess`.
+
+    `measured`: whether the specimen is learned from its force.
+    """
+    for name, is_asked in asked.items():
+        if is_asked and frame.several:
+            raise InputError(
+                f"`{name}` has no meaning beside a `structure` with several actuators", remedy="Leave it out"
+            )
+    if not frame.several:
+        require_linear_interface(frame, measured=measured)
 
 
 def require_linear_interface(frame: FrameUnderTest, *, measured: bool = False) -> None:

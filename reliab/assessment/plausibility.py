@@ -7,7 +7,7 @@ from reliab.assessment.band import noise_floor
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.errors import InputError
-from reliab.recordings import Recording, without_spikes
+from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import correlated
 from reliab.significant import percent, significant
 from reliab.structures import Partition
@@ -46,7 +46,7 @@ _UNIT_FACTORS = {
 _UNIT_TOLERANCE = 0.1
 
 
-def require_length(recording: Recording, frequency: float) -> None:
+def require_length(recording: Recording | CoupledRecording, frequency: float) -> None:
     """Refuse a test of less than two periods of the structure, or of less than five samples in a period.
 
     `frequency` [Hz].

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.coupled_assessment import CoupledAssessment
-from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.same_test import SameTest, combine_runs
 from reliab.assessment.verdict_table import verdict_table
 from reliab.errors import InputError

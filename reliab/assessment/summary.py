@@ -4,16 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.findings import LARGEST_PROBABILITY, FaultEffect, Findings, capped
+from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_estimate, plain_part, plain_specimen
+from reliab.assessment.plain_error import finite, plain_estimate, plain_specimen
 from reliab.assessment.rebuilt_error import Widening
-from reliab.assessment.rebuilt_error.spread import LEVEL as ERROR_LEVEL
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
 from reliab.recordings import Recording
-from reliab.vocabulary import MILLI, Metric
+from reliab.vocabulary import MILLI
 
 
 def summarise(findings: Findings) -> dict[str, Any]:
@@ -80,7 +79,7 @@ def _details(findings: Findings) -> dict[str, Any]:
         "windows": _windows(findings),
         "noise": _noise(findings),
         "tracking": _tracking(findings),
-        "faults": [_fault(effect, findings) for effect in findings.faults],
+        "faults": [effect.to_dict(findings.error) for effect in findings.faults],
         "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in findings.stated.items()},
         "window": {
             "seconds": findings.recording.duration,
@@ -93,14 +92,8 @@ def _details(findings: Findings) -> dict[str, Any]:
 def _error(findings: Findings) -> dict[str, Any]:
     error = findings.error
     return {
-        "rms": plain_estimate(error.estimate(Metric.RMS)),
-        "mte": plain_estimate(error.estimate(Metric.MTE)),
-        "interval_level": ERROR_LEVEL,
-        "probability": error.probability,
-        "parts": {name: plain_part(part) for name, part in error.parts.by_name.items()},
-        "improve_first": error.parts.first,
+        **error.to_dict(),
         "widest": [_widening(widening) for widening in error.widenings],
-        "would_decide": list(error.would_decide),
         "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
         "identified": _identified(findings.equation),
         "otherwise_stated": [
@@ -157,18 +150,6 @@ def _by_response(placed: Placement | None) -> dict[str, Any] | None:
         "index": finite(placed.index),
         "index_interval": _ends(placed.index_interval),
         "probability": capped(placed.probability),
-    }
-
-
-def _fault(effect: FaultEffect, findings: Findings) -> dict[str, Any]:
-    metric = Metric(findings.criterion.metric)
-    otherwise = effect.otherwise
-    return {
-        "kind": effect.fault.kind,
-        "finding": effect.fault.finding,
-        "in_loop": effect.fault.in_loop,
-        "error": finite(findings.error.estimate(metric).value),
-        "error_otherwise": None if otherwise is None else finite(otherwise.estimate(metric).value),
     }
 
 

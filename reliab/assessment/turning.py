@@ -9,6 +9,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.budget import LowPass
 from reliab.assessment.error_of_test import ErrorOfTest, Question
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
@@ -18,7 +19,7 @@ from reliab.assessment.yielding import (
     errors_of_ductilities,
     errors_of_hardenings,
 )
-from reliab.recordings import Recording
+from reliab.recordings import CoupledRecording, Recording
 from reliab.significant import percent, significant
 from reliab.vocabulary import Metric
 
@@ -112,10 +113,19 @@ def _turned(what: str, smallest: float | None) -> str:
     return f", and a {what} of {size} would turn the verdict"
 
 
-def examine_turning(error: ErrorOfTest, recording: Recording, question: Question) -> Turning:
-    """Find what would turn the verdict; nothing is asked where everything was stated."""
+def examine_turning(
+    error: ErrorWithThreshold, recording: Recording | CoupledRecording, question: Question
+) -> Turning:
+    """Find what would turn the verdict; nothing is asked where everything was stated.
+
+    With several actuators only the skew of a slow recording is asked about.
+    """
     if question.equipment is None or question.model is not None:
         return Turning()
+    step = recording.time_step
+    doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
+    if not (isinstance(error, ErrorOfTest) and isinstance(recording, Recording)):
+        return Turning(doubt_of_skew=doubt_of_skew)
     settled = recording.force is not None or question.linear_specimen
     yielding = {} if settled else errors_of_ductilities(error.rebuilt, question.metric)
     hardening = {} if settled else errors_of_hardenings(error.rebuilt, question.metric)
@@ -126,9 +136,7 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
         smallest_hardening=_first(hardening, error),
         error_if_hardening=None if settled else (min(hardening.values()), max(hardening.values())),
         highest_filter=_first(filters, error),
-        doubt_of_skew=""
-        if "skew" in question.stated
-        else question.equipment.doubt_of_skew(recording.time_step),
+        doubt_of_skew=doubt_of_skew,
     )
 
 

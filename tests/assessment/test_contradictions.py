@@ -11,6 +11,9 @@ from reliab.assessment.findings import Findings
 from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
+from reliab.recordings import CoupledRecording
+from reliab.shipped import shipped
+from reliab.simulation.frames import ideal_response, read_structure
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Specimen, floor_interface
@@ -58,7 +61,27 @@ def of_specimen_case(simulate, ground_motions):
     )
 
 
+def of_ground_case(simulate, ground_motions):
+    """A small error beside the ground motion of another test."""
+    del simulate
+    frame = read_structure(shipped("datasets", "frames/two_actuators.toml"))
+    motion, step = ground_motions[0], ground_motions[0].time_step
+    ideal = ideal_response(frame.partition, motion.acceleration, step)
+    command = frame.kinematics @ ideal
+    chance = np.random.default_rng(1).standard_normal(command.shape)
+    return assess_frame(
+        CoupledRecording(
+            command=command,
+            measured=0.999 * command + 1e-5 * command.std(axis=1, keepdims=True) * chance,
+            time_step=step,
+            ground=ground_motions[1].acceleration[: command.shape[1]],
+        ),
+        frame,
+    )
+
+
 CASES = {
+    "of_ground": (of_ground_case, "does not belong to this test"),
     "of_frequency": (of_frequency_case, "the structure at 5 Hz, where the command shows no resonance"),
     "of_motion": (of_motion_case, "was not found in the record"),
     "of_specimen": (of_specimen_case, "No representation of the specimen predicts its force"),
@@ -83,10 +106,11 @@ def test_every_kind_of_contradiction_has_its_case():
     assert {name for name in vars(contradictions) if name.startswith("of_")} == set(CASES)
 
 
-def test_a_bad_test_stays_bad():
+def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():
     bad = Verdict(word=Word.NOT_RELIABLE, reasons=("The error is large.",))
     doubt = contradictions.Contradiction(finding="It is doubted.", remedy="Find out.")
     assert limited(bad, [doubt]) is bad
+    assert limited(bad, [doubt, replace(doubt, of_structure=True)]).word is Word.UNDECIDED
     assert limited(replace(bad, word=Word.RELIABLE), [doubt]).word is Word.UNDECIDED
     assert limited(replace(bad, word=Word.RELIABLE), []).word is Word.RELIABLE
 

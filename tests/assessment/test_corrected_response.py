@@ -9,7 +9,7 @@ import xarray as xr
 
 import reliab
 from reliab.assessment import CoupledAssessment, corrected_response
-from reliab.assessment.coupled_test import assess_coupled
+from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.substructures import Substructures
 from reliab.cli import run
 from reliab.recordings import CoupledRecording
@@ -98,7 +98,7 @@ def coupled() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
         stiffness=partition.stiffness,
         influence=partition.influence,
     )
-    return assess_coupled(recording, frame), undivided_response(whole, _GROUND, _STEP), ran.measured
+    return assess_frame(recording, frame), undivided_response(whole, _GROUND, _STEP), ran.measured
 
 
 def _shaken_by(found: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:

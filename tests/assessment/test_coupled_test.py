@@ -11,11 +11,11 @@ from coupled_structures import described, node
 import reliab
 from reliab import cli
 from reliab.assessment import LowPass
-from reliab.assessment.coupled_test import assess_coupled
+from reliab.assessment.frame_test import assess_frame
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.recordings import CoupledRecording
-from reliab.report.kinds.assessment import coupled_assessment_report
+from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.shipped import shipped
 from reliab.simulation.frames import FrameUnderTest, coupled_response, read_frame, read_structure
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
@@ -92,7 +92,7 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
     exact, by_matrix = (
-        [degree.rms.value for degree in assess_coupled(recording, one).error.degrees]
+        [degree.rms.value for degree in assess_frame(recording, one).error.degrees]
         for one in (replace(frame, geometry=geometry), frame)
     )
     assert exact == pytest.approx(true, rel=2e-3)
@@ -159,13 +159,12 @@ def test_a_bad_description_is_one_sentence_and_exit_code_2(recorded, tmp_path, c
 
 
 def test_its_report_holds_each_degree_and_the_parts(assessed):
-    document = coupled_assessment_report(assessed, provenance={})
-    errors, _ = document.blocks[0].blocks
+    document = frame_assessment_report(assessed, provenance={})
+    errors = document.blocks[0].blocks[0]
     assert errors.frame["0"].tolist() == ["x", "theta"]
-    parts = document.blocks[2].blocks[1]
+    parts = document.blocks[4].blocks[0]
     assert "delay of actuator 2" in parts.frame["0"].tolist()
-    assert "ᴿ" in document.verdict
-    assert "^" not in document.verdict
+    assert " of theta is 13" in document.verdict[-1]
 
 
 @pytest.mark.slow
@@ -300,7 +299,8 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
         recording = CoupledRecording(
             command=command - felt * answer, measured=measured - felt * answer + offset, time_step=STEP
         )
-        faults = [fault for number, fault in assess_coupled(recording, frame).faults if number == "1"]
+        found = [effect.fault for effect in assess_frame(recording, frame).faults]
+        faults = [fault for fault in found if fault.actuator == "1"]
         assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt)]
 
 
@@ -322,7 +322,7 @@ def test_actuators_that_move_alike_keep_gains_near_one():
         kinematics=actuators.kinematics,
         channels_at_interface=False,
     )
-    found = assess_coupled(recording, frame)
+    found = assess_frame(recording, frame)
     np.testing.assert_allclose(found.error.parts.gain, np.eye(3), atol=0.2)
     assert found.limit_of_gains
     assert 0.0 < found.stability_margin < 1.0

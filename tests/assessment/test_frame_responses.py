@@ -7,7 +7,6 @@ import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, Outcome, run, run_yielding, shear
 
 from reliab.assessment.budget import ordinary_equipment
-from reliab.assessment.coupled_test import assess_coupled
 from reliab.assessment.frame_test import assess_frame
 from reliab.motions import Motion
 from reliab.recordings import CoupledRecording, Recording
@@ -182,11 +181,11 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
     recording = CoupledRecording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )
-    found = assess_coupled(recording, stated).responses
+    found = assess_frame(recording, stated).responses
     errors = {one.name: one.rms.value for one in found.each}
     assert errors == pytest.approx(true_errors(outcome, names), rel=0.01)
     assert found.to_dict()["governing_storey"] in found.sentence
-    lengths = assess_coupled(replace(recording, ground=None), stated).responses
+    lengths = assess_frame(replace(recording, ground=None), stated).responses
     assert all(one.rms is None for one in lengths.each)
     assert "need the ground motion" in lengths.sentence
 

@@ -7,7 +7,6 @@ import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, run
 
 from reliab.assessment.budget import ordinary_equipment
-from reliab.assessment.coupled_test import assess_coupled
 from reliab.assessment.frame_test import assess_frame
 from reliab.recordings import CoupledRecording, Recording
 from reliab.simulation.frames import FrameUnderTest
@@ -138,7 +137,7 @@ def test_several_actuators_have_the_same_tolerances(case):
         actuators=("1",),
         name="one",
     )
-    found = assess_coupled(
+    found = assess_frame(
         several,
         FrameUnderTest(
             several=True,

@@ -27,7 +27,6 @@ from benchmarks.several_actuators import read_by_chance  # noqa: E402
 from benchmarks.uncertain_frames import true_errors  # noqa: E402
 
 from reliab.assessment.budget import ordinary_equipment  # noqa: E402
-from reliab.assessment.coupled_test import assess_coupled  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.recordings import CoupledRecording, Recording  # noqa: E402
 from reliab.simulation.frames import FrameUnderTest  # noqa: E402
@@ -119,7 +118,7 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
         recording = CoupledRecording(
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
-        found = assess_coupled(recording, frame, equipment=ordinary_equipment())
+        found = assess_frame(recording, frame, equipment=ordinary_equipment())
         sizes, of = [degree.rms for degree in found.error.degrees], found.responses
     else:
         alone = assess_frame(

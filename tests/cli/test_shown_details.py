@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab.cli.assess.shown_coupled import show_coupled
+from reliab.cli.assess.shown_briefly import show_briefly
 from reliab.cli.assess.shown_frame import show_frame
 from reliab.cli.criterion.shown import _show_own_boundary
 from reliab.cli.diagnose import _show
@@ -47,6 +47,7 @@ FRAME = {
     "budget": BUDGET,
     "structure": "portal", "A": 0.9876, "d_ms": 2.345, "critical_delay_ms": 12.5, "stability_margin": 0.812,
     "by_index": {"index": 0.444, "verdict": "not_reliable"},
+    "error": {"parts": {"delay": {"rms": 0.0321}}},
     "modes": [MODE, {**MODE, "f_hz": 3.5, "A": None, "d_ms": None}],
     "over_frequency": {"frequency_hz": [0.5, 2.0, 8.0], "error": {"rms": 0.0123, "remaining_rms": 0.0045}},
     "warnings": ["Look at this."], "notes": ["A remark."],
@@ -58,17 +59,22 @@ FRAME = {
 }  # fmt: skip
 
 
+def show_all(content):
+    show_frame(content, details=True)
+
+
 def printed(capsys, show, *arguments):
     show(*arguments)
     return capsys.readouterr().out
 
 
 def test_details_of_a_frame_stand_beside_their_names(capsys):
-    text = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: FRAME))
+    text = printed(capsys, show_all, FRAME)
     lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
     for line in (
-        "Test of portal", "A 0.9876", "d 2.345 ms", "critical delay 12.500 ms", "stability margin 0.812",
-        "index of the criterion 0.444: not reliable", "Tracking at the modes of the structure",
+        "Test of portal", "delay 3.21 %", "A 0.9876", "d 2.345 ms", "critical delay 12.500 ms",
+        "stability margin 0.812", "index of the criterion 0.444: not reliable",
+        "Tracking at the modes of the structure",
         "1 1.250 0.0300 0.400 0.9912 1.234", "2 3.500 0.0300 0.400 unknown unknown",
         "Errors of floors and storeys", "Of storeys.", "damping ratio 15 % default 1.23 %",
         "storey 2 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) 1.23 % (1.00 to 2.00 %) 4.56 % (4.00 to 5.00 %)",
@@ -84,12 +90,12 @@ def test_a_frame_whose_numbers_are_not_known_says_so(capsys):
         **FRAME, "critical_delay_ms": None, "stability_margin": None, "over_frequency": None,
         "by_index": {"index": None, "verdict": "undecided"},
     }  # fmt: skip
-    text = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: unknown))
+    text = printed(capsys, show_all, unknown)
     lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
     assert {"critical delay none", "stability margin none"} <= set(lines)
     assert "index of the criterion unknown: undecided" in lines
     assert "over frequency" not in text
-    without = printed(capsys, show_frame, SimpleNamespace(to_dict=lambda: {**FRAME, "by_index": None}))
+    without = printed(capsys, show_all, {**FRAME, "by_index": None})
     assert "index of the criterion" not in without
 
 
@@ -199,13 +205,14 @@ DEGREE = {
 SEVERAL = {
     "budget": BUDGET,
     "responses": FRAME["responses"],
+    "modes": [{**MODE, "A": None, "d_ms": None}], "metric": "rms", "threshold": 0.01, "probability": 0.02,
     "verdict": "not_reliable", "reasons": ["First of all this.", "It exceeds the threshold."],
     "would_decide": ["a longer test"], "structure": "corner", "warnings": ["Look at this."],
     "notes": ["A remark."],
     "recording": {"channels": [{"channel": "command", "column": "u", "unit": "mm", "reason": "its name"}]},
     "error": {
-        "degrees_of_freedom": {"x": DEGREE, "theta": {"judged": False}}, "governing": "x",
-        "improve_first": "actuator_1_gain",
+        "degrees_of_freedom": {"x": DEGREE, "theta": {"judged": False, "parts": {}}}, "governing": "x",
+        "improve_first": "actuator_1_gain", "rms": DEGREE["rms"], "mte": DEGREE["mte"],
         "parts": {
             "actuator_1_gain": {"remaining_rms": 0.0044}, "actuator_2_delay": {"remaining_rms": 0.0099},
         },
@@ -221,19 +228,20 @@ def lines_of(text):
 
 
 def shown_of_several(capsys, content, *, details):
-    show_coupled(SimpleNamespace(to_dict=lambda: content), details=details)
+    show_briefly(content, without_details=not details)
+    show_frame(content, details=details)
     return lines_of(capsys.readouterr().out)
 
 
 def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     lines = shown_of_several(capsys, SEVERAL, details=False)
     for line in (
-        "NOT RELIABLE: It exceeds the threshold.", "First of all this.", "What would decide: a longer test",
+        "NOT RELIABLE: RMS^R of x is 1.23 %, below 1 % with probability 0.02", "First of all this.",
+        "What would decide: a longer test",
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
         "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
-        "Unstable from a delay of 12.3 ms of all actuators, at 3.21 Hz in the motion x 0.9, theta 0.43: stability margin 0.81.",  # noqa: E501
-        "For all results, add --details.",
+        "For all results, with 1 note, add --details.",
     ):  # fmt: skip
         assert line in lines, line
     (row,) = [line for line in lines if line.startswith("x ")]
@@ -243,6 +251,13 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
 
 
 def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_notes(capsys):
+    sentence = (
+        "The critical delay is one of all actuators: the loop then oscillates at 3.21 Hz in the motion "
+    )
+    lines = shown_of_several(capsys, SEVERAL, details=True)
+    assert f"{sentence}x 0.9, theta 0.43." in lines
+    assert {"critical delay 12.340 ms", "stability margin 0.812", "A of actuator 2 1.0123"} <= set(lines)
+    assert "1 1.250 0.0300 0.400 unknown unknown" in lines
     calm = {
         **SEVERAL, "critical_delay_ms": None, "error": {**SEVERAL["error"], "improve_first": None},
     }  # fmt: skip
@@ -254,7 +269,9 @@ def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_not
     assert "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown" in lines
     assert "Channels: command = 'u' (mm; its name)." in lines
     assert "Note: A remark." in lines
-    assert not any(line.startswith(("Improve first", "Unstable", "For all results")) for line in lines)
+    assert not any(
+        line.startswith(("Improve first", "The critical delay", "For all results")) for line in lines
+    )
 
 
 def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):

@@ -261,7 +261,8 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     begin, _, number = name.rpartition("_")
     of_actuator = number.isdecimal() and not is_part(name)
     alike = begin if of_actuator else name
-    size, quantity = sizes.get(alike), _QUANTITIES[alike if numbered is None else numbered[0]]
+    quantity = _QUANTITIES[alike if numbered is None else numbered[0]]
+    size = sizes.get(name, sizes.get(alike))
     return BudgetItem(
         name=name,
         quantity=_quantity_in_words(alike, quantity, number if of_actuator else ""),

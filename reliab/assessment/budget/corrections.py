@@ -20,7 +20,7 @@ CHANNELS: Final = ("command", "measured")
 
 _ORDERS = range(1, 9)
 _UNFILTERED = ("ground", "force")
-_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
+_OfTest = TypeVar("_OfTest", bound=Recording | CoupledRecording)
 _CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
 
 

@@ -127,7 +127,8 @@ def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     """Put sizes into the form in which the error is drawn."""
     deviations = {name: size.deviation for name, size in sizes.items()}
     of_parts = {name: deviations.pop(name) for name in sizes if is_part(name)}
-    return Tolerances(**deviations, of_parts=of_parts)
+    of_sensors = {name: deviations.pop(name) for name in sizes if name[-1].isdecimal() and name in deviations}
+    return Tolerances(**deviations, of_parts=of_parts, of_sensors=of_sensors)
 
 
 def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:

@@ -78,9 +78,20 @@ class CoupledError:
         least = (degree.probability(threshold, metric) for degree in self.judged)
         return min(least, default=0.5)
 
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R of the governing displacement with its interval; NaN where all are lost in noise."""
+        governing = self.governing(metric)
+        if governing is None:
+            return Estimate(value=np.nan, low=np.nan, high=np.nan)
+        return governing.estimate(metric)
+
+    def errors(self, metric: Metric) -> Array:
+        """RMS^R or MTE^R of the draws, the largest of the judged displacements [-], shape (draws,)."""
+        return np.asarray(np.max([degree.draws.errors(metric) for degree in self.judged], axis=0))
+
     @cached_property
-    def parts(self) -> CoupledParts:
-        """The error divided by actuator and by cause."""
+    def division(self) -> CoupledParts:
+        """The errors of all displacements divided by actuator and by cause."""
         return divide(self.histories)
 
     def widenings(self, metric: Metric) -> tuple[Widening, ...]:

@@ -53,6 +53,10 @@ class ShownByGround:
         """Whether frequencies of a stated relative deviation [-] are not those of the structure."""
         return abs(self.frequency - 1.0) > _DISAGREES * float(np.hypot(self.deviation, stated))
 
+    def to_dict(self) -> dict[str, float]:
+        """Put it into plain values."""
+        return {"frequency_ratio": self.frequency, "deviation": self.deviation, "unexplained": self.misfit}
+
 
 def compare_with_ground(
     histories: CoupledHistories, structure: Partition, ground: Array

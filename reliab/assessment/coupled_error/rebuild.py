@@ -78,15 +78,13 @@ class Channels:
         return np.array([-start.standing for start in self.starts])
 
     def with_offsets(self, measured: Array, offsets: Array) -> "Channels":
-        """Return the sensors with stated offsets [m], shape (p,); `measured` as read [m], shape (p, n)."""
-        return replace(
-            self,
-            measured=measured - offsets[:, np.newaxis],
-            starts=tuple(
-                replace(start, offset=float(offset), offset_deviation=0.0)
-                for start, offset in zip(self.starts, offsets, strict=True)
-            ),
+        """Return the sensors with stated offsets [m], NaN for none, shape (p,); `measured` as read [m]."""
+        starts = tuple(
+            start if np.isnan(offset) else replace(start, offset=float(offset), offset_deviation=0.0)
+            for start, offset in zip(self.starts, offsets, strict=True)
         )
+        taken = np.array([start.offset for start in starts])
+        return replace(self, measured=measured - taken[:, np.newaxis], starts=starts)
 
     def histories(
         self, carry: Array, feedback_lag: float, time_step: float, recursion: Recursion
@@ -122,7 +120,7 @@ def rebuild_coupled(
     `command`, `measured` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`: interface
     displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
     `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default;
-    `sensor_offsets`: of the displacement sensors where they are known [m], shape (p,).
+    `sensor_offsets`: of the displacement sensors [m], NaN where they are not known, shape (p,).
 
     Two actuators of which one moves 1 % too little:
 

@@ -67,7 +67,8 @@ class Unknown:
             own = {"sensor_offset": self.offset, "initial_state": self.error_at_start}.get(name)
             each = np.broadcast_to(value if own is None else np.hypot(value, own), np.shape(self.offset))
             for place, size in enumerate(np.atleast_1d(each).tolist()):
-                deviations[f"{name}_{place + 1}" if several else name] = size
+                numbered = f"{name}_{place + 1}" if several else name
+                deviations[numbered] = size + self.tolerances.of_sensors.get(numbered, 0.0)
         return deviations
 
 

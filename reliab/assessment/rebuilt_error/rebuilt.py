@@ -45,6 +45,10 @@ class RebuiltError:
         """RMS^R or MTE^R with its interval."""
         return self.rms if Metric(metric) is Metric.RMS else self.mte
 
+    def errors(self, metric: Metric) -> Array:
+        """RMS^R or MTE^R of the draws [-], shape (draws,)."""
+        return self.draws.errors(metric)
+
     def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
         """Probability that the error is below a threshold.
 

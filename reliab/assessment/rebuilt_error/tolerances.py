@@ -37,6 +37,8 @@ class Tolerances:
     # Delay of a filter of the measured channel [s] of which nobody knows whether the command passed it too:
     # taken away in every second draw
     open_filter: float = 0.0
+    # What sensors of several actuators have each by itself, such as "sensor_offset_2", as above
+    of_sensors: Mapping[str, float] = field(default_factory=dict)
     # Of parts of the structure, relative [-]: see `reliab.structures.parts_of_structure`
     of_parts: Mapping[str, float] = field(default_factory=dict)
 
@@ -55,8 +57,8 @@ class Tolerances:
                 )
 
     def items(self) -> list[tuple[str, float]]:
-        """Names and values in order, without those of parts."""
-        names = (one.name for one in fields(self) if one.name != "of_parts")
+        """Names and values in order, without those of parts and of single sensors."""
+        names = (one.name for one in fields(self) if not one.name.startswith("of_"))
         return [(name, float(getattr(self, name))) for name in names]
 
 

@@ -197,30 +197,16 @@ def _show_one(
 ) -> None:
     from reliab.assessment import Assessment
     from reliab.cli.assess.shown_briefly import show_briefly
-    from reliab.cli.assess.shown_test import show_assessment
 
+    show_briefly(content, without_details=not details)
     if not isinstance(assessment, Assessment):
-        _show_frame(assessment, content, details=details)
-        return
-    show_briefly(content, without_details=not details)
-    if details:
+        from reliab.cli.assess.shown_frame import show_frame
+
+        show_frame(content, details=details)
+    elif details:
+        from reliab.cli.assess.shown_test import show_assessment
+
         show_assessment(assessment)
-
-
-def _show_frame(
-    assessment: "FrameAssessment | CoupledAssessment", content: dict[str, Any], *, details: bool
-) -> None:
-    from reliab.assessment import CoupledAssessment
-    from reliab.cli.assess.shown_briefly import show_briefly
-    from reliab.cli.assess.shown_coupled import show_coupled
-    from reliab.cli.assess.shown_frame import show_frame
-
-    if isinstance(assessment, CoupledAssessment):
-        show_coupled(assessment, details=details)
-        return
-    show_briefly(content, without_details=not details)
-    if details:
-        show_frame(assessment)
 
 
 def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:

@@ -39,20 +39,28 @@ def _lines(sentence: str) -> int:
 def _headline(content: dict[str, Any]) -> str:
     from reliab.assessment import ERROR_NAMES, probability_text
 
-    word, metric = content["verdict"].replace("_", " ").upper(), content["metric"]
-    size = percent(content["error"][metric]["value"], decimals=2)
+    word, metric, error = content["verdict"].replace("_", " ").upper(), content["metric"], content["error"]
+    if error[metric]["value"] is None:
+        return f"{word}: {content['reasons'][-1]}"
+    size = percent(error[metric]["value"], decimals=2)
     return (
-        f"{word}: {ERROR_NAMES[metric]} is {size}, below {percent(content['threshold'])} with probability "
-        f"{probability_text(content['probability'])}"
+        f"{word}: {ERROR_NAMES[metric]}{_of_governing(error)} is {size}, below "
+        f"{percent(content['threshold'])} with probability {probability_text(content['probability'])}"
     )
+
+
+def _of_governing(error: dict[str, Any]) -> str:
+    """Of several displacements the one with the largest error, to follow a name."""
+    return f" of {error['governing']}" if "governing" in error else ""
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
     yield from content["reasons"][:-1]  # the last one says the size, as the headline does
-    yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
+    if content["error"][content["metric"]]["value"] is not None:
+        yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
     yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])
-    yield _improve(content["error"])
-    yield from widest(content)
+    yield from _improve(content["error"])
+    yield from _widest(content)
     yield _tracking(content)
 
 
@@ -63,15 +71,19 @@ def _error(content: dict[str, Any], metric: str) -> str:
     return f"{ERROR_NAMES[Metric(metric)]} {size}"
 
 
-def _improve(error: dict[str, Any]) -> str:
-    from reliab.assessment import PART_NAMES
+def _improve(error: dict[str, Any]) -> Iterator[str]:
+    from reliab.assessment import part_in_words
 
     first = error["improve_first"]
-    remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
-    return f"Improve first: {PART_NAMES[first]}; without it RMS^R would be {remaining}."
+    if first is not None:
+        remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
+        yield (
+            f"Improve first: {part_in_words(first)}; without it RMS^R{_of_governing(error)} would be "
+            f"{remaining}."
+        )
 
 
-def widest(content: dict[str, Any]) -> Iterator[str]:
+def _widest(content: dict[str, Any]) -> Iterator[str]:
     """Largest contributions to the uncertainty of the error, and what would make the largest one smaller."""
     budget = content.get("budget", [])
     if budget:
@@ -96,8 +108,14 @@ def budget_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _tracking(content: dict[str, Any]) -> str:
-    tracked = f"Tracking: A = {content['A']:.4f}, d = {significant(content['d_ms'])} ms"
-    by_index = content["by_index"]
+    actuators = [{"name": "", **actuator} for actuator in content.get("actuators", [content])]
+    each = (
+        f"{'actuator ' if one['name'] else ''}{one['name']} A = {one['A']:.4f}, d = "
+        f"{significant(one['d_ms'])} ms".lstrip()
+        for one in actuators
+    )
+    tracked = f"Tracking: {'; '.join(each)}"
+    by_index = content.get("by_index")
     if by_index is None or by_index["index"] is None:
         return f"{tracked}."
     word, index = by_index["verdict"].replace("_", " "), significant(by_index["index"])

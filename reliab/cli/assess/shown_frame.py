@@ -1,25 +1,26 @@
-"""What `reliab assess --structure --details` prints about a test of a frame, below the verdict."""
+"""What `reliab assess --structure` prints about a test of a frame, below the verdict."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
 from reliab.cli.output import console, table
 from reliab.significant import percent, percent_with_interval, significant
 
-if TYPE_CHECKING:
-    from reliab.assessment import FrameAssessment
 
-
-def show_frame(assessment: "FrameAssessment") -> None:
-    """Print stability, tracking at the modes, warnings and notes: the details below the verdict."""
-    content = assessment.to_dict()
+def show_frame(content: dict[str, Any], *, details: bool) -> None:
+    """Print the errors of several displacements, and if asked all that is below the verdict."""
     terminal = console()
+    if "degrees_of_freedom" in content["error"]:
+        terminal.print(_degrees(content))
+    if not details:
+        return
+    terminal.print(_parts(content["error"]))
     terminal.print(_quantities(content))
-    terminal.print(_modes(content))
+    terminal.print(_modes(content["modes"]))
     terminal.print(budget_table(content))
-    terminal.print(responses_table(content))
+    terminal.print(_responses(content))
     for sentence in (content["responses"]["in_words"], *_sentences(content)):
         terminal.print(sentence, markup=False, highlight=False)
     for warning in content["warnings"]:
@@ -29,15 +30,43 @@ def show_frame(assessment: "FrameAssessment") -> None:
         terminal.print(f"Note: {note}", markup=False, highlight=False)
 
 
+def _degrees(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    headings = {"degree of freedom": "left", "RMS^R": "right", "MTE^R": "right", "below": "right"}
+    shown = table(f"Error of {content['structure']}, with 90 % intervals", headings)
+    for name, degree in content["error"]["degrees_of_freedom"].items():
+        if not degree["judged"]:
+            shown.add_row(name, "not judged", "", "")
+            continue
+        sizes = (
+            percent_with_interval(*(degree[metric][end] for end in ("value", "low", "high")))
+            for metric in ("rms", "mte")
+        )
+        shown.add_row(name, *sizes, significant(degree["probability"], 2))
+    return shown
+
+
+def _parts(error: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+    from reliab.assessment import part_in_words
+
+    degrees = error.get("degrees_of_freedom", {"RMS^R": error})
+    judged = {name: degree for name, degree in degrees.items() if degree["parts"]}
+    shown = table("RMS^R of each part of the error", {"part": "left", **dict.fromkeys(judged, "right")})
+    for part in error["parts"]:
+        sizes = (percent(degree["parts"][part]["rms"], decimals=2) for degree in judged.values())
+        shown.add_row(part_in_words(part), *sizes)
+    return shown
+
+
 def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     margin, critical = content["stability_margin"], content["critical_delay_ms"]
-    rows = {
-        "A": f"{content['A']:.4f}",
-        "d": f"{content['d_ms']:.3f} ms",
-        "critical delay": "none" if critical is None else f"{critical:.3f} ms",
-        "stability margin": "none" if margin is None else f"{margin:.3f}",
-    }
-    if content["by_index"] is not None:
+    rows = {}
+    for actuator in content.get("actuators", [content]):
+        whose = f" of actuator {actuator['name']}" if "name" in actuator else ""
+        rows[f"A{whose}"] = f"{actuator['A']:.4f}"
+        rows[f"d{whose}"] = f"{actuator['d_ms']:.3f} ms"
+    rows["critical delay"] = "none" if critical is None else f"{critical:.3f} ms"
+    rows["stability margin"] = "none" if margin is None else f"{margin:.3f}"
+    if content.get("by_index") is not None:
         by_index = content["by_index"]
         index = "unknown" if by_index["index"] is None else significant(by_index["index"])
         rows["index of the criterion"] = f"{index}: {by_index['verdict'].replace('_', ' ')}"
@@ -47,10 +76,10 @@ def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     return shown
 
 
-def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+def _modes(modes: list[dict[str, Any]]) -> Any:  # noqa: ANN401 - Rich's table
     headings = ("mode", "f, Hz", "damping ratio", "specimen's share", "A(f)", "d(f), ms")
     shown = table("Tracking at the modes of the structure", dict.fromkeys(headings, "right"))
-    for place, mode in enumerate(content["modes"], start=1):
+    for place, mode in enumerate(modes, start=1):
         shown.add_row(
             str(place),
             f"{mode['f_hz']:.3f}",
@@ -62,7 +91,7 @@ def _modes(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     return shown
 
 
-def responses_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
+def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     """Errors of floors and storeys."""
     headings = ("response", "RMS, mm", "largest, mm", "RMS^R", "MTE^R")
     shown = table(
@@ -82,7 +111,15 @@ def responses_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's ta
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
-    resolved = content["over_frequency"]
+    if "critical_direction" in content and content["critical_delay_ms"] is not None:
+        moved = ", ".join(
+            f"{name} {significant(value, 2)}" for name, value in content["critical_direction"].items()
+        )
+        yield (
+            "The critical delay is one of all actuators: the loop then oscillates at "
+            f"{significant(content['critical_frequency_hz'])} Hz in the motion {moved}."
+        )
+    resolved = content.get("over_frequency")
     if resolved is not None:
         low, high = resolved["frequency_hz"][0], resolved["frequency_hz"][-1]
         yield (

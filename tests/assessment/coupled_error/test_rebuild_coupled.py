@@ -64,11 +64,11 @@ def test_without_noise_it_is_the_true_error(frame, run):
 def test_parts_of_actuators_and_causes_add_up(frame, run):
     error = rebuilt(frame, run, draws=4)
     for place in range(2):
-        parts = error.parts.of_degree(place).by_name
+        parts = error.division.of_degree(place).by_name
         assert sum(part.share for part in parts.values()) == pytest.approx(1.0, abs=1e-9)
-    whole = np.sum(list(error.parts.histories.values()), axis=0)
+    whole = np.sum(list(error.division.histories.values()), axis=0)
     measured = frame.to_interface @ error.histories.measured
-    np.testing.assert_allclose(whole, measured - error.parts.reference, atol=1e-9 * np.abs(measured).max())
+    np.testing.assert_allclose(whole, measured - error.division.reference, atol=1e-9 * np.abs(measured).max())
 
 
 def test_with_noise_it_stays_near_the_true_error(frame, run):

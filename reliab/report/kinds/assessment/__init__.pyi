@@ -1,3 +1,2 @@
-from .coupled import coupled_assessment_report as coupled_assessment_report
 from .frame import frame_assessment_report as frame_assessment_report
 from .report import assessment_report as assessment_report

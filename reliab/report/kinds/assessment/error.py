@@ -6,7 +6,16 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from reliab.assessment import PART_NAMES, Assessment, ErrorOfTest, ResponseErrors, Word, probability_text
+from reliab.assessment import (
+    PART_NAMES,
+    Assessment,
+    ErrorOfTest,
+    ErrorWithThreshold,
+    ResponseErrors,
+    Word,
+    part_in_words,
+    probability_text,
+)
 from reliab.assessment.budget import BudgetItem
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.recordings import Recording
@@ -25,7 +34,8 @@ TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
 }
 """How a report shows each verdict."""
 
-_STRETCHES = 40
+STRETCHES = 40
+"""Parts of a test over which errors are drawn."""
 
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
@@ -103,7 +113,7 @@ def responses_table(responses: ResponseErrors) -> Table:
 def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:
     """Draw exact and measured history, the error with its band, and its parts."""
     rebuilt = error.rebuilt
-    stretch = recording.duration / _STRETCHES
+    stretch = recording.duration / STRETCHES
     return Figure(
         drawing=error_over_time(
             times=np.linspace(0.0, recording.duration, recording.command.size),
@@ -121,22 +131,28 @@ def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:
     )
 
 
-def improve_first(error: ErrorOfTest) -> str:
+def improve_first(error: ErrorWithThreshold) -> str:
     """Say which part of the error to improve first, and what would remain."""
+    if not error.parts.by_name:
+        return "No displacement moves enough to say so."
     first = error.parts.first
     remaining = percent(error.parts.by_name[first].remaining_rms)
-    return f"Improve first: {PART_NAMES[first]}. Without its part RMSᴿ would be {remaining}."
+    return (
+        f"Improve first: {part_in_words(first)}. Without its part RMSᴿ{error.of_which} would be {remaining}."
+    )
 
 
-def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
+def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     """State the verdict on a test, its error, and the probability that it is small enough."""
     size = error.estimate(error.metric)
+    if np.isnan(size.value):
+        return f"The test is {spelled_out(word)}: no displacement moves enough for the noise of its sensors."
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],
         " ".join(
             (
-                f" is {percent(size.value)}",
+                f"{error.of_which} is {percent(size.value)}",
                 f"(90 % interval {percent(size.low)} to {percent(size.high)})",
                 f"against {percent(error.threshold)}.",
                 f"Probability of staying below: {probability_text(error.probability)}.",

@@ -1,13 +1,29 @@
-"""Report of one measured test of a partitioned frame, to be filed with it."""
+"""Report of one measured test of a partitioned frame, with one actuator or several, to be filed with it."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from reliab.assessment import LEVEL, FrameAssessment, ModeOfTest, Word
+from reliab.arrays import Array
+from reliab.assessment import (
+    LEVEL,
+    CoupledAssessment,
+    ErrorOfSeveral,
+    ErrorOfTest,
+    FrameAssessment,
+    JudgedFrame,
+    ModeOfTest,
+    Word,
+    part_in_words,
+    probability_text,
+)
+from reliab.assessment.coupled_error import DegreeError
+from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.figures.measured_test import error_over_time
 from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
 from reliab.report.kinds.assessment.error import (
+    STRETCHES,
     TONES,
     budget_table,
     error_sentence,
@@ -25,21 +41,26 @@ from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
+_PARTS_DRAWN = 3
 
 
-def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[str, object]) -> Document:
-    """Report the verdict on a test of a frame."""
-    of_test, budget = (assessment.error, assessment.recording), assessment.error.budget
+def frame_assessment_report(
+    assessment: FrameAssessment | CoupledAssessment, *, provenance: Mapping[str, object]
+) -> Document:
+    """Report the verdict on a test of a frame, with one actuator or with several."""
+    if isinstance(assessment, CoupledAssessment):
+        several, criterion = True, None
+        of_error, of_tracking = _of_displacements(assessment)
+    else:
+        several, criterion = False, assessment.criterion
+        of_error, of_tracking = _of_interface(assessment)
     sections = (
-        Section(
-            title="The error of this test",
-            blocks=(errors_table(*of_test), budget_table(budget), histories_figure(*of_test)),
-        ),
+        Section(title="The error of this test", blocks=of_error),
         Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
         Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
-        Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment)),
-        Section(title="How it was judged", blocks=(Paragraph(text=_method()),)),
+        of_tracking,
+        Section(title="How it was judged", blocks=(Paragraph(text=_method(several=several)),)),
     )
     return Document(
         kind="Assessment of a real-time hybrid simulation",
@@ -48,25 +69,57 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
         tone=TONES[assessment.verdict.word],
         facts=_facts(assessment),
         blocks=sections,
-        provenance=provenance_of(
-            provenance, *([] if assessment.criterion is None else [assessment.criterion.provenance])
-        ),
-        sources=SOURCES,
+        provenance=provenance_of(provenance, *([] if criterion is None else [criterion.provenance])),
+        sources=() if several else SOURCES,
         sheet=True,
     )
 
 
-def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
+def _of_interface(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
+    """Error of the one interface displacement, and how its actuator tracked."""
+    error, recording = assessment.error, assessment.recording
+    of_error = (
+        errors_table(error, recording),
+        budget_table(error.budget),
+        histories_figure(error, recording),
+    )
+    return of_error, Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment))
+
+
+def _of_displacements(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
+    """Errors of several interface displacements, and what each actuator did."""
+    governing = assessment.error.governing
+    drawn = () if governing is None else (_histories(assessment, governing),)
+    of_error = (_errors(assessment), budget_table(assessment.budget), *drawn)
+    blocks = (_parts(assessment.error), _tracking(assessment))
+    return of_error, Section(title="Where the error comes from", blocks=blocks)
+
+
+def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
     recording, partition = assessment.recording, assessment.frame.partition
     facts: dict[str, Prose] = {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": f"{assessment.frame.name}: {partition.frame.size} degrees of freedom",
-        "Specimen": _specimen(assessment),
         "Threshold and window": (
-            f"{percent(assessment.error.threshold)} of the measured interface displacement, over the test's "
-            f"own {recording.duration:.4g} s"
+            f"{percent(assessment.threshold)} of {assessment.error_of}, over the test's own "
+            f"{recording.duration:.4g} s"
         ),
     }
+    if isinstance(assessment, CoupledAssessment):
+        return facts | _facts_of_several(assessment)
+    return facts | _facts_of_one(assessment)
+
+
+def _facts_of_several(assessment: CoupledAssessment) -> dict[str, Prose]:
+    at = "of the interface" if assessment.frame.channels_at_interface else "of the actuators"
+    return {
+        "Driven": f"{', '.join(assessment.frame.partition.names)}; channels are displacements {at}",
+        "Stability": _stability(assessment),
+    }
+
+
+def _facts_of_one(assessment: FrameAssessment) -> dict[str, Prose]:
+    facts: dict[str, Prose] = {"Specimen": _specimen(assessment)}
     placed = assessment.population
     if placed is not None and assessment.criterion is not None:
         index = MISSING if placed.index is None else significant(placed.index)
@@ -90,11 +143,11 @@ def _specimen(assessment: FrameAssessment) -> str:
     )
 
 
-def _cautions(assessment: FrameAssessment) -> list[Prose]:
-    verdict = assessment.verdict
+def _cautions(assessment: JudgedFrame) -> list[Prose]:
+    verdict, error = assessment.verdict, assessment.error
     of_what = (
         "a linear frame with the stated matrices"
-        if assessment.error.specimen is None
+        if not isinstance(error, ErrorOfTest) or error.specimen is None
         else "the frame whose matrices without the specimen are as stated, and whose specimen its force shows"
     )
     return [
@@ -178,12 +231,135 @@ def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:
     )
 
 
-def _method() -> Prose:
-    return prose(
+def _method(*, several: bool) -> Prose:
+    rebuilt = (
         "The error is rebuilt from command and measured displacement: the restoring force of their "
         "difference, filtered by the equation of motion of the whole frame, gives the deviation of the test "
-        "from the undisturbed structure. $A(f)$ and $d(f)$ are the ratio of averaged spectra of measured and "
-        "command displacement; their part of the error is that of an actuator with this ratio under the "
-        "command of the test. $A$ and $d$ of the whole test are the frequency-domain evaluation index "
-        "@guo2014."
+        "from the undisturbed structure. "
+    )
+    if several:
+        return (
+            f"{rebuilt}Noise and error of all sensors are drawn together. Gains, delays and couplings of the "
+            "actuators are those of least squares."
+        )
+    return prose(
+        f"{rebuilt}$A(f)$ and $d(f)$ are the ratio of averaged spectra of measured and command displacement; "
+        "their part of the error is that of an actuator with this ratio under the command of the test. $A$ "
+        "and $d$ of the whole test are the frequency-domain evaluation index @guo2014."
+    )
+
+
+def _stability(assessment: CoupledAssessment) -> str:
+    limit = assessment.limit
+    if not np.isfinite(limit.delay):
+        return "no delay that all actuators have in common makes the loop unstable"
+    moved = ", ".join(
+        f"{name} {significant(value, 2)}"
+        for name, value in zip(assessment.frame.partition.names, limit.direction.tolist(), strict=True)
+    )
+    return (
+        f"unstable from a delay of {significant(MILLI * limit.delay)} ms of all actuators, at "
+        f"{significant(limit.frequency)} Hz in the motion {moved}; margin "
+        f"{significant(assessment.stability_margin or 0.0, 2)}"
+    )
+
+
+def _errors(assessment: CoupledAssessment) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for degree in assessment.error.degrees:
+        if not degree.judged:
+            rows.append((degree.name, "not judged", "", "", "", ""))
+            continue
+        sizes = [
+            text
+            for size in (degree.rms, degree.mte)
+            for text in (
+                f"{PERCENT * size.value:.2f}",
+                f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}",
+            )
+        ]
+        below = probability_text(assessment.error.probability_of(degree))
+        rows.append((degree.name, *sizes, below))
+    return quantities_table(
+        rows,
+        ("Displacement", "RMSᴿ [%]", "90 % interval", "MTEᴿ [%]", "90 % interval", "Below"),
+        caption="Root mean square and largest value of measured minus exact displacement, over the peak of "
+        f"the exact one. The last column is the probability of an error below "
+        f"{percent(assessment.threshold)}.",
+        label="tab:errors",
+    )
+
+
+def _histories(assessment: CoupledAssessment, degree: DegreeError) -> Figure:
+    step, size = assessment.recording.time_step, degree.reference.size
+    places = np.linspace(0.0, degree.draws.mean.size - 1.0, size)
+    mean, deviation = (
+        np.interp(places, np.arange(history.size), history)
+        for history in (degree.draws.mean, degree.draws.deviation)
+    )
+    return Figure(
+        drawing=error_over_time(
+            times=np.linspace(0.0, step * (size - 1), size),
+            reference=degree.reference,
+            measured=degree.reference + mean,
+            error=mean,
+            band=(mean - HALF_WIDTH * deviation, mean + HALF_WIDTH * deviation),
+            parts=_largest_parts(assessment.error, degree, assessment.recording.duration / STRETCHES),
+        ),
+        caption=f"Exact and measured {degree.name}, its error with a 90 % band, and its largest parts, "
+        "each with the number of its actuator.",
+        label="fig:error",
+    )
+
+
+def _largest_parts(error: ErrorOfSeveral, degree: DegreeError, stretch: float) -> dict[str, Array]:
+    """RMS over stretches of the test [s] of the largest parts of an error [m], by name."""
+    parts = error.parts_of(degree)
+    largest = sorted(parts.by_name, key=lambda name: -parts.by_name[name].rms)[:_PARTS_DRAWN]
+    over_time = parts.over_time(error.rebuilt.time_step, stretch)
+    return {name.removeprefix("actuator_").replace("_", " "): over_time[name] for name in largest}
+
+
+def _parts(error: ErrorOfSeveral) -> Table:
+    by_degree = {degree.name: error.parts_of(degree).by_name for degree in error.degrees if degree.judged}
+    rows = [
+        (
+            part_in_words(cause),
+            *(
+                text
+                for parts in by_degree.values()
+                for text in (
+                    f"{PERCENT * parts[cause].rms:.2f}",
+                    f"{PERCENT * parts[cause].remaining_rms:.2f}",
+                )
+            ),
+        )
+        for cause in error.parts.by_name
+    ]
+    return quantities_table(
+        rows,
+        (
+            "Part",
+            *(text for name in by_degree for text in (f"RMSᴿ of {name} [%]", "Without it [%]")),
+        ),
+        caption="RMSᴿ that each part alone makes, and what would remain without it.",
+        label="tab:parts",
+    )
+
+
+def _tracking(assessment: CoupledAssessment) -> Table:
+    gain, delay = np.asarray(assessment.error.parts.gain), np.asarray(assessment.error.parts.delay)
+    rows = [
+        (
+            f"Actuator {number}",
+            ", ".join(f"{value:.4f}" for value in gain[place]),
+            ", ".join(f"{MILLI * value:.3f}" for value in delay[place]),
+        )
+        for place, number in enumerate(assessment.recording.actuators)
+    ]
+    return quantities_table(
+        rows,
+        ("", "Gain for each command", "Delay for each command [ms]"),
+        caption="What each actuator did with the commands of all, by least squares over the whole test.",
+        label="tab:tracking",
     )

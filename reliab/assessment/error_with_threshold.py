@@ -1,0 +1,217 @@
+"""An error of a test with the threshold it is judged by, of one interface displacement or of several."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from reliab.assessment.budget import BudgetItem, Size, Source, as_certain_as, budget_of_error
+from reliab.assessment.plain_error import plain_estimate, plain_part
+from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening
+from reliab.assessment.rebuilt_error.spread import LEVEL
+from reliab.significant import percent, significant
+from reliab.vocabulary import PERCENT, Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.coupled_error import CoupledError, DegreeError
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorWithThreshold(ABC):
+    """Error of a test.
+
+    Attributes
+    ----------
+    rebuilt : RebuiltError or CoupledError
+        The error with its histories and draws.
+    metric : Metric
+        Which error is asked about.
+    threshold : float
+        Error with which it is compared [-].
+    sizes : mapping of str to Size
+        Sizes of what is not known of the test, by the names of the tolerances.
+    """
+
+    rebuilt: "RebuiltError | CoupledError"
+    metric: Metric
+    threshold: float
+    sizes: Mapping[str, Size] = field(default_factory=dict)
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """Error by one metric, with its 90 % interval [-]; of several displacements the largest one."""
+        return self.rebuilt.estimate(metric)
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error asked about stays below the threshold.
+
+        Where sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
+        """
+        return as_certain_as(self.sizes, self.rebuilt.probability(self.threshold, self.metric))
+
+    @property
+    def contested(self) -> bool:
+        """Whether the verdict is another one under some other explanation of what the test shows."""
+        return False
+
+    @property
+    def of_which(self) -> str:
+        """Of which displacement the error is, to follow its name; empty where there is one."""
+        return ""
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """Why the errors of some displacements are not judged, in sentences."""
+        return ()
+
+    @property
+    def largest_drawn(self) -> float:
+        """Largest error asked about among the draws [-]."""
+        return float(self.rebuilt.errors(self.metric).max())
+
+    @property
+    @abstractmethod
+    def parts(self) -> Parts:
+        """Parts of the error."""
+
+    @cached_property
+    def widenings(self) -> tuple[Widening, ...]:
+        """What widens the interval, the widest first."""
+        return self.rebuilt.widenings(self.metric)
+
+    @cached_property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval, the largest contribution first."""
+        return budget_of_error(self.widenings, self.sizes)
+
+    @property
+    def frequency_shown(self) -> tuple[str, ...]:
+        """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
+        shown = self.rebuilt.unknown.own_frequency
+        if shown is None or not shown.contradicts:
+            return ()
+        stated = float(self.rebuilt.structure.natural_frequencies[0])
+        sentence = (
+            f"The recording moves as a structure of {significant(stated * (1.0 + shown.value))} ± "
+            f"{significant(stated * shown.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
+            "interval is that of what the recording shows, the value that of what was stated."
+        )
+        return (sentence,)
+
+    @property
+    def would_decide(self) -> tuple[str, ...]:
+        """What would narrow the interval most, in a sentence; none where nothing widens it."""
+        if not self.widenings:
+            return ()
+        widest = self.widenings[0]
+        item = next(item for item in self.budget if item.name == widest.name)
+        if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
+            return (item.remedy,)
+        half = significant(PERCENT * widest.deviation_for_half, 2)
+        whose = self._of_specimen
+        return (f"Determine the {item.quantity} to {half} %: the interval{whose} is then half as wide.",)
+
+    @property
+    def _of_specimen(self) -> str:
+        """Of which specimen intervals hold without further ones, to follow "interval"."""
+        return ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put it into plain values."""
+        by_name = self.parts.by_name
+        return {
+            **{str(name): plain_estimate(self.estimate(name)) for name in Metric},
+            "interval_level": LEVEL,
+            "probability": self.probability,
+            "parts": {name: plain_part(part) for name, part in by_name.items()},
+            "improve_first": self.parts.first if by_name else None,
+            "would_decide": list(self.would_decide),
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorOfSeveral(ErrorWithThreshold):
+    """Error of a test with several interface displacements, of which the largest governs.
+
+    Parameters and attributes are those of `ErrorWithThreshold`.
+    """
+
+    rebuilt: "CoupledError"
+
+    @property
+    def degrees(self) -> "tuple[DegreeError, ...]":
+        """Errors of the interface displacements, in their order."""
+        return self.rebuilt.degrees
+
+    @property
+    def governing(self) -> "DegreeError | None":
+        """The displacement with the largest error; None where all are lost in noise."""
+        return self.rebuilt.governing(self.metric)
+
+    def probability_of(self, degree: "DegreeError") -> float:
+        """Probability that the error of one displacement stays below the threshold."""
+        return as_certain_as(self.sizes, degree.probability(self.threshold, self.metric))
+
+    @cached_property
+    def parts(self) -> Parts:
+        """Parts of the error that governs; none where all are lost in noise."""
+        division = self.rebuilt.division
+        if self.governing is None:
+            return Parts(gain=division.gain, delay=division.delay, by_name={})
+        return self.parts_of(self.governing)
+
+    def parts_of(self, degree: "DegreeError") -> Parts:
+        """Parts of the error of one displacement."""
+        return self.rebuilt.division.of_degree(self.degrees.index(degree))
+
+    @property
+    def of_which(self) -> str:
+        """The displacement that governs, to follow the name of its error."""
+        return "" if self.governing is None else f" of {self.governing.name}"
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """Why the errors of some displacements are not judged, in sentences."""
+        return tuple(_lost_in_noise(degree) for degree in self.degrees if not degree.judged)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put it into plain values, the governing displacement first."""
+        governing = self.governing
+        ordered = sorted(self.degrees, key=lambda degree: degree is not governing)
+        return {
+            "degrees_of_freedom": {degree.name: self._of_degree(degree) for degree in ordered},
+            "governing": None if governing is None else governing.name,
+            **super().to_dict(),
+        }
+
+    def _of_degree(self, degree: "DegreeError") -> dict[str, Any]:
+        if not degree.judged:
+            unknown = dict.fromkeys(("value", "low", "high"))
+            return {
+                "judged": False,
+                "why_not": _lost_in_noise(degree),
+                **{str(name): unknown for name in Metric},
+                "probability": None,
+                "parts": {},
+                "improve_first": None,
+            }
+        parts = self.parts_of(degree)
+        return {
+            "judged": True,
+            **{str(name): plain_estimate(degree.estimate(name)) for name in Metric},
+            "probability": self.probability_of(degree),
+            "parts": {name: plain_part(part) for name, part in parts.by_name.items()},
+            "improve_first": parts.first,
+        }
+
+
+def _lost_in_noise(degree: "DegreeError") -> str:
+    """Say why a displacement is not judged."""
+    if math.isinf(degree.noise):
+        return f"{degree.name} does not move, and its error is not judged."
+    return (
+        f"{degree.name} moves too little for the noise of its sensors, which leaves "
+        f"{percent(degree.noise)} of its largest displacement open: its error is not judged."
+    )
