@@ -123,6 +123,11 @@ class ErrorOfTest(ErrorWithThreshold):
     if_linear: Spread | None = None
 
     @property
+    def displacements(self) -> tuple[RebuiltError]:
+        """The error of the one interface displacement."""
+        return (self.rebuilt,)
+
+    @property
     def specimen_known(self) -> str:
         """How the specimen is known: "stated" as linear, "modelled" or "measured"."""
         if self.specimen is not None:

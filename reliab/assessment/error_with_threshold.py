@@ -16,6 +16,7 @@ from reliab.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error import CoupledError, DegreeError
+    from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,6 +39,11 @@ class ErrorWithThreshold(ABC):
     metric: Metric
     threshold: float
     sizes: Mapping[str, Size] = field(default_factory=dict)
+
+    @property
+    @abstractmethod
+    def displacements(self) -> "tuple[DisplacementError, ...]":
+        """Errors of the interface displacements, in their order."""
 
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]; of several displacements the largest one."""
@@ -144,6 +150,11 @@ class ErrorOfSeveral(ErrorWithThreshold):
     def degrees(self) -> "tuple[DegreeError, ...]":
         """Errors of the interface displacements, in their order."""
         return self.rebuilt.degrees
+
+    @property
+    def displacements(self) -> "tuple[DisplacementError, ...]":
+        """Errors of the interface displacements, in their order."""
+        return self.degrees
 
     @property
     def governing(self) -> "DegreeError | None":

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -10,13 +9,9 @@ import scipy
 from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
-from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.assessment.rebuilt_error.responses import exact_of_draws
 from reliab.assessment.substructures import Substructures
 from reliab.structures import Partition
-
-if TYPE_CHECKING:
-    from reliab.assessment.coupled_error import CoupledError
 
 _DRAWS = 64
 
@@ -75,80 +70,47 @@ def exact_test(
     `degrees`: names of all degrees of freedom; `ground` [m/s²]; `mass` [kg] by which matrices of a test with
     one actuator are multiplied.
     """
-    if isinstance(error, ErrorOfSeveral):
-        return _of_several(error.rebuilt, degrees, ground)
-    if isinstance(error, ErrorOfTest):
-        return _of_one(error, degrees, ground, mass)
-    raise TypeError(error)
-
-
-def _of_one(error: ErrorOfTest, degrees: tuple[str, ...], ground: Array | None, mass: float) -> ExactTest:
-    rebuilt, specimen = error.rebuilt, error.specimen
-    measured, step = rebuilt.histories.measured, rebuilt.time_step
-
-    def draws() -> Iterator[ExactResponse]:
-        if specimen is None:
-            for structure, response in exact_of_draws(rebuilt, _DRAWS):
-                yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
-            return
-        few = rebuilt.differences[:_DRAWS]
-        for each in specimen.test.exact_of_draws(few, rebuilt.unknown, rebuilt.seed):
-            yield _of_force(*each)
-
-    exact = rebuilt.reference[np.newaxis]
+    specimen = error.specimen if isinstance(error, ErrorOfTest) else None
+    rebuilt, step, rows = error.rebuilt, error.rebuilt.time_step, error.displacements
+    exact = np.stack([row.reference for row in rows])
+    measured = exact + np.stack([row.smooth_error for row in rows])
     if specimen is None:
         stated = _linear(_in_kilograms(rebuilt.structure, mass), exact, step)
-        fed_back = stated.structure.force_of_linear(measured[np.newaxis], step)[1]
+        fed_back = stated.structure.force_of_linear(measured, step)[1]
     else:
         stated = _of_force(specimen.test.whole, exact, specimen.force[np.newaxis], specimen.work)
         fed_back = specimen.fed_back[np.newaxis]
+
+    def draws() -> Iterator[ExactResponse]:
+        if isinstance(error, ErrorOfTest) and specimen is not None:
+            few, one = error.rebuilt.differences[:_DRAWS], error.rebuilt
+            yield from (_of_force(*each) for each in specimen.test.exact_of_draws(few, one.unknown, one.seed))
+            return
+        for structure, response in _exact_of_draws(error):
+            yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
+
     return ExactTest(
         time_step=step,
         every=rebuilt.every,
-        interface=("",),
-        degrees=degrees,
-        ground=ground,
-        measured=measured[np.newaxis],
-        command=rebuilt.histories.command[np.newaxis],
-        fed_back=fed_back,
-        band=((measured - rebuilt.high)[np.newaxis], (measured - rebuilt.low)[np.newaxis]),
-        stated=stated,
-        draws=draws,
-    )
-
-
-def _of_several(error: "CoupledError", degrees: tuple[str, ...], ground: Array | None) -> ExactTest:
-    histories = error.histories
-    step, carry = error.time_step, histories.carry
-
-    def draws() -> Iterator[ExactResponse]:
-        for partition, response in error.exact():
-            yield _linear(partition, response, error.every * step)
-
-    measured = carry @ histories.measured
-    stated = _linear(error.partition, np.stack([degree.reference for degree in error.degrees]), step)
-    return ExactTest(
-        time_step=step,
-        every=error.every,
-        interface=error.partition.names,
+        interface=("",) if isinstance(error, ErrorOfTest) else rebuilt.structure.names,
         degrees=degrees,
         ground=ground,
         measured=measured,
-        command=carry @ histories.command,
-        fed_back=stated.structure.force_of_linear(measured, step)[1],
-        band=_band_of_several(error, measured),
+        command=rebuilt.command,
+        fed_back=fed_back,
+        band=(
+            measured - np.stack([row.high for row in rows]),
+            measured - np.stack([row.low for row in rows]),
+        ),
         stated=stated,
         draws=draws,
     )
 
 
-def _band_of_several(error: "CoupledError", measured: Array) -> tuple[Array, Array]:
-    """Give both ends of the 90 % band of the exact displacements [m], each shape (p, n)."""
-    places = np.arange(measured.shape[1]) / error.every
-    known = np.arange(error.degrees[0].draws.mean.size)
-    means, deviations = (
-        np.stack([np.interp(places, known, getattr(degree.draws, name)) for degree in error.degrees])
-        for name in ("mean", "deviation")
-    )
-    centre, half = measured - means, HALF_WIDTH * deviations
-    return centre - half, centre + half
+def _exact_of_draws(error: ErrorWithThreshold) -> Iterator[tuple[Partition, Array]]:
+    """Structures and exact responses at the interface [m] of draws with a linear specimen."""
+    if isinstance(error, ErrorOfTest):
+        return exact_of_draws(error.rebuilt, _DRAWS)
+    if isinstance(error, ErrorOfSeveral):
+        return error.rebuilt.exact()
+    raise TypeError(error)

@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from reliab.assessment.coupled_error import ShownByGround
 
 _CAUSES: Final = {
-    "gain": "gain",
-    "delay": "delay",
-    "cross_coupling": "motion that other actuators cause",
-    "rest": "other tracking errors",
+    "gain": "gain of actuator {}",
+    "delay": "delay of actuator {}",
+    "cross_coupling": "motion of actuator {} that others cause",
+    "rest": "other tracking errors of actuator {}",
 }
 
 
@@ -369,7 +369,7 @@ def part_in_words(part: str) -> str:
     for cause, words in _CAUSES.items():
         if part.startswith("actuator_") and part.endswith(f"_{cause}"):
             number = part.removeprefix("actuator_").removesuffix(f"_{cause}")
-            return f"{words} of actuator {number}"
+            return words.format(number)
     return PART_NAMES[part]
 
 

@@ -226,7 +226,7 @@ def _of_several(
     faults = tuple(_faults(recording, frame, question.threshold))
     error, effects = error_with_faults(recording, faults, _rebuilding_of_several(frame, question))
     ground, rebuilt = recording.ground, error.rebuilt
-    shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.structure, ground)
+    shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.reduced, ground)
     limit, of_gains = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
     assessment = CoupledAssessment(
         recording=recording,

@@ -16,7 +16,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import (
     YieldingDraws,
@@ -125,7 +125,6 @@ def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltE
     stayed linear, nine of ten errors lie in it.
     """
     both = rebuilt.draws.together(if_yielded, share)
-    half = HALF_WIDTH * both.deviation
 
     def estimate(metric: Metric) -> Estimate:
         linear = rebuilt.estimate(metric)
@@ -136,8 +135,6 @@ def widened(rebuilt: RebuiltError, if_yielded: Spread, share: float) -> RebuiltE
         draws=both,
         rms=estimate(Metric.RMS),
         mte=estimate(Metric.MTE),
-        low=both.mean - half,
-        high=both.mean + half,
     )
 
 

@@ -203,7 +203,7 @@ def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_tru
     assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
     for critical, margin in margins.items():
-        judged = replace(assessment, critical_delay=critical)
+        judged = replace(assessment, limit=replace(assessment.limit, delay=critical))
         assert judged.stability_margin == (margin if margin is None else pytest.approx(margin))
         assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
     incoherent = replace(assessment, over_frequency=None)

@@ -112,7 +112,7 @@ def tests(
             tolerances=tolerances,
             draws=128,
         )
-        shown = compare_with_ground(error.histories, error.structure, ground)
+        shown = compare_with_ground(error.histories, error.reduced, ground)
         lowest = tested.natural_frequencies[0] / partition.natural_frequencies[0]
         probability = error.probability(THRESHOLD)
         bad = max(true[place] for place, degree in enumerate(error.degrees) if degree.judged) > THRESHOLD

@@ -9,6 +9,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
+from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -21,30 +22,17 @@ LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DegreeError:
+class DegreeError(DisplacementError):
     """Error of one interface displacement."""
 
     name: str
-    error: Array  # x_m − x_I as the sensors read x_m [m], shape (n,)
-    reference: Array  # x_I [m], shape (n,)
-    draws: Spread  # RMS^R and MTE^R of the draws
-    of_noise: Spread  # The same with all but the sensors' noise as stated
-    rms: Estimate
-    mte: Estimate
+    of_noise: Spread  # Of draws with all but the sensors' noise as stated
     noise: float  # Standard deviation of x_c − x_m that noise leaves open, over the largest ideal motion [-]
 
     @property
     def judged(self) -> bool:
         """Whether the displacement moves enough for its noise."""
         return bool(self.noise < LOST_IN_NOISE)
-
-    def estimate(self, metric: Metric) -> Estimate:
-        """RMS^R or MTE^R with its interval."""
-        return self.rms if Metric(metric) is Metric.RMS else self.mte
-
-    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
-        """Probability that the error is below a threshold [-]."""
-        return self.draws.probability_below(threshold, metric)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,8 +41,8 @@ class CoupledError:
 
     time_step: float  # s
     degrees: tuple[DegreeError, ...]  # In the order of the interface displacements
-    partition: Partition  # As stated
-    structure: Partition  # With which it was rebuilt: no modes far above the motion
+    structure: Partition  # As stated
+    reduced: Partition  # With which it was rebuilt: no modes far above the motion
     noises: tuple[SensorNoise, ...]  # Of each sensor
     starts: tuple[Start, ...]  # How each channel begins
     unknown: Unknown
@@ -63,6 +51,11 @@ class CoupledError:
     every: int  # Number of samples of which one was drawn
     # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
     exact: Callable[[], Iterator[tuple[Partition, Array]]]
+
+    @property
+    def command(self) -> Array:
+        """x_c at the interface [m], shape (p, n)."""
+        return np.asarray(self.histories.carry @ self.histories.command)
 
     @property
     def judged(self) -> tuple[DegreeError, ...]:
@@ -107,8 +100,8 @@ class CoupledError:
 
 def conclude(
     *,
-    partition: Partition,
     structure: Partition,
+    reduced: Partition,
     histories: CoupledHistories,
     noises: tuple[SensorNoise, ...],
     starts: tuple[Start, ...],
@@ -123,17 +116,19 @@ def conclude(
 ) -> CoupledError:
     """Combine histories and draws into errors of every interface displacement."""
     reference = histories.carry @ histories.command - histories.response
-    strayed = histories.carry @ raw - reference
+    strayed, smooth = (histories.carry @ read - reference for read in (raw, histories.measured))
+    at = np.arange(reference.shape[1]) / every
     degrees = []
-    for place, name in enumerate(partition.names):
+    for place, name in enumerate(structure.names):
         peak = float(np.abs(reference[place]).max())
         largest = float(np.abs(reference).max())
         moves = peak > np.finfo(float).eps * largest
-        of_noise, spread = _spread(as_stated, place), _spread(swept, place)
+        of_noise, spread = _spread(as_stated, place, at), _spread(swept, place, at)
         degrees.append(
             DegreeError(
                 name=name,
                 error=strayed[place],
+                smooth_error=smooth[place],
                 reference=reference[place],
                 draws=spread,
                 of_noise=of_noise,
@@ -145,8 +140,8 @@ def conclude(
     return CoupledError(
         time_step=histories.time_step,
         degrees=tuple(degrees),
-        partition=partition,
         structure=structure,
+        reduced=reduced,
         noises=noises,
         starts=starts,
         unknown=unknown,
@@ -166,12 +161,14 @@ def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
     return replace(estimate, low=min(estimate.low, of_noise.interval(metric)[0]))
 
 
-def _spread(swept: tuple[Array, Array], place: int) -> Spread:
+def _spread(swept: tuple[Array, Array], place: int, at: Array) -> Spread:
+    """Errors of the draws of one displacement; their band `at` all samples, numbered by those swept."""
     square, peak, ideal = swept[0][:, :, place].T
     ideal = np.maximum(ideal, np.finfo(float).tiny)
+    mean, deviation = (np.interp(at, np.arange(rows.shape[1]), rows[place]) for rows in swept[1])
     return Spread(
         rms=np.sqrt(square) / ideal,
         mte=peak / ideal,
-        mean=swept[1][0, place],
-        deviation=swept[1][1, place],
+        mean=mean,
+        deviation=deviation,
     )

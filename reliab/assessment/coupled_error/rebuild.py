@@ -16,6 +16,7 @@ from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, conclude
 from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
+from reliab.assessment.rebuilt_error.channels import checked_histories
 from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
@@ -32,10 +33,8 @@ from reliab.assessment.rebuilt_error.interval import (
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond, stacked
-from reliab.assessment.rebuilt_error.size import fits
+from reliab.assessment.rebuilt_error.size import require_fitting
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.errors import InputError
-from reliab.significant import significant
 from reliab.structures import Partition, is_part
 
 DRAWS = 256
@@ -43,8 +42,6 @@ DRAWS = 256
 
 _OF_EXACT = 0.001  # accuracy of an error whose structure is exact
 _EXACT_DRAWS = 64  # of the response that perfect actuators would have given
-_FEWEST_SAMPLES = 64
-_FEWEST_PER_PERIOD = 10.0
 _IN_PERIOD_OF_BAND = 0.25
 _PER_PERIOD = 16.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
@@ -132,7 +129,7 @@ def rebuild_coupled(
     >>> round(error.degrees[0].rms.value, 2), error.degrees[1].rms.value < 1e-6
     (0.07, True)
     """
-    command, measured = _checked(command, measured, time_step, partition)
+    command, measured = checked_histories(command, measured, time_step, partition, several=True)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry)
     channels = channels if sensor_offsets is None else channels.with_offsets(measured, sensor_offsets)
@@ -140,7 +137,7 @@ def rebuild_coupled(
     highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
     structure = partition.below(highest)
     every = _samples_in_step(structure, band, time_step, command.shape[1])
-    _require_fitting(command, every)
+    require_fitting(command.size, every, time_step / len(command))
     differences = _draw(channels, structure, every, draws, seed)
     recursion = recursion or Recursion.of_displacement(structure, time_step, smooth=True)
     histories = channels.histories(carry, feedback_lag, time_step, recursion)
@@ -154,8 +151,8 @@ def rebuild_coupled(
     accuracy = _OF_EXACT if unknown.own_frequency is None else ACCURACY
     swept, drawn = sweep.errors(unknown, differences, accuracy=accuracy)
     return conclude(
-        partition=partition,
-        structure=structure,
+        structure=partition,
+        reduced=structure,
         histories=histories,
         noises=channels.noises,
         starts=channels.starts,
@@ -330,46 +327,6 @@ def _statistics(strayed: Array, ideal: Array) -> Array:
     """Mean square and peak of the errors, and peak of the ideal motion, shape (3, p)."""
     squares = [mean_square(row) for row in np.ascontiguousarray(strayed)]
     return np.stack([np.array(squares), np.abs(strayed).max(axis=1), np.abs(ideal).max(axis=1)])
-
-
-def _checked(command: Array, measured: Array, step: float, partition: Partition) -> tuple[Array, Array]:
-    command, measured = (np.array(values, dtype=np.float64, order="C") for values in (command, measured))
-    if command.ndim != 2 or command.shape != measured.shape or command.shape[1] < _FEWEST_SAMPLES:  # noqa: PLR2004
-        raise InputError(
-            f"Commands and measured displacements must have one length, at least {_FEWEST_SAMPLES} samples",
-            value=f"shapes {command.shape} and {measured.shape}",
-            remedy="Give the histories of all actuators over the whole test",
-        )
-    if command.shape[0] != partition.degrees:
-        raise InputError(
-            "A test must have a command and a measured displacement for each degree of freedom of the "
-            "specimen",
-            value=f"{command.shape[0]} of {partition.degrees}",
-            remedy="Record all of them, or describe the part that was driven",
-        )
-    if not (np.isfinite(command).all() and np.isfinite(measured).all()):
-        raise InputError("Every displacement must be finite throughout", remedy="Repair the recording")
-    if not (np.ptp(command, axis=1) > 0.0).any():
-        raise InputError("Some command must move", remedy="Check that the columns are the right ones")
-    if not (np.isfinite(step) and step > 0.0):
-        raise InputError("The time step must be positive", value=f"{step} s")
-    lowest = float(partition.natural_frequencies[0])
-    if lowest * step * _FEWEST_PER_PERIOD > 1.0:
-        raise InputError(
-            f"A period of the structure must hold at least {_FEWEST_PER_PERIOD:.0f} samples",
-            value=significant(1.0 / (lowest * step), 3),
-            remedy="Record at a higher rate: the error between samples is unknown",
-        )
-    return command, measured
-
-
-def _require_fitting(command: Array, every: int) -> None:
-    if not fits(command.size, every):
-        raise InputError(
-            "The draws of a test must fit in memory",
-            value=f"{command.shape[1]:,} samples of {command.shape[0]} actuators",
-            remedy="Cut it where everything stands still, and judge the parts one by one",
-        )
 
 
 def _examined(command: Array, measured: Array, step: float, partition: Partition, carry: Array) -> Channels:

@@ -1,3 +1,4 @@
+from .displacement_error import DisplacementError as DisplacementError
 from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify

@@ -18,23 +18,31 @@ _FEWEST_PER_PERIOD = 10.0
 
 
 def checked_histories(
-    command: Array, measured: Array, step: float, structure: Partition
+    command: Array, measured: Array, step: float, structure: Partition, *, several: bool = False
 ) -> tuple[Array, Array]:
     """Check command and measured displacement.
 
-    `command`, `measured` [m]; `step` [s].
+    `command`, `measured` [m], shape (n,), or (p, n) of `several` actuators; `step` [s].
     """
     command, measured = (np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured))
-    if command.ndim != 1 or command.shape != measured.shape or command.size < FEWEST_SAMPLES:
+    shape = command.shape
+    if len(shape) != 1 + several or shape != measured.shape or shape[-1] < FEWEST_SAMPLES:
         raise InputError(
             f"Command and measured displacement must have one length, at least {FEWEST_SAMPLES} samples",
-            value=f"shapes {command.shape} and {measured.shape}",
-            remedy="Give the histories of one interface over the whole test",
+            value=f"shapes {shape} and {measured.shape}",
+            remedy="Give the histories of the whole test, of every actuator if there are several",
+        )
+    if several and shape[0] != structure.degrees:
+        raise InputError(
+            "A test must have a command and a measured displacement for each degree of freedom of the "
+            "specimen",
+            value=f"{shape[0]} of {structure.degrees}",
+            remedy="Record all of them, or describe the part that was driven",
         )
     for name, values in (("command", command), ("measured displacement", measured)):
         if not np.isfinite(values).all():
             raise InputError(f"The {name} must be finite throughout", remedy="Repair the recording")
-    if not np.ptp(command) > 0.0:
+    if not np.ptp(command, axis=-1).any():
         raise InputError("The command must move", remedy="Check that the column is the right one")
     if not (np.isfinite(step) and step > 0.0):
         raise InputError("The time step must be positive", value=f"{step} s")

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
-from reliab.assessment.rebuilt_error.spread import HALF_WIDTH, Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
@@ -18,19 +19,11 @@ _WIDENING_DRAWS = 128
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RebuiltError:
+class RebuiltError(DisplacementError):
     """The error of a test with its uncertainty."""
 
     time_step: float  # Step between samples [s]
     structure: Partition  # The structure with which it was rebuilt
-    error: Array  # x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,)
-    smooth_error: Array  # The same without the sensor's noise above the band of the motion [m], shape (n,)
-    reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
-    low: Array  # low, high: 90 % band of x_m − x_I at each sample [m], shape (n,)
-    high: Array
-    rms: Estimate  # rms, mte: RMS^R and MTE^R [-] with their 90 % intervals
-    mte: Estimate
-    draws: Spread  # RMS^R and MTE^R of the draws behind the intervals
     noise: SensorNoise  # Noise of the displacement sensor
     start: Start  # How the test begins, and the sensor's offset
     unknown: Unknown  # Standard deviations that went into the intervals
@@ -41,20 +34,10 @@ class RebuiltError:
     every: int  # Number of samples of which one was drawn
     seed: int  # Seed of the draws
 
-    def estimate(self, metric: Metric) -> Estimate:
-        """RMS^R or MTE^R with its interval."""
-        return self.rms if Metric(metric) is Metric.RMS else self.mte
-
-    def errors(self, metric: Metric) -> Array:
-        """RMS^R or MTE^R of the draws [-], shape (draws,)."""
-        return self.draws.errors(metric)
-
-    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
-        """Probability that the error is below a threshold.
-
-        `threshold` [-].
-        """
-        return self.draws.probability_below(threshold, metric)
+    @property
+    def command(self) -> Array:
+        """x_c at the interface [m], shape (1, n)."""
+        return self.histories.command[np.newaxis]
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
@@ -97,15 +80,12 @@ def conclude(
 
     `read`, `reference` [m].
     """
-    half = HALF_WIDTH * spread.deviation
     return RebuiltError(
         time_step=histories.time_step,
         structure=structure,
         error=read - reference,
         smooth_error=histories.measured - reference,
         reference=reference,
-        low=spread.mean - half,
-        high=spread.mean + half,
         rms=spread.estimate(Metric.RMS, float(np.median(as_stated.rms))),
         mte=spread.estimate(Metric.MTE, float(np.median(as_stated.mte))),
         draws=spread,

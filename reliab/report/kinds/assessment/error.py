@@ -17,8 +17,8 @@ from reliab.assessment import (
     probability_text,
 )
 from reliab.assessment.budget import BudgetItem
-from reliab.assessment.rebuilt_error import Estimate
-from reliab.recordings import Recording
+from reliab.assessment.rebuilt_error import DisplacementError, Estimate, Parts
+from reliab.recordings import CoupledRecording, Recording
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
@@ -34,8 +34,7 @@ TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
 }
 """How a report shows each verdict."""
 
-STRETCHES = 40
-"""Parts of a test over which errors are drawn."""
+_STRETCHES, _PARTS_DRAWN = 40, 4
 
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
@@ -110,23 +109,27 @@ def responses_table(responses: ResponseErrors) -> Table:
     )
 
 
-def histories_figure(error: ErrorOfTest, recording: Recording) -> Figure:
-    """Draw exact and measured history, the error with its band, and its parts."""
-    rebuilt = error.rebuilt
-    stretch = recording.duration / STRETCHES
+def histories_figure(
+    rebuilt: DisplacementError,
+    parts: Parts,
+    recording: Recording | CoupledRecording,
+    *,
+    name: str = "response",
+) -> Figure:
+    """Draw exact and measured history of a displacement, the error with its band, and its largest parts."""
+    times = np.linspace(0.0, recording.duration, rebuilt.reference.size)
+    over_time = parts.over_time(recording.time_step, recording.duration / _STRETCHES)
+    largest = sorted(over_time, key=lambda cause: -parts.by_name[cause].rms)[:_PARTS_DRAWN]
     return Figure(
         drawing=error_over_time(
-            times=np.linspace(0.0, recording.duration, recording.command.size),
+            times=times,
             reference=rebuilt.reference,
             measured=rebuilt.reference + rebuilt.smooth_error,
             error=rebuilt.smooth_error,
             band=(rebuilt.low, rebuilt.high),
-            parts={
-                PART_NAMES[name]: sizes
-                for name, sizes in error.parts.over_time(recording.time_step, stretch).items()
-            },
+            parts={part_in_words(cause): over_time[cause] for cause in over_time if cause in largest},
         ),
-        caption="Exact and measured response, the error with its 90 % band, and where it comes from.",
+        caption=f"Exact and measured {name}, the error with its 90 % band, and where it comes from.",
         label="fig:error",
     )
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment import (
     LEVEL,
     CoupledAssessment,
@@ -17,13 +16,9 @@ from reliab.assessment import (
     part_in_words,
     probability_text,
 )
-from reliab.assessment.coupled_error import DegreeError
-from reliab.assessment.rebuilt_error import HALF_WIDTH
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.figures.measured_test import error_over_time
 from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
 from reliab.report.kinds.assessment.error import (
-    STRETCHES,
     TONES,
     budget_table,
     error_sentence,
@@ -41,7 +36,6 @@ from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import MILLI, PERCENT
 
 _KILO = 1e3
-_PARTS_DRAWN = 3
 
 
 def frame_assessment_report(
@@ -81,17 +75,19 @@ def _of_interface(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Secti
     of_error = (
         errors_table(error, recording),
         budget_table(error.budget),
-        histories_figure(error, recording),
+        histories_figure(error.rebuilt, error.parts, recording),
     )
     return of_error, Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment))
 
 
 def _of_displacements(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
     """Errors of several interface displacements, and what each actuator did."""
-    governing = assessment.error.governing
-    drawn = () if governing is None else (_histories(assessment, governing),)
+    error, governing = assessment.error, assessment.error.governing
+    drawn: tuple[Block, ...] = ()
+    if governing is not None:
+        drawn = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
     of_error = (_errors(assessment), budget_table(assessment.budget), *drawn)
-    blocks = (_parts(assessment.error), _tracking(assessment))
+    blocks = (_parts(error), _tracking(assessment))
     return of_error, Section(title="Where the error comes from", blocks=blocks)
 
 
@@ -288,36 +284,6 @@ def _errors(assessment: CoupledAssessment) -> Table:
         f"{percent(assessment.threshold)}.",
         label="tab:errors",
     )
-
-
-def _histories(assessment: CoupledAssessment, degree: DegreeError) -> Figure:
-    step, size = assessment.recording.time_step, degree.reference.size
-    places = np.linspace(0.0, degree.draws.mean.size - 1.0, size)
-    mean, deviation = (
-        np.interp(places, np.arange(history.size), history)
-        for history in (degree.draws.mean, degree.draws.deviation)
-    )
-    return Figure(
-        drawing=error_over_time(
-            times=np.linspace(0.0, step * (size - 1), size),
-            reference=degree.reference,
-            measured=degree.reference + mean,
-            error=mean,
-            band=(mean - HALF_WIDTH * deviation, mean + HALF_WIDTH * deviation),
-            parts=_largest_parts(assessment.error, degree, assessment.recording.duration / STRETCHES),
-        ),
-        caption=f"Exact and measured {degree.name}, its error with a 90 % band, and its largest parts, "
-        "each with the number of its actuator.",
-        label="fig:error",
-    )
-
-
-def _largest_parts(error: ErrorOfSeveral, degree: DegreeError, stretch: float) -> dict[str, Array]:
-    """RMS over stretches of the test [s] of the largest parts of an error [m], by name."""
-    parts = error.parts_of(degree)
-    largest = sorted(parts.by_name, key=lambda name: -parts.by_name[name].rms)[:_PARTS_DRAWN]
-    over_time = parts.over_time(error.rebuilt.time_step, stretch)
-    return {name.removeprefix("actuator_").replace("_", " "): over_time[name] for name in largest}
 
 
 def _parts(error: ErrorOfSeveral) -> Table:

@@ -35,11 +35,15 @@ def assessment_report(
     notes: Sequence[Prose] = (),
 ) -> Document:
     """Report the verdict on a test."""
-    of_test, budget = (assessment.error, assessment.recording), assessment.error.budget
+    error, recording = assessment.error, assessment.recording
     sections = [
         Section(
             title="The error of this test",
-            blocks=(errors_table(*of_test), budget_table(budget), histories_figure(*of_test)),
+            blocks=(
+                errors_table(error, recording),
+                budget_table(error.budget),
+                histories_figure(error.rebuilt, error.parts, recording),
+            ),
         ),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
         Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
