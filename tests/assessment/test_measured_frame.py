@@ -47,7 +47,6 @@ def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
     assert sum(part["share"] for part in summary["error"]["parts"].values()) == pytest.approx(1.0)
 
 
-@pytest.mark.slow
 def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
     test = _simulated("linear", 2)
     measured, stated = (
@@ -58,7 +57,6 @@ def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
     assert measured.high - measured.low < 1.3 * (stated.high - stated.low)
 
 
-@pytest.mark.slow
 def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
     test = _simulated("bilinear", 1)
     with pytest.raises(InputError, match="needs its force"):

@@ -326,7 +326,7 @@ def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
     return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), **stated)
 
 
-@pytest.mark.slow
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize("family", simulated_tests.FAMILIES)
 def test_errors_of_families_of_specimens_are_found(family: str) -> None:
     """No element is built like these; where the force is predicted well the error is within a tenth."""
@@ -352,7 +352,6 @@ def test_a_linear_specimen_loses_nothing() -> None:
         assert learned.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
 
 
-@pytest.mark.slow
 def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
     test = _simulated("bilinear", 8)
@@ -442,7 +441,6 @@ def _file(test: Any, folder: Path, mass: float) -> Path:
     return path
 
 
-@pytest.mark.slow
 def test_the_command_learns_the_specimen_and_writes_the_corrected_response(tmp_path: Path) -> None:
     test = _simulated("bilinear", 8)
     mass, loop = 2000.0, test.loop

@@ -126,7 +126,6 @@ def test_motions_are_simulated_then_and_there(tmp_path):
     assert {each["n_events"] for each in found["criteria"]} == {3}
 
 
-@pytest.mark.slow
 def test_a_published_law_needs_no_motions():
     found = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
     assert (found["a"], found["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
@@ -222,7 +221,6 @@ def unconverged(*arguments: object) -> Result:
     return result
 
 
-@pytest.mark.slow
 def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
     out, figures = tmp_path / "criterion.json", tmp_path / "figures"
     found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
@@ -298,14 +296,12 @@ def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
     assert (tmp_path / "new" / "one" / found["figures"][0]).read_bytes().startswith(b"<?xml")
 
 
-@pytest.mark.slow
 def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
     assert found["law"] == "guo_2017_18"
     assert len(found["figures"]) == 1
 
 
-@pytest.mark.slow
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     found = answer("--ellipses", TABLE2, "--compare")["comparison"]
     of_a, of_b = found["distributions"]
@@ -317,7 +313,6 @@ def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     assert found["laws"] == []
 
 
-@pytest.mark.slow
 def test_laws_are_compared_over_structures(ellipses_of_twelve):
     arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
     arguments = (*arguments, "--confidence", 0.8)

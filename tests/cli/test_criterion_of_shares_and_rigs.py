@@ -59,7 +59,6 @@ def records(tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
 def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=4.0))
     given = ("--motions", records, "--structure", tmp_path / "frame.toml")
@@ -99,7 +98,6 @@ delay_ms = {delay}
 """
 
 
-@pytest.mark.slow
 def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_path):
     (tmp_path / "one.toml").write_text(FRAME.format(delay=4.0))
     (tmp_path / "two.toml").write_text(SEVERAL.format(delay=4.0))

@@ -69,7 +69,6 @@ def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
     assert [one["samples"] for one in said[:3]] == [128, 256, 384]
 
 
-@pytest.mark.slow
 def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     path = tmp_path / "long.csv"
     written(path, 0.004, seconds=30.0, quiet=16.0)
@@ -89,7 +88,6 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
 
-@pytest.mark.slow
 def test_an_error_that_crossed_the_threshold_early_is_no_answer(tmp_path, capsys):
     """A threshold between the largest error so far and the one of the whole test."""
     path = tmp_path / "early.csv"
@@ -228,7 +226,6 @@ def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
     assert np.allclose(np.diff(read), 1.0 / RATE, atol=2e-6)
 
 
-@pytest.mark.slow
 def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
     lines = good.read_text(encoding="utf-8").splitlines()
     changed = ["seconds;drive_mm;lvdt_mm"]
@@ -314,7 +311,6 @@ def test_every_option_changes_the_answer(short, capsys, option, value):
     assert capsys.readouterr().out != plain
 
 
-@pytest.mark.slow
 def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     """A reading that is late and too large, told so by channels.toml, has the error of the sound reading."""
     run(follow(good, "--threshold", "1", "--exact"))

@@ -45,7 +45,6 @@ def test_the_error_depends_on_motion_and_delay(plan):
     assert plan.sobol["delay"]["total"] > plan.sobol["remainder"]["total"]
 
 
-@pytest.mark.slow
 def test_a_rig_that_became_quicker_is_better():
     comparison = compare_tables(rig_table(late(12, 6.0)), rig_table(late(12, 2.0, seed=2)))
     assert comparison.probability_better > 0.99
@@ -54,7 +53,6 @@ def test_a_rig_that_became_quicker_is_better():
     assert same.contrasts["rms"].next_test_better == pytest.approx(0.5)
 
 
-@pytest.mark.slow
 def test_the_commands_plan_and_compare(tmp_path, capsys):
     keep(tmp_path / "one", *late(6, 6.0))
     keep(tmp_path / "two", *late(6, 2.0, seed=2))

@@ -1,7 +1,6 @@
 """The report of a rig: two pages and an appendix."""
 
 import numpy as np
-import pytest
 from rig_rows import keep, rig_table, rig_test
 
 from reliab.api import report_rig
@@ -42,7 +41,6 @@ def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
     assert "structures of one mass" in text
 
 
-@pytest.mark.slow
 def test_the_report_is_written_of_a_folder(tmp_path):
     keep(tmp_path, *performed(6))
     out = report_rig(tmp_path, tmp_path / "report.pdf")
