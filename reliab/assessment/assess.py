@@ -20,7 +20,7 @@ from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.explanations import Explanation, error_under
-from reliab.assessment.fault_effects import error_with_faults
+from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.moving_windows import track_windows
@@ -247,7 +247,7 @@ class _Judged:
 
 def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
     """Error of the test; where the test contradicts the stated structure, with the identified one."""
-    error, effects = _errors(recording, faults, question)
+    error, effects = error_of_one_with_faults(recording, faults, question)
     if not question.linear:
         return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
     smoothed = error.rebuilt.histories.measured
@@ -256,7 +256,7 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
     otherwise: tuple[ErrorOfTest, ...] = ()
     if shown.structure != question.structure:
         otherwise = (replace(error, under="the structure as stated"),)
-        error, effects = _errors(recording, faults, shown)
+        error, effects = error_of_one_with_faults(recording, faults, shown)
     explained = tuple(
         error_under(explanation, clean, shown)
         for explanation in equation.explanations
@@ -277,18 +277,6 @@ def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault
         track(bridged, window=taper, draws=_FEW_DRAWS),
         threshold=question.threshold,
         experimental_fraction=question.structure.experimental_fraction,
-    )
-
-
-def _errors(
-    recording: Recording, faults: tuple[Fault, ...], question: Question
-) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
-    return error_with_faults(
-        recording,
-        faults,
-        lambda test, known, left: error_of_test(
-            test, question, sensor_offset=0.0 if known else None, left_by_repairs=left
-        ),
     )
 
 

@@ -13,6 +13,7 @@ from reliab.assessment.budget import (
     Size,
     Source,
     as_certain_as,
+    sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
 )
@@ -38,6 +39,7 @@ from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen
+    from reliab.simulation.frames import FrameUnderTest
     from reliab.simulation.hybrid_test import UpdatedModel
 
 PART_NAMES: Final[Mapping[str, str]] = {
@@ -65,6 +67,13 @@ class Question:
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
     linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
     force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
+    # The frame under test, of which `structure` is the mode that governs the error; None for one mass
+    frame: "FrameUnderTest | None" = None
+
+    @property
+    def whole(self) -> Partition:
+        """The structure with its specimen."""
+        return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
     @property
     def resolution(self) -> float | None:
@@ -89,9 +98,10 @@ class Question:
 
     def sizes(self, time_step: float) -> dict[str, Size]:
         """Sizes of what is not known of a test that was recorded at a time step [s]."""
-        return sizes_of_unknown(
+        sizes = sizes_of_unknown(
             self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
         )
+        return sizes if self.frame is None else {**sizes, **sizes_of_structure(self.frame)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,7 +217,7 @@ def error_of_test(
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
-    whole = whole_structure(question.structure)
+    whole = question.whole
     specimen: MeasuredSpecimen | None = None
     if question.measured_specimen:
         specimen = _learned(recording, measured, question, rest)
@@ -228,7 +238,9 @@ def error_of_test(
             recording.command,
             measured,
             recording.time_step,
-            whole.changed(specimen_damping=specimen_damping * whole.specimen_stiffness),
+            whole.changed(
+                specimen_damping=whole.specimen_damping + specimen_damping * whole.specimen_stiffness
+            ),
             feedback_lag=question.feedback_lag,
             resolution=question.resolution,
             **rest,
@@ -238,14 +250,14 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=with_learned(sizes, rebuilt.unknown.own_frequency) | sizes_of_force(specimen),
+        sizes=with_learned(sizes, rebuilt.unknown.own_frequency) | _sizes_of_force(specimen),
         specimen=specimen,
         modelled=question.model is not None,
     )
-    return that_may_have_yielded(error, question.yielding(recording))
+    return _that_may_have_yielded(error, question.yielding(recording))
 
 
-def sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
+def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
     """Sizes of what is stated of mass and force of a measured specimen."""
     deviations = {} if specimen is None else specimen.test.deviations_of_force
     return {
@@ -255,7 +267,7 @@ def sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
     }
 
 
-def that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
+def _that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
     """Widen the error by specimens that yield, which have a share of the probability [-]."""
     if not share:
         return error
@@ -271,7 +283,7 @@ def that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
 def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     """Sizes of what is not known, with the filter that noise shows where no filter is stated."""
     sizes = question.sizes(recording.time_step)
-    if question.equipment is None or "filter_delay" in question.stated:
+    if question.equipment is None or "filter_delay" in question.stated or question.frame is not None:
         return sizes
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
     if filtering is None:
@@ -288,7 +300,9 @@ class _Rest(TypedDict):
 
 
 def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> "MeasuredSpecimen":
-    """Learn the specimen of one mass from the recorded force; `measured` [m]."""
+    """Learn the specimen from the recorded force; `measured` [m]."""
+    if question.frame is not None:
+        return _from_force(recording, measured, question, question.whole, **rest)
     if "mass" not in question.stated:
         raise InputError(
             "A measured specimen needs its force and the mass of the structure",
@@ -299,10 +313,10 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
     mass = question.stated["mass"]
     whole = Partition.of_structure(question.structure, mass.value)
     deviation = mass.deviation / mass.value
-    return specimen_from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
+    return _from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
 
 
-def specimen_from_force(
+def _from_force(
     recording: Recording,
     measured: Array,
     question: Question,

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from reliab.assessment.budget import Size, Source
+from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault, repaired
 from reliab.assessment.findings import FaultEffect
@@ -37,6 +38,19 @@ def error_with_faults(
         )
         effects.append(FaultEffect(fault=fault, otherwise=changed))
     return error, tuple(effects)
+
+
+def error_of_one_with_faults(
+    recording: Recording, faults: Sequence[Fault], question: Question
+) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
+    """Error of a test with one actuator, and the effect of each fault on it; see `error_with_faults`."""
+    return error_with_faults(
+        recording,
+        faults,
+        lambda test, known, left: error_of_test(
+            test, question, sensor_offset=0.0 if known else None, left_by_repairs=left
+        ),
+    )
 
 
 def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:

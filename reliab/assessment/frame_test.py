@@ -1,14 +1,14 @@
 """The verdict on a test of a partitioned frame: its own error, faults of the recording, stability margin."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TypedDict, TypeVar, Unpack, overload
 
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.budget import Equipment, Size, sizes_of_structure, tolerances_of
+from reliab.assessment.budget import Equipment, Size, tolerances_of
 from reliab.assessment.contradictions import (
     Contradiction,
     limited,
@@ -19,16 +19,9 @@ from reliab.assessment.contradictions import (
 )
 from reliab.assessment.coupled_error import compare_with_ground, rebuild_coupled
 from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
-from reliab.assessment.error_of_test import (
-    ErrorOfTest,
-    Question,
-    sizes_of_force,
-    specimen_from_force,
-    that_may_have_yielded,
-    with_learned,
-)
+from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
-from reliab.assessment.fault_effects import error_with_faults
+from reliab.assessment.fault_effects import error_of_one_with_faults, error_with_faults
 from reliab.assessment.faults import Fault, find_faults, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
@@ -36,7 +29,7 @@ from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.rebuilt_error import Part, rebuild
+from reliab.assessment.rebuilt_error import Part
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict
@@ -156,24 +149,24 @@ def assess_frame(
     if criterion is not None:
         _check_criterion(criterion, mode)
         threshold, metric = criterion.threshold, Metric(criterion.metric)
-    scale = stated.get("scale", StatedValue(1.0)).value
+    scale = stated.get("scale", StatedValue(1.0))
+    recording = replace(recording, measured=recording.measured / scale.value)
     question = Question(
         structure=mode,
-        stated=stated,
+        stated={**stated, "scale": StatedValue(1.0, scale.deviation / abs(scale.value))},
         equipment=equipment,
         metric=metric,
         threshold=threshold,
         linear_specimen=linear_specimen,
         measured_specimen=measured_specimen,
         force_channel=force_channel,
+        frame=frame,
     )
     if isinstance(recording, CoupledRecording):
-        in_order = _in_order(recording, frame)
-        return _of_several(replace(in_order, measured=in_order.measured / scale), frame, question, motion)
+        return _of_several(_in_order(recording, frame), frame, question, motion)
     if frame.several:
         raise _too_few("one command", frame, recording.name)
-    scaled = replace(recording, measured=recording.measured / scale)
-    return _of_one(scaled, frame, question, criterion, motion)
+    return _of_one(recording, frame, question, criterion, motion)
 
 
 def _of_one(
@@ -187,7 +180,7 @@ def _of_one(
     require_length(recording, mode.frequency)
     require_drawable(recording, partition)
     faults = tuple(_faults(recording, frame, question.threshold))
-    error, effects = error_with_faults(recording, faults, _rebuilding(frame, question))
+    error, effects = error_of_one_with_faults(recording, faults, question)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
@@ -224,7 +217,9 @@ def _of_several(
     partition, carry = frame.partition, frame.to_interface
     require_length(recording, question.structure.frequency)
     faults = tuple(_faults(recording, frame, question.threshold))
-    error, effects = error_with_faults(recording, faults, _rebuilding_of_several(frame, question))
+    error, effects = error_with_faults(
+        recording, faults, lambda test, known, left: _error_of_several(test, frame, question, known, left)
+    )
     ground, rebuilt = recording.ground, error.rebuilt
     shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.reduced, ground)
     limit, of_gains = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
@@ -242,7 +237,7 @@ def _of_several(
     )
     return _contradicted(
         assessment,
-        *of_ground(shown, _sizes(frame, question, recording), partition),
+        *of_ground(shown, question.sizes(recording.time_step), partition),
         *of_stability(assessment.stability_margin),
     )
 
@@ -302,77 +297,31 @@ def _resolved(
     return error.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
 
 
-def _sizes(
-    frame: FrameUnderTest, question: Question, recording: Recording | CoupledRecording
-) -> dict[str, Size]:
-    """Sizes of what is not known, before anything is learned from the test."""
-    return {**question.sizes(recording.time_step), **sizes_of_structure(frame)}
-
-
-def _rebuilding(
-    frame: FrameUnderTest, question: Question
-) -> Callable[[Recording, frozenset[int], Mapping[str, Size]], ErrorOfTest]:
-    """Give the function that rebuilds the error of a recording; see `error_with_faults`."""
-    structure = frame.partition
-
-    def rebuilt(test: Recording, known: frozenset[int], left: Mapping[str, Size]) -> ErrorOfTest:
-        sizes = {**_sizes(frame, question, test), **left}
-        tolerances, specimen, offset = tolerances_of(sizes), None, 0.0 if known else None
-        if question.measured_specimen:
-            specimen = specimen_from_force(
-                test, test.measured, question, structure, sensor_offset=offset, tolerances=tolerances
-            )
-            error = specimen.rebuilt
-        else:
-            error = rebuild(
-                test.command,
-                test.measured,
-                test.time_step,
-                structure,
-                feedback_lag=question.feedback_lag,
-                sensor_offset=offset,
-                tolerances=tolerances,
-            )
-        of_test = ErrorOfTest(
-            rebuilt=error,
-            metric=question.metric,
-            threshold=question.threshold,
-            damping_ratio=question.structure.damping_ratio,
-            sizes=with_learned(sizes, error.unknown.own_frequency) | sizes_of_force(specimen),
-            specimen=specimen,
-        )
-        return that_may_have_yielded(of_test, question.yielding(test))
-
-    return rebuilt
-
-
-def _rebuilding_of_several(
-    frame: FrameUnderTest, question: Question
-) -> Callable[[CoupledRecording, frozenset[int], Mapping[str, Size]], ErrorOfSeveral]:
-    """Give the function that rebuilds the errors of a recording; see `error_with_faults`."""
-
-    def rebuilt(test: CoupledRecording, known: frozenset[int], left: Mapping[str, Size]) -> ErrorOfSeveral:
-        sizes = {**_sizes(frame, question, test), **left}
-        error = rebuild_coupled(
-            frame.straightened(test.command),
-            frame.straightened(test.measured),
-            test.time_step,
-            frame.partition,
-            to_interface=frame.to_interface,
-            feedback_lag=question.feedback_lag,
-            sensor_offsets=np.array(
-                [0.0 if place in known else np.nan for place in range(len(test.command))]
-            ),
-            tolerances=tolerances_of(sizes),
-        )
-        return ErrorOfSeveral(
-            rebuilt=error,
-            metric=question.metric,
-            threshold=question.threshold,
-            sizes=with_learned(sizes, error.unknown.own_frequency),
-        )
-
-    return rebuilt
+def _error_of_several(
+    test: CoupledRecording,
+    frame: FrameUnderTest,
+    question: Question,
+    known: frozenset[int],
+    left: Mapping[str, Size],
+) -> ErrorOfSeveral:
+    """Rebuild the errors of all interface displacements; see `error_with_faults`."""
+    sizes = {**question.sizes(test.time_step), **left}
+    error = rebuild_coupled(
+        frame.straightened(test.command),
+        frame.straightened(test.measured),
+        test.time_step,
+        frame.partition,
+        to_interface=frame.to_interface,
+        feedback_lag=question.feedback_lag,
+        sensor_offsets=np.array([0.0 if place in known else np.nan for place in range(len(test.command))]),
+        tolerances=tolerances_of(sizes),
+    )
+    return ErrorOfSeveral(
+        rebuilt=error,
+        metric=question.metric,
+        threshold=question.threshold,
+        sizes=with_learned(sizes, error.unknown.own_frequency),
+    )
 
 
 def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:

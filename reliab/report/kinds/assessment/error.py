@@ -127,11 +127,16 @@ def histories_figure(
             measured=rebuilt.reference + rebuilt.smooth_error,
             error=rebuilt.smooth_error,
             band=(rebuilt.low, rebuilt.high),
-            parts={part_in_words(cause): over_time[cause] for cause in over_time if cause in largest},
+            parts={_label(cause): over_time[cause] for cause in over_time if cause in largest},
         ),
         caption=f"Exact and measured {name}, the error with its 90 % band, and where it comes from.",
         label="fig:error",
     )
+
+
+def _label(cause: str) -> str:
+    """Name a part of an error briefly: of several actuators as "1 delay"."""
+    return PART_NAMES.get(cause, cause.removeprefix("actuator_").replace("_", " "))
 
 
 def improve_first(error: ErrorWithThreshold) -> str:

@@ -147,7 +147,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
         else "the frame whose matrices without the specimen are as stated, and whose specimen its force shows"
     )
     return [
-        *(verdict.reasons if verdict.word is Word.UNDECIDED else ()),
+        *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
         *(f"What would decide: {remedy}" for remedy in verdict.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
