@@ -1,6 +1,6 @@
 """Reliability diagram of the probability by the index, under earthquakes that were left out.
 
-    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population] [--seed S]
+    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population] [--seed S] [--rigs N]
 
 Rigs with a gain and a delay are drawn around the boundaries of each of the 100 records, whole or cut to
 SECONDS. Their probability is stated as `reliab assess` does, by the motions of other earthquakes: as a
@@ -28,12 +28,12 @@ from reliab.sweep.request import excitation_of
 from reliab.validation.cross_validation.cell import Region
 from reliab.vocabulary import Metric
 
-THRESHOLD, CONFIDENCE, RIGS = 0.05, 0.95, 24
+THRESHOLD, CONFIDENCE = 0.05, 0.95
 STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)
 BANDS = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
 
 
-def judged(motion, seconds, f, xi, rng, *, population):
+def judged(motion, seconds, f, xi, rng, *, population, rigs):
     """Probabilities (3, rigs), whether good (rigs,), edges kept (2,) and areas (2,) under one record."""
     structure = Structure(frequency=f, damping_ratio=xi)
     excitation = excitation_of(motion, Window.parse("record" if seconds is None else f"{seconds:g}"))
@@ -43,7 +43,7 @@ def judged(motion, seconds, f, xi, rng, *, population):
     without = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
     of_response = criterion_of_response(response, structure, **without)
     a, b = (float(limit) for limit in of_response.limits(f, xi))
-    turn, size = np.pi * rng.random(RIGS), np.exp(rng.uniform(-1.2, 1.2, RIGS))
+    turn, size = np.pi * rng.random(rigs), np.exp(rng.uniform(-1.2, 1.2, rigs))
     gain = 1.0 + size * np.sqrt(a) * np.cos(turn)
     delay = size * np.sqrt(b) * np.sin(turn) / 1000.0
     loop = Loop(excitation=excitation, structure=structure)
@@ -55,7 +55,7 @@ def judged(motion, seconds, f, xi, rng, *, population):
     known = ResponseMeasures.of_one(response, structure, "this test").compared
     test = {"length": length, "cycles": length * f} | {name: value.item() for name, value in known.items()}
     outside = compare_with_scope(of_length.provenance.scope, test).position is Position.OUTSIDE
-    unknown = np.full(RIGS, np.nan)
+    unknown = np.full(rigs, np.nan)
     stated = [unknown if outside else by_population, unknown, by_population if outside else unknown]
     if not population:
         stated[1] = [
@@ -109,18 +109,19 @@ def main():
     parser.add_argument("seconds", type=float, nargs="*")
     parser.add_argument("--population", action="store_true")
     parser.add_argument("--seed", type=int, default=34)
+    parser.add_argument("--rigs", type=int, default=24)
     options = parser.parse_args()
     suite = load_motions(options.records, sets=["far_field", "near_field"])
     for seconds in [None, *options.seconds]:
         rng = np.random.default_rng(options.seed)
         results = [
-            judged(motion, seconds, f, xi, rng, population=options.population)
+            judged(motion, seconds, f, xi, rng, population=options.population, rigs=options.rigs)
             for motion in suite
             for f, xi in STRUCTURES
         ]
         stated = np.concatenate([part[0] for part in results], axis=1)
         good = np.concatenate([part[1] for part in results])
-        events = np.repeat([motion.event for motion in suite], len(STRUCTURES) * RIGS)
+        events = np.repeat([motion.event for motion in suite], len(STRUCTURES) * options.rigs)
         kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
         print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
         for name, probability in zip(("population", "response", "unstated"), stated, strict=True):
