@@ -87,6 +87,25 @@ def test_a_population_carried_to_its_own_first_order_has_only_its_residual():
     assert float(np.log(ellipses["a"].sel(f=1.0, xi=0.05)).std()) > 0.4
 
 
+def test_means_of_populations_are_expected_to_differ():
+    """By a variance of a fifth of that of motions."""
+    ellipses, known = population(np.random.default_rng(11), scatter=0.1, between=0.0, events=200)
+    carried = carry_to_response(ellipses, known, known.isel(motion=[7]).sel(f=[1.0], xi=[0.05]))
+    of_all = np.log(ellipses["a"].squeeze(drop=True) / (THRESHOLD**2 * known["a_first"]))
+    multiples = of_all.sel(f=1.0, xi=0.05)
+    assert float(np.log(carried["a"]).std() / multiples.std()) == pytest.approx(1.2**0.5, rel=0.03)
+
+
+@pytest.mark.parametrize(("share", "promise"), [(0.5, None), (0.79, None), (0.8, 0.8), (0.95, 0.95)])
+def test_a_response_promises_no_share_that_cannot_be_kept(share, promise):
+    ellipses, known = population(np.random.default_rng(12))
+    typical = known.isel(motion=[int(known["a_first"][:, 1, 0].argsort()[60])]).sel(f=[1.0], xi=[0.02])
+    criterion = derive_criterion(carry_to_response(ellipses, known, typical), confidence=share)
+    assert criterion.promise == promise
+    told = any("No share below 80 % is promised" in sentence for sentence in criterion.provenance.warnings)
+    assert told == (promise is None)
+
+
 def test_lengths_follow_the_law_that_the_population_has():
     """With a fixed effective duration, in units of 1/(ξω₀), a/ξ² grows in proportion to the length."""
     rng = np.random.default_rng(2)
@@ -171,3 +190,5 @@ def test_of_the_earthquakes_that_ship_it_says_what_other_kinds_of_motions_keep()
     named = ellipses.assign_coords(event=("motion", np.repeat(shipped, OF_EVENT)))
     assert "Of simulated motions of other kinds" in carry_to_response(named, known, typical).attrs["caution"]
     assert "soft soil" not in carry_to_response(ellipses, known, typical).attrs["caution"]
+    assert "records cut short" in carry_to_length(named, 40.0).attrs["caution"]
+    assert carry_to_length(ellipses, 40.0).attrs["caution"] == ""
