@@ -1,7 +1,7 @@
 """Share of cut records and simulated ground motions under which criteria hold, inside and outside of scope.
 
     python tests/benchmarks/criterion_beyond.py RECORDS [--cut 10 15 20 30] [--simulated 20] [--seed 3435]
-        [--population NAME...]
+        [--population NAME...] [--side lag|lead]
 
 With `--cut` one component of each of the records is cut to its first seconds and judged by what was learned
 without its earthquake; with `--simulated` that many components of each population of
@@ -38,6 +38,7 @@ from reliab.structures import Structure
 from reliab.sweep import excitation_of
 from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.vocabulary import Side
 
 STRUCTURES = list(product(F, XI))
 GREATEST = 0.9  # amplitude error at which an edge is cut
@@ -45,49 +46,52 @@ STEP = 0.01  # s
 
 
 def shipped():
-    """Inscribed ellipses at the threshold, of lags, of the structures."""
+    """Inscribed ellipses at the threshold, of the structures."""
     table = shipped_ellipses("inscribed", "record")
     near = {"f": F, "xi": XI, "threshold": (THRESHOLD,)}
     places = {
         name: [int(np.abs(table.at[name] - value).argmin()) for value in wanted]
         for name, wanted in near.items()
     }
-    return table.take(**places, metric=table.at["metric"] == "rms", side=table.at["side"] == "lag")
+    return table.take(**places, metric=table.at["metric"] == "rms")
 
 
 @cache
-def learned(without):
+def learned(without, side):
     """Ellipses without an earthquake, and limits as recorded and protected (confidence, structure, 2)."""
     ellipses = shipped()
     others = ellipses.take(motion=ellipses.events != without)
-    return others, limits_of(others), limits_of(protect_over_lengths(others))
+    return others, limits_of(others, side), limits_of(protect_over_lengths(others), side)
 
 
 @cache
-def limits_of_length(without, seconds):
+def limits_of_length(without, seconds, side):
     """The same carried to a length [s]."""
-    return limits_of(carry_to_length(learned(without)[0], seconds))
+    return limits_of(carry_to_length(learned(without, side)[0], seconds), side)
 
 
-def by_response(ellipses, excitation, f, xi):
+def by_response(ellipses, excitation, f, xi, side):
     """Limits at each confidence (confidence, 2) by the response of a structure, and where that lies."""
     structure = Structure(frequency=f, damping_ratio=xi)
     own = ResponseMeasures.of_one(first_order_ellipse(excitation, structure), structure, "this motion")
     carried = carry_to_response(ellipses, shipped_measures(), own)
     criteria = [derive_criterion(carried, threshold=THRESHOLD, confidence=share) for share in CONFIDENCES]
-    return np.array([criterion.limits(f, xi) for criterion in criteria]), carried.attrs["position"]
+    return np.array([criterion.limits(f, xi, side) for criterion in criteria]), carried.attrs["position"]
 
 
-def judged(motion, window, without):
+def judged(motion, window, without, side):
     """Whether outside, kept (criteria, confidences) and excess, for each structure."""
-    ellipses, recorded, protected = learned(without)
+    ellipses, recorded, protected = learned(without, side)
     excitation = excitation_of(motion, window)
-    of_length = limits_of_length(without, float(max(1, round(excitation.window_duration))))
+    of_length = limits_of_length(without, float(max(1, round(excitation.window_duration))), side)
     truth, found = SimulatedTruth(motions=[motion], window=window), []
     for place, (f, xi) in enumerate(STRUCTURES):
-        response, position = by_response(ellipses, excitation, f, xi)
+        response, position = by_response(ellipses, excitation, f, xi, side)
         limits = np.array([recorded[:, place], protected[:, place], of_length[:, place], response])
-        edges = [Region(a=min(float(a), GREATEST), b=float(b)).edge() for a, b in limits.reshape(-1, 2)]
+        edges = [
+            Region(a=min(float(a), GREATEST), b=float(b), side=Side(side)).edge()
+            for a, b in limits.reshape(-1, 2)
+        ]
         gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
         cell = Cell(frequency=f, damping_ratio=xi, threshold=THRESHOLD, metric="rms")
         errors = truth.errors(cell, 0, gain, delay).reshape(4, len(CONFIDENCES), -1).max(axis=-1)
@@ -159,6 +163,7 @@ def main():
     parser.add_argument("--cut", type=float, nargs="*", default=())
     parser.add_argument("--simulated", type=int, default=0)
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--side", choices=list(Side), default="lag")
     parser.add_argument("--population", nargs="*", help="beginnings of names, all by default", default=("",))
     options = parser.parse_args()
     heads = "as recorded          protected            by length            by response          excess"
@@ -168,7 +173,7 @@ def main():
         window = Window.parse(f"{seconds:g}")
         show(
             f"first {seconds:g} s",
-            [row for motion in suite[::2] for row in judged(motion, window, motion.event)],
+            [row for motion in suite[::2] for row in judged(motion, window, motion.event, options.side)],
         )
     pairs, numbers = range(1, options.simulated // 2 + 1), range(options.simulated)
     populations = {
@@ -177,7 +182,14 @@ def main():
     }
     for name, motions in populations.items():
         if options.simulated and any(name.startswith(start) for start in options.population):
-            show(name, [row for motion in motions(options.seed) for row in judged(motion, Window(), "")])
+            show(
+                name,
+                [
+                    row
+                    for motion in motions(options.seed)
+                    for row in judged(motion, Window(), "", options.side)
+                ],
+            )
 
 
 def _of_earthquakes(name, pairs, seed):

@@ -49,13 +49,15 @@ def groups_of(ellipses):
     return found
 
 
-def limits_of(ellipses):
+def limits_of(ellipses, side="lag"):
     """Limits a and b over (confidence, structure, 2)."""
     derivation = Derivation.from_ellipses(
         ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms"
     )
     criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
-    return np.array([[criterion.limits(f, xi) for f, xi in product(F, XI)] for criterion in criteria], float)
+    return np.array(
+        [[criterion.limits(f, xi, side) for f, xi in product(F, XI)] for criterion in criteria], float
+    )
 
 
 def kept_by(truth, motion, limits):

@@ -1,6 +1,7 @@
 """Reliability diagram of the probability by the index, under earthquakes that were left out.
 
-    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population] [--seed S] [--rigs N]
+    python tests/benchmarks/index_probability.py RECORDS [SECONDS...] [--population] [--groups]
+        [--seed S] [--rigs N]
 
 Rigs with a gain and a delay are drawn around the boundaries of each of the 100 records, whole or cut to
 SECONDS. Their probability is stated as `reliab assess` does, by the motions of other earthquakes: as a
@@ -13,8 +14,10 @@ time, is left out.
 """
 
 import argparse
+from itertools import pairwise
 
 import numpy as np
+from criterion_scope import LENGTHS
 
 from reliab.assessment import default_criterion
 from reliab.assessment.default_criterion import criterion_of_response
@@ -108,6 +111,7 @@ def main():
     parser.add_argument("records")
     parser.add_argument("seconds", type=float, nargs="*")
     parser.add_argument("--population", action="store_true")
+    parser.add_argument("--groups", action="store_true", help="also by the length of whole records")
     parser.add_argument("--seed", type=int, default=34)
     parser.add_argument("--rigs", type=int, default=24)
     options = parser.parse_args()
@@ -122,6 +126,11 @@ def main():
         stated = np.concatenate([part[0] for part in results], axis=1)
         good = np.concatenate([part[1] for part in results])
         events = np.repeat([motion.event for motion in suite], len(STRUCTURES) * options.rigs)
+        if options.groups:
+            lengths = np.repeat([motion.duration for motion in suite], len(STRUCTURES) * options.rigs)
+            for low, high in pairwise(LENGTHS):
+                chosen = (lengths > low) & (lengths <= high)
+                show_bands(f"{low:g} to {high:g} s", stated[0][chosen], good[chosen], events[chosen])
         kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
         print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
         for name, probability in zip(("population", "response", "unstated"), stated, strict=True):
