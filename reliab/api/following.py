@@ -17,23 +17,22 @@ from reliab.api.arguments import (
     stated_values,
     unused,
 )
+from reliab.api.followed_errors import degrees_so_far, errors_with_intervals
 from reliab.assessment import require_linear_interface
 from reliab.assessment.budget import (
     Equipment,
     Size,
-    as_certain_as,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
 )
+from reliab.assessment.coupled_error import CoupledMonitor
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
 from reliab.assessment.rebuilt_error import (
     DRAWS,
     FALSE_ALARMS,
     FALSE_ERROR_ALARMS,
-    ErrorSoFar,
     Monitor,
-    RebuiltError,
 )
 from reliab.errors import InputError
 from reliab.recordings import (
@@ -55,6 +54,8 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
+AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
+
 _MILLISECONDS = 1e-3
 _WHOLE = (1.0, "1")  # shares of the stiffness that nobody has stated
 _BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
@@ -72,7 +73,7 @@ class Message:
         Why it comes: time has passed, an alarm was raised, the test has ended.
     content : dict
         The numbers, with stable keys.
-    monitor : Monitor or MeasuredMonitor
+    monitor : Monitor, MeasuredMonitor or CoupledMonitor
         The monitor, which goes on with the test.
     alarms : dict of str to str
         Sentences of the alarms that were raised so far, by name.
@@ -80,7 +81,7 @@ class Message:
 
     kind: str
     content: Mapping[str, Any]
-    monitor: Monitor | MeasuredMonitor
+    monitor: AnyMonitor
     alarms: Mapping[str, str]
 
     def to_dict(self) -> dict[str, Any]:
@@ -128,9 +129,10 @@ def follow_test(
     model : str, pathlib.Path or UpdatedModel, optional
         Model of the test, in place of `f`, `xi` and `alpha`, which says what a nonlinear specimen does.
     structure : str, pathlib.Path or FrameUnderTest, optional
-        Frame with a linear specimen that one actuator drives, in place of `f`, `xi` and `alpha`; with the
-        tolerances that its file states. Several actuators are followed by what `reliab.export_monitor`
-        writes.
+        Frame with a linear specimen that one actuator drives or several, in place of `f`, `xi` and `alpha`;
+        with the tolerances that its file states. With several actuators the columns are command_1,
+        measured_1, command_2, …, messages hold each interface displacement beside the governing one, and the
+        test is held whole.
     specimen : {"linear", "measured"}, optional
         How the specimen is known, linear by default; measured: learned from its recorded force as
         `reliab.assess` does it, anew whenever the test has grown by a fourth. Until held-out parts of the
@@ -209,6 +211,7 @@ def follow_test(
         name="standard input" if path == "-" else Path(path).name,
         stated=laboratory.stated,
         also=() if of_force is None else (Part.FORCE,),
+        several=frame is not None and frame.several,
     )
     watch = _Watch(
         stated=of_test,
@@ -268,17 +271,15 @@ def _channel_of_force(
 
 
 def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) -> FrameUnderTest:
-    """Read the frame of a test that is followed, which one actuator must drive.
+    """Read the frame of a test that is followed.
 
     `measured`: whether its specimen is learned from its force.
     """
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
     if frame.several:
-        raise InputError(
-            "A test with several actuators is followed inside the loop, not beside it",
-            value=f"{frame.partition.degrees} actuators",
-            remedy="Write the monitor for the loop, `export`, or assess the test afterwards",
-        )
+        if measured:
+            raise unused("specimen", "beside a `structure` with several actuators, whose specimen is linear")
+        return frame
     require_linear_interface(frame, measured=measured)
     return frame
 
@@ -293,7 +294,7 @@ def refuse_beside(name: str, **others: object) -> None:
 def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
     """Structure whose frequency, damping and share stand for those of a model or a frame."""
     if frame is not None:
-        return governing_mode(frame.partition)
+        return frame.partition.lowest_mode if frame.several else governing_mode(frame.partition)
     return None if model is None else model.test.structure
 
 
@@ -336,13 +337,12 @@ class _Watch:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
-        scale = self.stated["scale"].value
         for part in rows_at_equal_steps(rows, step):
-            begin = 0
-            while begin < part.command.size:
+            begin, size = 0, part.command.shape[-1]
+            while begin < size:
                 to_next = min(count - monitor.samples % count for count in (between, glance))
-                end = min(begin + to_next, part.command.size)
-                _feed(monitor, part, slice(begin, end), scale)
+                end = min(begin + to_next, size)
+                self._feed(monitor, part, slice(begin, end))
                 if monitor.samples % glance == 0 or monitor.samples % between == 0:
                     yield from self._new_alarms(monitor)
                 if monitor.samples % between == 0:
@@ -363,7 +363,7 @@ class _Watch:
         """Value of what is stated; zero where it is not."""
         return self.stated[name].value if name in self.stated else 0.0
 
-    def _monitor(self, step: float) -> Monitor | MeasuredMonitor:
+    def _monitor(self, step: float) -> AnyMonitor:
         f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
         structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
         calibrated = self.model is not None
@@ -381,6 +381,15 @@ class _Watch:
             tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
         followed = structure if self.frame is None else self.frame.partition
         lag *= _MILLISECONDS
+        if self.frame is not None and self.frame.several:
+            return CoupledMonitor(
+                self.frame.partition,
+                step,
+                to_interface=self.frame.to_interface,
+                feedback_lag=lag,
+                tolerances=tolerances,
+                metric=self.metric,
+            )
         if self.of_force is None:
             return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
         mass = self.stated.get("mass")
@@ -395,7 +404,21 @@ class _Watch:
             ),
         )
 
-    def _new_alarms(self, monitor: Monitor | MeasuredMonitor) -> Iterator[Message]:
+    def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
+        """Feed a part of some rows, in the scale of the displacement sensor."""
+        command, measured = rows.command[..., part], rows.measured[..., part] / self.stated["scale"].value
+        if isinstance(monitor, MeasuredMonitor):
+            if rows.force is not None:
+                monitor.feed(command, measured, rows.force[part])
+            return
+        if self.frame is not None and self.frame.several:
+            order = self.frame.order_of_channels(rows.actuators, "the test")
+            command, measured = (
+                self.frame.straightened(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
+            )
+        monitor.feed(command, measured)
+
+    def _new_alarms(self, monitor: AnyMonitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once."""
         if monitor.gains_energy_since is not None:
             yield from self._alarm(
@@ -417,25 +440,25 @@ class _Watch:
                 ),
             )
 
-    def _alarm(self, name: str, monitor: Monitor | MeasuredMonitor, sentence: str) -> Iterator[Message]:
+    def _alarm(self, name: str, monitor: AnyMonitor, sentence: str) -> Iterator[Message]:
         if name not in self.alarms:
             self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
             yield self._message(monitor, "alarm")
 
-    def _update(self, monitor: Monitor | MeasuredMonitor) -> Message:
+    def _update(self, monitor: AnyMonitor) -> Message:
         asked = monitor.ask() if monitor.due else None
-        if asked is None:
+        if asked is None or monitor.result is None:
             return self._message(monitor, "update")
         return self._message(monitor, "update", error=self._intervals(asked, monitor))
 
-    def _end(self, monitor: Monitor | MeasuredMonitor) -> Message:
+    def _end(self, monitor: AnyMonitor) -> Message:
         asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
-        if asked is None:
+        if monitor.result is None:
             return self._message(monitor, "end", above_threshold=None)
-        above = asked.estimate(self.metric).value > self.threshold
+        above = monitor.result.estimate(self.metric).value > self.threshold
         return self._message(monitor, "end", error=self._intervals(asked, monitor), above_threshold=above)
 
-    def _message(self, monitor: Monitor | MeasuredMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
+    def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
         now = monitor.now
         damping = None if now.damping is None else now.damping.ratio
         content = {
@@ -452,36 +475,19 @@ class _Watch:
                 "unstable": FALSE_ALARMS,
                 "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
             },
+            **degrees_so_far(monitor),
             **_learning(monitor),
             **more,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(
-        self, asked: ErrorSoFar | RebuiltError, monitor: Monitor | MeasuredMonitor
-    ) -> dict[str, Any]:
-        return {
-            "rms": {"value": asked.rms.value, "low": asked.rms.low, "high": asked.rms.high},
-            "mte": {"value": asked.mte.value, "low": asked.mte.low, "high": asked.mte.high},
-            "until_s": monitor.now.time,
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "probability": as_certain_as(self.sizes, asked.probability(self.threshold, self.metric)),
-        }
+    def _intervals(self, asked: object, monitor: AnyMonitor) -> dict[str, Any]:
+        return errors_with_intervals(asked, monitor, self.sizes, self.threshold, self.metric)
 
 
-def _feed(monitor: Monitor | MeasuredMonitor, rows: Rows, part: slice, scale: float) -> None:
-    """Feed a part of some rows; `scale` of the displacement sensor."""
-    command, measured = rows.command[part], rows.measured[part] / scale
-    if isinstance(monitor, Monitor):
-        monitor.feed(command, measured)
-    elif rows.force is not None:
-        monitor.feed(command, measured, rows.force[part])
-
-
-def _learning(monitor: Monitor | MeasuredMonitor) -> dict[str, Any]:
+def _learning(monitor: AnyMonitor) -> dict[str, Any]:
     """Say whether a measured specimen is still being learned, and what it misses; nothing of others."""
-    if isinstance(monitor, Monitor):
+    if not isinstance(monitor, MeasuredMonitor):
         return {}
     specimen = monitor.specimen
     held_out = None if specimen is None else specimen.held_out

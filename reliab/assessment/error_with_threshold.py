@@ -1,6 +1,5 @@
 """An error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +10,7 @@ from reliab.assessment.budget import BudgetItem, Size, Source, as_certain_as, bu
 from reliab.assessment.plain_error import plain_estimate, plain_part
 from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL
-from reliab.significant import percent, significant
+from reliab.significant import significant
 from reliab.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
@@ -185,7 +184,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
     @property
     def not_judged(self) -> tuple[str, ...]:
         """Why the errors of some displacements are not judged, in sentences."""
-        return tuple(_lost_in_noise(degree) for degree in self.degrees if not degree.judged)
+        return tuple(degree.why_not_judged for degree in self.degrees if not degree.judged)
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values, the governing displacement first."""
@@ -202,7 +201,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
             unknown = dict.fromkeys(("value", "low", "high"))
             return {
                 "judged": False,
-                "why_not": _lost_in_noise(degree),
+                "why_not": degree.why_not_judged,
                 **{str(name): unknown for name in Metric},
                 "probability": None,
                 "parts": {},
@@ -216,13 +215,3 @@ class ErrorOfSeveral(ErrorWithThreshold):
             "parts": {name: plain_part(part) for name, part in parts.by_name.items()},
             "improve_first": parts.first,
         }
-
-
-def _lost_in_noise(degree: "DegreeError") -> str:
-    """Say why a displacement is not judged."""
-    if math.isinf(degree.noise):
-        return f"{degree.name} does not move, and its error is not judged."
-    return (
-        f"{degree.name} moves too little for the noise of its sensors, which leaves "
-        f"{percent(degree.noise)} of its largest displacement open: its error is not judged."
-    )

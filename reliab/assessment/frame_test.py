@@ -165,7 +165,7 @@ def assess_frame(
     if isinstance(recording, CoupledRecording):
         return _of_several(_in_order(recording, frame), frame, question, motion)
     if frame.several:
-        raise _too_few("one command", frame, recording.name)
+        frame.order_of_channels(("",), recording.name)
     return _of_one(recording, frame, question, criterion, motion)
 
 
@@ -336,33 +336,17 @@ def _mode_of_sizes(frame: FrameUnderTest) -> Structure:
     """Mode that governs the error; of several actuators the lowest one."""
     if not frame.several:
         return governing_mode(frame.partition, frame.output)
-    frequency, ratio, _ = frame.partition.modes
-    return Structure(
-        frequency=float(frequency[0]),
-        damping_ratio=float(ratio[0]),
-        experimental_fraction=float(np.clip(frame.partition.stiffness_shares[0], _LEAST_SHARE, 1.0)),
-    )
+    return frame.partition.lowest_mode
 
 
 def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
     """Put channels that have the names of the degrees of freedom into their order."""
-    names, numbers = frame.partition.names, recording.actuators
-    if len(numbers) != len(names):
-        raise _too_few(f"those of {', '.join(numbers)}", frame, recording.name)
-    if frame.channels_at_interface and set(numbers) == set(names) and numbers != names:
-        order = [numbers.index(name) for name in names]
-        return replace(
-            recording, command=recording.command[order], measured=recording.measured[order], actuators=names
-        )
-    return recording
-
-
-def _too_few(channels: str, frame: FrameUnderTest, where: str) -> InputError:
-    return InputError(
-        "A test must have a command and a measured displacement for each actuator",
-        value=f"{channels} for {len(frame.partition.names)} actuators",
-        remedy="Name the columns command_1, measured_1, command_2, …",
-        where=where,
+    order = frame.order_of_channels(recording.actuators, recording.name)
+    return replace(
+        recording,
+        command=recording.command[order],
+        measured=recording.measured[order],
+        actuators=tuple(recording.actuators[place] for place in order),
     )
 
 

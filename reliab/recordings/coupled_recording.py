@@ -1,6 +1,5 @@
 """A test with several actuators: commands and measured displacements at equal steps, checked."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
@@ -9,7 +8,8 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.channel import DISPLACEMENTS, Channel, Part
+from reliab.recordings.actuator_pairs import numbers_of_pairs, with_numbered_pairs
+from reliab.recordings.channel import Channel, Part
 from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers import is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
@@ -84,9 +84,6 @@ class CoupledRecording:
         )
 
 
-_NAMED_SO: Final = re.compile(
-    r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
-)
 _OF_RECORD: Final = "the record says so"
 
 
@@ -100,10 +97,7 @@ def read_coupled_recording(
     """
     time_units = reading.pop("time_units", None)
     columns = read_frame(path) if is_frame(path) else read_test(path, **reading)
-    matches = {name: match for name in columns.values if (match := _NAMED_SO.match(name))}
-    parts = {name: (match[1], match[2]) for name, match in matches.items()}
-    if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
-        columns = replace(columns, parts={**columns.parts, **parts})
+    columns = with_numbered_pairs(columns)
     recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
     return replace(recording, stated=laboratory.beside(stated_in(columns)))
 
@@ -116,7 +110,7 @@ def coupled_recording_of(histories: Histories) -> CoupledRecording:
     measured = {
         channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.MEASURED
     }
-    numbers = sorted(commands.keys() & measured.keys(), key=lambda number: (len(number), number))
+    numbers = numbers_of_pairs((channel.part, channel.actuator) for channel in histories.channels.values())
     columns, channels = histories.columns, histories.channels.values()
     grounds = (key for key, channel in histories.channels.items() if channel.part is Part.GROUND)
     named = (replace(channel, reason=channel.reason.replace(_OF_RECORD, "its name")) for channel in channels)

@@ -1,6 +1,7 @@
 """Rows of a test that is still written, with the measured displacement at the times to which it belongs."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,25 +24,27 @@ def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
     ahead = int(np.floor(samples))
     weights = _cubic(samples - ahead)
     first = 1 - ahead  # sample of the command whose cubic begins with the first reading
-    waiting, read = None, np.empty(0)
+    waiting: Rows | None = None
+    read = np.empty(0)
     for part in rows:
-        if first > 0 and read.size == 0:
-            read = np.full(first, part.measured[0])
-        read = np.concatenate([read, part.measured])
+        if waiting is None:
+            read = np.repeat(part.measured[..., :1], max(first, 0), axis=-1)
+        read = np.concatenate([read, part.measured], axis=-1)
         waiting = part if waiting is None else _joined(waiting, part)
         if first < 0:
-            dropped = min(-first, read.size)
-            read, first = read[dropped:], first + dropped
-        ready = min(read.size - weights.size + 1, waiting.command.size) if first >= 0 else 0
+            dropped = min(-first, read.shape[-1])
+            read, first = read[..., dropped:], first + dropped
+        ready = min(read.shape[-1] - weights.size + 1, waiting.command.shape[-1]) if first >= 0 else 0
         if ready > 0:
-            moved = np.convolve(read, weights[::-1], mode="valid")[:ready]
-            yield Rows(
+            nodes = np.lib.stride_tricks.sliding_window_view(read, weights.size, axis=-1)
+            yield replace(
+                waiting,
                 time=None if waiting.time is None else waiting.time[:ready],
-                command=waiting.command[:ready],
-                measured=moved,
+                command=waiting.command[..., :ready],
+                measured=nodes[..., :ready, :] @ weights,
                 force=None if waiting.force is None else waiting.force[:ready],
             )
-            waiting, read = _after(waiting, ready), read[ready:]
+            waiting, read = _after(waiting, ready), read[..., ready:]
 
 
 def _cubic(place: float) -> Array:
@@ -52,10 +55,10 @@ def _cubic(place: float) -> Array:
 
 
 def _joined(before: Rows, after: Rows) -> Rows:
-    return Rows(
+    return replace(
+        after,
         time=_one_after_the_other(before.time, after.time),
-        command=np.concatenate([before.command, after.command]),
-        measured=after.measured,
+        command=np.concatenate([before.command, after.command], axis=-1),
         force=_one_after_the_other(before.force, after.force),
     )
 
@@ -65,9 +68,9 @@ def _one_after_the_other(before: Array | None, after: Array | None) -> Array | N
 
 
 def _after(rows: Rows, count: int) -> Rows:
-    return Rows(
+    return replace(
+        rows,
         time=None if rows.time is None else rows.time[count:],
-        command=rows.command[count:],
-        measured=rows.measured,
+        command=rows.command[..., count:],
         force=None if rows.force is None else rows.force[count:],
     )

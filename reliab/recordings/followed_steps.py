@@ -24,7 +24,7 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
     count = 0
     for part in rows:
         first.append(part)
-        count += part.command.size
+        count += part.command.shape[-1]
         if count > _ROWS_FOR_STEP:
             break
     if any(part.time is None for part in first):
@@ -75,5 +75,5 @@ def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
                     remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
                 )
             drift = float(late[-1])
-        count += part.command.size
+        count += part.command.shape[-1]
         yield part

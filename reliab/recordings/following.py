@@ -15,6 +15,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
+from reliab.recordings.actuator_pairs import numbers_of_pairs, with_numbered_pairs
 from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
 from reliab.recordings.readers import Columns
 from reliab.recordings.readers.text import (
@@ -39,10 +40,22 @@ class Rows:
     """Rows that were added."""
 
     time: Array | None  # Times [s], shape (k,); None without a column of time
-    command: Array  # command, measured: x_c and x_m [m], shape (k,)
+    # command, measured: x_c and x_m [m], shape (k,), or of several actuators (p, k)
+    command: Array
     measured: Array
     force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # What the header states of the test
+    actuators: tuple[str, ...] = ("",)  # Numbers of the channels, by rows; one without a number
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Wanted:
+    """What is looked for in a text: its name, what is stated of channels, and which there must be."""
+
+    name: str
+    stated: Mapping[Part, Stated]
+    also: tuple[Part, ...]
+    several: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +64,8 @@ class _Layout:
 
     delimiter: str
     width: int
-    places: Mapping[Part, int]
-    channels: Mapping[Part, Channel]
+    channels: Mapping[tuple[Part, str], tuple[int, Channel]]  # Place of each, and how it is read
+    actuators: tuple[str, ...]
     stated: Mapping[str, StatedValue]
 
 
@@ -62,11 +75,14 @@ def rows_as_written(
     name: str,
     stated: Mapping[Part, Stated],
     also: Sequence[Part] = (),
+    several: bool = False,
 ) -> Iterator[Rows]:
     """Rows of a text that comes in pieces.
 
-    `name` is that of its file, `also` which columns it must have beside both displacements.
+    `name` is that of its file, `also` which columns it must have beside both displacements, `several` whether
+    these are of several actuators, as command_1, measured_1, command_2, …
     """
+    wanted = _Wanted(name=name, stated=stated, also=tuple(also), several=several)
     remainder, number = b"", 0
     layout: _Layout | None = None
     waiting: list[tuple[int, str]] = []
@@ -90,16 +106,14 @@ def rows_as_written(
         number += len(whole)
         if layout is None:
             waiting += lines
-            layout, lines = _begun(waiting, name, stated, before, also)
+            layout, lines = _begun(waiting, wanted, before)
         if layout is not None and (rows := [line for line in lines if not is_comment(line[1])]):
             yield _parsed(rows, layout, name)
     if layout is None and before is None:
-        _explain(waiting, name, stated, also)
+        _explain(waiting, wanted)
 
 
-def _explain(
-    waiting: list[tuple[int, str]], name: str, stated: Mapping[Part, Stated], also: Sequence[Part]
-) -> None:
+def _explain(waiting: list[tuple[int, str]], wanted: _Wanted) -> None:
     """Say what is wrong with a text in which no two rows of numbers stand below names."""
     lines = [(number, line) for number, line in waiting if not is_comment(line)]
     if len(lines) > 1:
@@ -107,7 +121,7 @@ def _explain(
         first = next((k for k, (_, line) in enumerate(lines) if _has_number(line, delimiter)), len(lines))
         if 0 < first < len(lines):
             above = [line for _, line in lines[:first]]
-            _parsed(lines[first:], _layout(above, above[-1], delimiter, name, stated, also), name)
+            _parsed(lines[first:], _layout(above, above[-1], delimiter, wanted), wanted.name)
 
 
 def _has_number(line: str, delimiter: str) -> bool:
@@ -115,11 +129,7 @@ def _has_number(line: str, delimiter: str) -> bool:
 
 
 def _begun(
-    waiting: list[tuple[int, str]],
-    name: str,
-    stated: Mapping[Part, Stated],
-    before: _Layout | None,
-    also: Sequence[Part],
+    waiting: list[tuple[int, str]], wanted: _Wanted, before: _Layout | None
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
     """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
@@ -129,17 +139,13 @@ def _begun(
             continue
         if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
             above = [text for text in lines[:place] if text.strip()]
-            named = (
-                before
-                if before is not None and not above
-                else _layout(above, line, delimiter, name, stated, also)
-            )
+            named = before if before is not None and not above else _layout(above, line, delimiter, wanted)
             return named, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:
         raise InputError(
             f"Rows of numbers must begin within {_LONGEST_PREAMBLE:,} lines",
             value="none",
-            where=name,
+            where=wanted.name,
             remedy="Write command and measured displacement as columns",
         )
     return None, []
@@ -156,14 +162,7 @@ def _stands_below_names(lines: list[str], delimiter: str) -> bool:
     )
 
 
-def _layout(
-    above: list[str],
-    line: str,
-    delimiter: str,
-    name: str,
-    stated: Mapping[Part, Stated],
-    also: Sequence[Part],
-) -> _Layout:
+def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _Layout:
     width = len(cells_of(line, delimiter))
     header = header_of(above, width, delimiter)
     if not header.named:
@@ -171,43 +170,54 @@ def _layout(
             "A test that is followed must begin with a line that names its columns",
             value=repr(line[:40]),
             remedy="Write time_s,command_m,measured_m as the first line",
-            where=name,
+            where=wanted.name,
         )
     columns = Columns(
-        path=Path(name),
+        path=Path(wanted.name),
         values={column: np.zeros(0) for column in header.names},
         units=dict(zip(header.names, header.units, strict=False)),
         header=dict(statements_of(above)),
     )
-    recognised = recognise(columns, stated, histories=False)
-    if any(channel.actuator for channel in recognised):
-        raise InputError(
-            "A test that is followed must be of one actuator",
-            value=" and ".join(repr(channel.column) for channel in recognised if channel.actuator),
-            remedy="Choose a pair with `command` and `measured`",
-            where=name,
-        )
-    parts = {Part.TIME, *DISPLACEMENTS, *also}
-    wanted = {channel.part: channel for channel in recognised if channel.part in parts}
-    for part in also:
-        if part not in wanted:
+    columns = with_numbered_pairs(columns) if wanted.several else columns
+    recognised = recognise(columns, wanted.stated, histories=False)
+    if not wanted.several:
+        _require_one(recognised, wanted.name)
+    parts = {Part.TIME, *DISPLACEMENTS, *wanted.also}
+    channels = {
+        (channel.part, channel.actuator): (header.names.index(channel.column), channel)
+        for channel in recognised
+        if channel.part in parts
+    }
+    for part in wanted.also:
+        if part not in {of for of, _ in channels}:
             raise InputError(
                 f"A test that is followed like this needs a column of its {part}",
                 value=", ".join(header.names),
                 remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`",
-                where=name,
+                where=wanted.name,
             )
     return _Layout(
         delimiter=delimiter,
         width=width,
-        places={part: header.names.index(channel.column) for part, channel in wanted.items()},
-        channels=wanted,
+        channels=channels,
+        actuators=numbers_of_pairs(channels),
         stated=stated_in(columns),
     )
 
 
+def _require_one(recognised: Sequence[Channel], name: str) -> None:
+    """Refuse channels of several actuators."""
+    if any(channel.actuator for channel in recognised):
+        raise InputError(
+            "A test that is followed must be of one actuator",
+            value=" and ".join(repr(channel.column) for channel in recognised if channel.actuator),
+            remedy="Choose a pair with `command` and `measured`, or state the `structure` that all drive",
+            where=name,
+        )
+
+
 def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
-    read: dict[Part, list[float]] = {part: [] for part in layout.places}
+    read: dict[tuple[Part, str], list[float]] = {key: [] for key in layout.channels}
     for number, line in lines:
         cells = cells_of(line, layout.delimiter)
         if len(cells) != layout.width:
@@ -217,21 +227,26 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
                 remedy="Mend the line",
                 where=f"{name}, line {number}",
             )
-        for part, place in layout.places.items():
+        for key, (place, _) in layout.channels.items():
             value = number_of(cells[place])
             if value is None or not np.isfinite(value):
                 raise InputError(
                     "Every value must be a finite number",
                     value=repr(cells[place]),
                     remedy="Mend the line",
-                    where=f"{name}, line {number}, column {part}",
+                    where=f"{name}, line {number}, column {key[0]}",
                 )
-            read[part].append(value)
-    histories = {part: layout.channels[part].in_si(np.array(values)) for part, values in read.items()}
+            read[key].append(value)
+    histories = {key: layout.channels[key][1].in_si(np.array(values)) for key, values in read.items()}
+    command, measured = (
+        np.stack([histories[part, number] for number in layout.actuators]) for part in DISPLACEMENTS
+    )
+    one = layout.actuators == ("",)
     return Rows(
-        time=histories.get(Part.TIME),
-        command=histories[Part.COMMAND],
-        measured=histories[Part.MEASURED],
-        force=histories.get(Part.FORCE),
+        time=histories.get((Part.TIME, "")),
+        command=command[0] if one else command,
+        measured=measured[0] if one else measured,
+        force=histories.get((Part.FORCE, "")),
         stated=layout.stated,
+        actuators=layout.actuators,
     )

@@ -376,6 +376,13 @@ class Partition:
         return omega / (2.0 * math.pi), damping / (2.0 * omega), whole.interface.T @ shapes
 
     @property
+    def lowest_mode(self) -> Structure:
+        """Lowest mode, whose share of the specimen stands for that of the structure."""
+        frequency, ratio, share = (float(values[0]) for values in (*self.modes[:2], self.stiffness_shares))
+        share = float(np.clip(share, _LEAST_SHARE, 1.0))
+        return Structure(frequency=frequency, damping_ratio=ratio, experimental_fraction=share)
+
+    @property
     def stiffness_shares(self) -> Array:
         """Specimen's share of the stiffness of each mode, φᵀΓK_eΓᵀφ/ω² [-], shape (modes,)."""
         frequency, _, moved = self.modes

@@ -19,7 +19,6 @@ from reliab.arrays import Array
 from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of
 from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
 from reliab.assessment.rebuilt_error import Recursion, Tolerances
-from reliab.structures import Structure
 
 from .loop import newmark
 from .structure import NEIGHBOUR, RATE, THETA, X, benchmark_partition, substructures, to_node
@@ -46,13 +45,7 @@ def rebuilt_error(target: Array, measured: Array, draws: int, *, ordinary: bool 
 
 @cache
 def _of_ordinary_equipment() -> Tolerances:
-    partition = benchmark_partition()
-    frequency, ratio, _ = partition.modes
-    lowest = Structure(
-        frequency=float(frequency[0]),
-        damping_ratio=float(ratio[0]),
-        experimental_fraction=float(partition.stiffness_shares[0]),
-    )
+    lowest = benchmark_partition().lowest_mode
     return tolerances_of(sizes_of_unknown({}, lowest, ordinary_equipment(), 1.0 / RATE))
 
 

@@ -14,19 +14,21 @@ import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
+from reliab.study import study_module
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 
-from studies.marths_benchmark.controllers import CONTROLLERS, find_controller  # noqa: E402
-from studies.marths_benchmark.loop import run_perfect, run_test  # noqa: E402
-from studies.marths_benchmark.plant import CoupledPlant, drawn_plants  # noqa: E402
-from studies.marths_benchmark.rebuilding import rebuilt_error  # noqa: E402
-from studies.marths_benchmark.structure import RATE, SCALE, to_node  # noqa: E402
+controllers, loop, plants, rebuilding, structure = (
+    study_module("marths_benchmark", name)
+    for name in ("controllers", "loop", "plant", "rebuilding", "structure")
+)
 
 LONGEST = 40.0  # s
 THRESHOLD = 0.05
@@ -35,22 +37,22 @@ DRAWS, FEW_DRAWS = 64, 2
 
 
 def judged(
-    plant: CoupledPlant, ground: np.ndarray, decibels: float, rng: np.random.Generator, *, ordinary: bool
+    plant: Any, ground: np.ndarray, decibels: float, rng: np.random.Generator, *, ordinary: bool
 ) -> Iterator[dict[str, object]]:
     """Judge a run with every controller."""
-    perfect = run_perfect(ground)
-    ideal = to_node(perfect.target)
-    for name in CONTROLLERS:
-        run = run_test(ground, plant, find_controller(name), seed=None)
+    perfect = loop.run_perfect(ground)
+    ideal = structure.to_node(perfect.target)
+    for name in controllers.CONTROLLERS:
+        run = loop.run_test(ground, plant, controllers.find_controller(name), seed=None)
         if not (np.abs(run.true) < LOST * np.abs(perfect.target).max(axis=1, keepdims=True)).all():
             continue
-        strayed = to_node(run.true) - ideal
+        strayed = structure.to_node(run.true) - ideal
         true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
         white = rng.standard_normal(run.true.shape) * run.true.std(axis=1, keepdims=True)
-        noisy = rebuilt_error(
+        noisy = rebuilding.rebuilt_error(
             run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS, ordinary=ordinary
         )
-        clean = rebuilt_error(run.target, run.true, FEW_DRAWS)
+        clean = rebuilding.rebuilt_error(run.target, run.true, FEW_DRAWS)
         for found, exact, error in zip(noisy.degrees, clean.degrees, true, strict=True):
             yield {
                 "plant": plant.name,
@@ -81,11 +83,14 @@ def main() -> None:
     kept = asked.table is not None and asked.table.exists()
     tables = [pd.read_csv(asked.table, dtype={"plant": str})] if kept else []
     known = set(tables[0]["plant"]) if kept else set()
-    for number, plant in enumerate(drawn_plants(asked.plants, asked.seed)):
+    for number, plant in enumerate(plants.drawn_plants(asked.plants, asked.seed)):
         if plant.name in known:
             continue
         rng = np.random.default_rng([asked.seed, number])
-        ground = SCALE * read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
+        ground = (
+            structure.SCALE
+            * read_at2(records[rng.integers(len(records))], structure.RATE)[: int(LONGEST * structure.RATE)]
+        )
         tables.append(pd.DataFrame(judged(plant, ground, asked.decibels, rng, ordinary=asked.ordinary)))
         if asked.table is not None:
             tables[-1].to_csv(asked.table, mode="a", index=False, header=not asked.table.exists())

@@ -19,11 +19,15 @@ from reliab.api import follow_test
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.recordings import chunks_of_text, read_recording, rows_as_written
+from reliab.shipped import shipped
 from reliab.simulation.actuator import Actuator
+from reliab.simulation.frames import coupled_response, read_structure
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures.structure import Structure
+from reliab.vocabulary import Metric
 
 RATE = 256
+TWO_ACTUATORS = shipped("datasets", "frames/two_actuators.toml")
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 
 
@@ -402,10 +406,61 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("driven", "more", "sentence"),
-    [(ONE, ["--f", "1"], "--f has no meaning beside"), (TWO, [], "followed inside the loop")],
+    [
+        (ONE, ["--f", "1"], "--f has no meaning beside"),
+        (TWO, [], "measured displacement for each"),
+    ],
 )
 def test_a_frame_that_cannot_be_followed_is_refused(good, tmp_path, capsys, driven, more, sentence):
     path = tmp_path / "frame.toml"
     path.write_text(FRAME.format(driven=driven), encoding="utf-8")
     assert run(["monitor", str(good), "--wait", "0.1", "--structure", str(path), *more]) == 2
     assert sentence in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.fixture(scope="module")
+def of_two_actuators(tmp_path_factory) -> Path:
+    """A test of the frame that ships, with channels in another order, of which the second one errs."""
+    frame, rate = read_structure(TWO_ACTUATORS), 128
+    rng = np.random.default_rng(8)
+    shaken = np.convolve(rng.normal(size=20 * rate), np.ones(5) / 5.0, "same")
+    run = coupled_response(frame.partition, frame.transfer_system, shaken, 1.0 / rate)
+    command, measured = (frame.kinematics @ rows for rows in (run.command, run.measured))
+    measured = measured + 1e-4 * np.abs(measured).max() * rng.normal(size=measured.shape)
+    path = tmp_path_factory.mktemp("several") / "two.csv"
+    columns = [np.arange(shaken.size) / rate, measured[1], command[1], command[0], measured[0]]
+    names = "time_s,measured_2_m,command_2_m,command_1_m,measured_1_m"
+    np.savetxt(path, np.array(columns).T, delimiter=",", header=names, comments="")
+    return path
+
+
+def test_several_actuators_are_followed_as_they_are_assessed(of_two_actuators, capsys):
+    asked = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9"]
+    assert run(["monitor", str(of_two_actuators), *asked, "--json", "-"]) == 0
+    end = messages(capsys.readouterr().out)[-1]
+    assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, threshold=0.9).to_dict()["error"]
+    followed = end["error"]
+    assert followed["governing"] == assessed["governing"] == end["governing"]
+    assert followed["rms"] == assessed["rms"]
+    assert followed["probability"] == assessed["probability"]
+    for name, degree in followed["degrees_of_freedom"].items():
+        of_assess = assessed["degrees_of_freedom"][name]
+        assert {key: degree[key] for key in ("judged", "rms", "mte", "probability")} == {
+            key: of_assess[key] for key in ("judged", "rms", "mte", "probability")
+        }
+        assert end["degrees_of_freedom"][name]["rms"] == pytest.approx(degree["rms"]["value"], rel=0.1)
+    assert run(["monitor", str(of_two_actuators), *asked]) == 0
+    assert f"RMS of {followed['governing']}" in capsys.readouterr().out
+
+
+def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, capsys):
+    late = tmp_path / "channels.toml"
+    late.write_text("[calibration]\nskew_ms = 6.0\n", encoding="utf-8")
+    asked = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9", "--json", "-"]
+    errors = []
+    for more in ([], ["--channels", str(late)]):
+        run(["monitor", str(of_two_actuators), *asked, *more])
+        errors.append(messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"])
+    assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, skew=6.0).error
+    assert errors[1] == pytest.approx(assessed.governing(Metric.RMS).rms.value, rel=0.02)
+    assert abs(errors[1] / errors[0] - 1.0) > 0.1

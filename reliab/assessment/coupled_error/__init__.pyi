@@ -5,4 +5,5 @@ from .coupled_error import (
 )
 from .coupled_parts import CoupledParts as CoupledParts
 from .ground_motion import ShownByGround as ShownByGround, compare_with_ground as compare_with_ground
+from .monitor import CoupledMonitor as CoupledMonitor
 from .rebuild import rebuild_coupled as rebuild_coupled

@@ -15,6 +15,7 @@ from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
+from reliab.significant import percent
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
@@ -33,6 +34,16 @@ class DegreeError(DisplacementError):
     def judged(self) -> bool:
         """Whether the displacement moves enough for its noise."""
         return bool(self.noise < LOST_IN_NOISE)
+
+    @property
+    def why_not_judged(self) -> str:
+        """Say why the displacement is not judged."""
+        if np.isinf(self.noise):
+            return f"{self.name} does not move, and its error is not judged."
+        return (
+            f"{self.name} moves too little for the noise of its sensors, which leaves "
+            f"{percent(self.noise)} of its largest displacement open: its error is not judged."
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

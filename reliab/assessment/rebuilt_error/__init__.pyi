@@ -20,6 +20,7 @@ from .running_specimen import (
     TINY as TINY,
     TRIES as TRIES,
 )
+from .running_sums import RunningSums as RunningSums
 from .running_test import (
     CALM as CALM,
     FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,

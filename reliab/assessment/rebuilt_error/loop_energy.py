@@ -35,10 +35,11 @@ class LoopEnergy:
         return min(found, key=lambda net: net.ratio, default=None)
 
     def feed(self, command: Array, measured: Array) -> None:
-        """Add the next samples of one actuator [m]."""
+        """Add the next samples at the interface [m], shape (n,) or (p, n)."""
+        command, measured = np.atleast_2d(command), np.atleast_2d(measured)
         alarms = [motion.feed(command, measured, self._size) for motion in self._motions]
         raised = [(at, place) for place, at in enumerate(alarms) if at is not None]
-        self._size += command.size
+        self._size += command.shape[1]
         if raised and self.since is None:
             self.since, place = min(raised)
             self.gaining = self._motions[place].mode
@@ -66,12 +67,12 @@ class _Motion:
     def feed(self, command: Array, measured: Array, first: int) -> int | None:
         """Add samples, `first` the number of the first of them; return the one of the alarm."""
         mode, begin, raised = self.mode, 0, None
-        scale = float(mode.projection[0])
-        while begin < command.size:
-            end = min(begin + mode.look - (first + begin) % mode.look, command.size)
+        moved, strayed = mode.projection @ command, mode.projection @ (measured - command)
+        while begin < moved.size:
+            end = min(begin + mode.look - (first + begin) % mode.look, moved.size)
             _follow(
-                scale * command[begin:end],
-                -scale * (command[begin:end] - measured[begin:end]),
+                moved[begin:end],
+                strayed[begin:end],
                 first + begin == 0,
                 mode.band,
                 mode.forgetting,

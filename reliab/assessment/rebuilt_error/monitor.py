@@ -177,19 +177,11 @@ class Monitor(RunningTest):
         """What is known at the last sample."""
         if self._running.size == 0:
             raise InputError("A running test must have a sample", remedy="Pass a sample first")
-        peak, ideal, error = self._running.sums[2:5]
-        return Now(
-            samples=self._running.size,
-            time=(self._running.size - 1) * self.time_step,
-            error=float(error),
-            rms=float(np.sqrt(self._running.mean_square) / ideal) if ideal > 0.0 else 0.0,
-            mte=float(peak / ideal) if ideal > 0.0 else 0.0,
-            damping=self._energy.net,
-        )
+        return self._now(self._running.sums)
 
     @property
     def _calm(self) -> float:
-        return self._running.calm
+        return self._running.sums.calm * self.time_step
 
     def ask(self, *, draws: int = DRAWS) -> ErrorSoFar | RebuiltError:
         """Compute the error of the test so far with its intervals.

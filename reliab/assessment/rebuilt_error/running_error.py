@@ -13,6 +13,7 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
+from reliab.assessment.rebuilt_error.running_sums import RunningSums
 from reliab.compiled import compiled
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Partition
@@ -28,8 +29,7 @@ class RunningError:
     `size`: Samples so far.
     `offset, standing`: Sensor offset that is taken away, and x_c − x_m under which the test began in
     equilibrium [m].
-    `sums`: Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when it
-    last doubled, and the number of the sample at which it did, of the error r = x_m − x_I, shape (7,).
+    `sums`: over the error x_m − x_I of all samples.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class RunningError:
     ) -> None:
         self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
-        self.sums = np.zeros(7)
+        self.sums = RunningSums()
         self._recursion = Recursion.of_displacement(structure, time_step)
         self._step, self._lag = time_step, feedback_lag
         self._specimen = None
@@ -79,17 +79,6 @@ class RunningError:
         rows = self._table[2:, first:last]
         return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2] + rows[3])
 
-    @property
-    def mean_square(self) -> float:
-        """Mean square of x_m − x_I over the whole test so far [m²], by the trapezoidal rule."""
-        inner = self.sums[0] - self.sums[1] - 0.5 * self.sums[4] ** 2
-        return max(float(inner), 0.0) / max(self.size - 1, 1)
-
-    @property
-    def calm(self) -> float:
-        """Time since the peak of x_I last doubled [s]."""
-        return (self.size - 1 - float(self.sums[6])) * self._step
-
     def feed(self, command: Array, measured: Array) -> None:
         """Add the next samples.
 
@@ -125,7 +114,7 @@ class RunningError:
                 command, linear, fed_back, self._forgotten + first
             )
         error = self._error(first, last)
-        _add_all(self.sums, error, measured - self.offset - error, self._forgotten + first)
+        self.sums.add(error, measured - self.offset - error)
 
     def begin_anew(self, offset: float, standing: float) -> None:
         """Change the offset and the initial equilibrium for all samples so far.
@@ -137,7 +126,7 @@ class RunningError:
         if (offset, standing) == (self.offset, self.standing):
             return
         self.offset, self.standing = offset, standing
-        self.sums[:] = 0.0
+        self.sums = RunningSums(self._forgotten)
         if self._specimen is not None:
             self._specimen.begin()
         self._conclude(0, self.kept)
@@ -195,23 +184,3 @@ def _follow(
             table[2 + row, i] = response
         table[2, i] -= difference
         table[3, i] -= 1.0
-
-
-@compiled
-def _add_all(sums: Array, error: Array, ideal: Array, first: int) -> None:
-    """Add samples to the sums, in place; `first`: number of the first of them."""
-    for i in range(error.size):
-        _add(sums, error[i], ideal[i], first + i)
-
-
-@compiled
-def _add(sums: Array, error: float, ideal: float, number: int) -> None:
-    """Add a sample to the sums, in place."""
-    if number == 0:
-        sums[1] = 0.5 * error * error
-    sums[0] += error * error
-    sums[2] = max(sums[2], abs(error))
-    sums[3] = max(sums[3], abs(ideal))
-    sums[4] = error
-    if sums[3] > 2.0 * sums[5]:
-        sums[5], sums[6] = sums[3], number

@@ -9,17 +9,18 @@ less than half of its error after that.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
+from reliab.assessment.rebuilt_error.running_sums import RunningSums
+from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.rebuilt_error.stability_indicator import NetDamping
-from reliab.assessment.rebuilt_error.stretches import ErrorSoFar
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
@@ -29,6 +30,16 @@ from reliab.vocabulary import Metric
 CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
 SHRINKS = 0.5  # share of itself to which an error may still fall then
 FALSE_ERROR_ALARMS = 0.01  # share of tests that end below the threshold and have an alarm of the error
+
+
+class ErrorWithInterval(Protocol):
+    """An error of the samples so far, with its interval."""
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R with its interval."""
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that the error is below a threshold [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +55,10 @@ class Now:
     mte: float | None
     # Smallest net damping of the watched modes; None where too little motion was recorded
     damping: NetDamping | None
+
+    def size(self, metric: Metric) -> float | None:
+        """RMS^R or MTE^R so far [-]."""
+        return self.rms if metric is Metric.RMS else self.mte
 
 
 def require_readings(*histories: Array) -> None:
@@ -69,7 +84,7 @@ class RunningTest(ABC):
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
         self._energy = LoopEnergy(watched_modes(structure, time_step))
         self._asked = 0
-        self._result: ErrorSoFar | RebuiltError | None = None
+        self._result: ErrorWithInterval | None = None
         self._low = dict.fromkeys(Metric, 0.0)
 
     @property
@@ -81,6 +96,17 @@ class RunningTest(ABC):
     @abstractmethod
     def now(self) -> Now:
         """What is known at the last sample."""
+
+    def _now(self, sums: RunningSums) -> Now:
+        """Say what is known of one displacement."""
+        return Now(
+            samples=sums.size,
+            time=(sums.size - 1) * self.time_step,
+            error=sums.latest,
+            rms=sums.rms,
+            mte=sums.mte,
+            damping=self._energy.net,
+        )
 
     @property
     @abstractmethod
@@ -99,7 +125,7 @@ class RunningTest(ABC):
         return None if mode is None else mode.circular_frequency / (2.0 * np.pi)
 
     @property
-    def result(self) -> ErrorSoFar | RebuiltError | None:
+    def result(self) -> ErrorWithInterval | None:
         """The last error with its intervals; None before there was one."""
         return self._result
 
@@ -110,11 +136,14 @@ class RunningTest(ABC):
         Returns false before there were intervals, and until the peak of the response has not doubled for 12
         s.
         """
-        if self._calm < CALM:
-            return False
-        now = self.now
-        low = self._low[metric] * ((now.rms if metric is Metric.RMS else now.mte) or 0.0)
-        return bool(SHRINKS * low > threshold)
+        return any(
+            calm >= CALM and SHRINKS * low > threshold for calm, low in self._lowest_so_far(Metric(metric))
+        )
+
+    def _lowest_so_far(self, metric: Metric) -> Iterator[tuple[float, float]]:
+        """Time for which a peak has not doubled [s] and low end of the error so far, of each displacement."""
+        if self._low[metric] > 0.0:
+            yield self._calm, self._low[metric] * (self.now.size(metric) or 0.0)
 
     @property
     def due(self) -> bool:
@@ -123,9 +152,10 @@ class RunningTest(ABC):
         least = max(FEWEST_SAMPLES, int(self.periods_between * self._period / self.time_step))
         return self._energy.moves and grown >= max(least, int(self.growth * self._asked))
 
-    def _conclude(self, error: ErrorSoFar | RebuiltError | None) -> None:
+    def _conclude(self, error: ErrorWithInterval | None) -> None:
         """Keep an error that was computed from all samples so far; None where it is not known."""
         self._asked, self._result = self.samples, error
         now = self.now
-        for metric, so_far in ((Metric.RMS, now.rms), (Metric.MTE, now.mte)):
+        for metric in Metric:
+            so_far = now.size(metric)
             self._low[metric] = error.estimate(metric).low / so_far if error is not None and so_far else 0.0

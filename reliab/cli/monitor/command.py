@@ -78,8 +78,8 @@ class MonitorDemand(Demand):
         typer.Option(
             "--structure",
             metavar="FRAME.toml",
-            help="Frame with its specimen in the laboratory, in place of --f, --xi and --alpha; with "
-            "--export also one that several actuators drive.",
+            help="Frame with its specimen in the laboratory, which one actuator drives or several, in place "
+            "of --f, --xi and --alpha.",
         ),
     ] = None
     model: Annotated[
@@ -164,8 +164,9 @@ def monitor(demand: MonitorDemand) -> None:
     may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
     The alarm of the error is raised when its interval is above twice the threshold and the peak of the
     response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB; but
-    with --model or a measured specimen it is held whole, and may last about an hour. What --export writes
-    has no such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its
+    with --model, a measured specimen or several actuators it is held whole, and may last about an hour. What
+    --export writes has no such limit. A measured specimen is learned anew whenever the test has grown by a
+    fourth; until its
     force is predicted to 10 % on parts of the test that were held out, no error is stated, and where that is
     so at the end the exit code is 0.
     """

@@ -12,6 +12,8 @@ from reliab.vocabulary import Metric
 if TYPE_CHECKING:
     from reliab.api import Message
 
+_NO_MOTION = "No displacement moves enough for the noise of its sensors."
+
 
 class Screen:
     """Shows messages of a running test; `threshold` [-]."""
@@ -44,7 +46,7 @@ class Screen:
         elif message.kind == "end":
             self._stop()
             if content["above_threshold"] is None:
-                self._print(_still_learning(content))
+                self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)
                 limit = percent(self._threshold, decimals=2)
                 self._print(f"Whether the error of the whole test is above {limit} is undecided.")
                 return
@@ -75,12 +77,18 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
     error = message["error"][metric]
     damping = message["net_damping_ratio"]
     return (
-        f"{message['time_s']:8.2f} s  {metric.upper()} {percent(error['value'], decimals=2)} (90 %: "
+        f"{message['time_s']:8.2f} s  {metric.upper()}{_governing(message)} "
+        f"{percent(error['value'], decimals=2)} (90 %: "
         f"{percent(error['low'], decimals=2)} to {percent(error['high'], decimals=2)}), below "
         f"{percent(threshold)} with "
         f"probability {message['error']['probability']:.3f}, net damping "
         + ("not settled" if damping is None else percent(damping, decimals=2))
     )
+
+
+def _governing(message: Mapping[str, Any]) -> str:
+    """Name the displacement of several with the largest error."""
+    return f" of {message['governing']}" if "governing" in message else ""
 
 
 def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - a table of Rich
@@ -91,6 +99,8 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
     if now.error is None or now.rms is None or now.mte is None:
         shown.add_row("specimen", "still learning")
     else:
+        if "governing" in message.to_dict():
+            shown.add_row("displacement with the largest error", message.to_dict()["governing"])
         shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
         shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
         shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))

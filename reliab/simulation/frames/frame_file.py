@@ -150,6 +150,20 @@ class FrameUnderTest:
             return np.eye(self.partition.degrees)
         return np.asarray(np.linalg.inv(self.kinematics), dtype=np.float64)
 
+    def order_of_channels(self, numbers: tuple[str, ...], where: str) -> list[int]:
+        """Places of the channels of a test in the order of the interface, by their numbers or its names."""
+        names = self.partition.names
+        if len(numbers) != len(names):
+            raise InputError(
+                "A test must have a command and a measured displacement for each actuator",
+                value=f"those of {', '.join(number or '1' for number in numbers)} for {len(names)} actuators",
+                remedy="Name the columns command_1, measured_1, command_2, …",
+                where=where,
+            )
+        if self.channels_at_interface and set(numbers) == set(names):
+            return [numbers.index(name) for name in names]
+        return list(range(len(names)))
+
     def straightened(self, channels: Array) -> Array:
         """Displacements that T would have given for what channels show, shape (p, n)."""
         if self.geometry is None or self.channels_at_interface:

@@ -226,7 +226,7 @@ def test_the_error_is_judged_by_the_low_end_and_when_its_peak_has_stood_for_12_s
     monitor.feed(command[:2500], measured[:2500])
     assert not monitor.exceeds(1e-9, metric)
     low = monitor.ask(draws=8).estimate(metric).low
-    assert monitor._running.calm >= 12.0  # noqa: SLF001
+    assert monitor._running.sums.calm * STEP >= 12.0  # noqa: SLF001
     assert monitor.exceeds(0.499 * low, metric)
     assert not monitor.exceeds(0.501 * low, metric)
     monitor.feed(10.0 * command[2500:2600], 10.0 * measured[2500:2600])

@@ -44,7 +44,7 @@ def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts)
     test = running()
     for command, measured in zip(*(np.split(history, cuts) for history in histories), strict=True):
         test.feed(command, measured)
-        assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+        assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
 
 
 def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
@@ -54,9 +54,9 @@ def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories
     before = test.error.copy()
     test.begin_anew(OFFSET, STANDING)
     assert np.abs(test.error - before).max() > 1e-5
-    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
     test.feed(*(history[900:] for history in histories))
-    assert test.sums == pytest.approx(by_definition(test), rel=1e-9)
+    assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
 
 
 @pytest.mark.parametrize("count", [1, 700, 999])
@@ -69,9 +69,9 @@ def test_what_is_forgotten_stays_in_the_sums(histories, count):
     assert np.array_equal(test.command, histories[0][count:1000])
     for each in (whole, test):
         each.feed(*(history[1000:] for history in histories))
-    assert np.array_equal(test.sums, whole.sums)
+    assert np.array_equal(test.sums.values, whole.sums.values)
     assert np.array_equal(test.error, whole.error[count:])
-    assert (test.mean_square, test.calm) == (whole.mean_square, whole.calm)
+    assert (test.sums.mean_square, test.sums.calm) == (whole.sums.mean_square, whole.sums.calm)
 
 
 def test_mean_square_is_that_of_straight_lines_between_squares():

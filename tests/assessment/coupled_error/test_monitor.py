@@ -1,0 +1,107 @@
+"""The running errors of a test with several actuators: those of `rebuild_coupled`, however samples come."""
+
+import numpy as np
+import pytest
+from coupled_structures import described, node, two_storeys
+
+from reliab.assessment.coupled_error import CoupledMonitor, rebuild_coupled
+from reliab.assessment.rebuilt_error import Monitor, Recursion
+from reliab.errors import InputError
+from reliab.simulation.frames import coupled_response
+from reliab.structures import Partition, Structure
+from reliab.vocabulary import Metric
+
+RATE = 256.0
+
+
+def simulated(build=two_storeys, seconds=24.0):
+    partition, actuators = described(build)
+    rng = np.random.default_rng(4)
+    ground = np.convolve(rng.standard_normal(int(seconds * RATE)), np.ones(9) / 9.0, "same")
+    run = coupled_response(partition, actuators, ground, 1.0 / RATE)
+    noise = 1e-4 * np.abs(run.command).max(axis=1, keepdims=True) * rng.standard_normal(run.command.shape)
+    return partition, run.command, run.measured + noise
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.0031])
+@pytest.mark.parametrize("build", [two_storeys, node])
+def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
+    partition, command, measured = simulated(build)
+    recursion = Recursion.of_displacement(partition.with_masses, 1.0 / RATE)
+    carry = np.eye(partition.degrees) + 0.1
+    monitor = CoupledMonitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
+    cuts = [1, 2, 700, 3001]
+    for rows in zip(np.split(command, cuts, axis=1), np.split(measured, cuts, axis=1), strict=True):
+        monitor.feed(*rows)
+    whole = rebuild_coupled(
+        command,
+        measured,
+        1.0 / RATE,
+        partition,
+        to_interface=carry,
+        feedback_lag=lag,
+        recursion=recursion,
+        sensor_offsets=np.zeros(partition.degrees),
+        draws=2,
+    )
+    for degree in whole.degrees:
+        now, peak = monitor.degrees[degree.name], np.abs(degree.reference).max()
+        # the end of the whole test is smoothed by its filter
+        assert now.mte == pytest.approx(np.abs(degree.error).max() / peak, rel=2e-2)
+        assert now.rms == pytest.approx(np.sqrt(np.mean(degree.error**2)) / peak, rel=2e-3)
+
+
+def test_one_actuator_is_followed_as_by_the_monitor_of_one():
+    structure = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05))
+    time = np.arange(0.0, 30.0, 1.0 / RATE)
+    command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
+    measured = 0.98 * command + 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    one, several = Monitor(structure, 1.0 / RATE), CoupledMonitor(structure, 1.0 / RATE)
+    one.feed(command, measured)
+    several.feed(command[np.newaxis], measured[np.newaxis])
+    assert several.now.rms == pytest.approx(one.now.rms, rel=1e-9)
+    assert several.now.error == pytest.approx(one.now.error, rel=1e-9)
+    assert several.now.damping == one.now.damping
+
+
+def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
+    partition, command, measured = simulated()
+    monitor = CoupledMonitor(partition, 1.0 / RATE)
+    for rows in zip(*(np.array_split(values, 9, axis=1) for values in (command, measured)), strict=True):
+        monitor.feed(*rows)
+        if monitor.due:
+            monitor.ask()
+    at_end, afterwards = monitor.ask(at_end=True), rebuild_coupled(command, measured, 1.0 / RATE, partition)
+    for now, then in zip(at_end.degrees, afterwards.degrees, strict=True):
+        assert (now.name, now.rms, now.mte) == (then.name, then.rms, then.mte)
+        assert monitor.degrees[now.name].rms == pytest.approx(then.rms.value, rel=0.05)
+    governing = afterwards.governing(Metric.RMS)
+    assert monitor.governing == governing.name
+    assert monitor.result.estimate(Metric.RMS) == governing.rms
+
+
+def test_the_alarm_of_the_error_is_that_of_any_displacement():
+    partition = Partition(
+        mass=np.eye(2),
+        damping=0.5 * np.eye(2),
+        stiffness=40.0 * np.eye(2),
+        interface=np.eye(2),
+        specimen_stiffness=40.0 * np.eye(2),
+    )
+    time = np.arange(0.0, 40.0, 1.0 / RATE)
+    command = np.sin(np.sqrt(40.0) * time) * np.array([[1.0], [0.3]])
+    noise = 1e-6 * np.random.default_rng(0).standard_normal(command.shape)
+    raised = []
+    for gains in ([[1.0], [1.0]], [[1.0], [0.5]]):
+        monitor = CoupledMonitor(partition, 1.0 / RATE)
+        monitor.feed(command, gains * command + noise)
+        monitor.ask()
+        raised.append(monitor.exceeds(0.05))
+    assert raised == [False, True]
+    assert monitor.governing == "2"
+
+
+def test_channels_of_another_number_are_refused():
+    partition, command, measured = simulated(seconds=2.0)
+    with pytest.raises(InputError, match="must be those of 2 actuators"):
+        CoupledMonitor(partition, 1.0 / RATE).feed(command[0], measured[0])
