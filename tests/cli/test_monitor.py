@@ -24,7 +24,6 @@ from reliab.simulation.actuator import Actuator
 from reliab.simulation.frames import coupled_response, read_structure
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
 
 RATE = 256
 TWO_ACTUATORS = shipped("datasets", "frames/two_actuators.toml")
@@ -462,5 +461,5 @@ def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, ca
         run(["monitor", str(of_two_actuators), *asked, *more])
         errors.append(messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"])
     assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, skew=6.0).error
-    assert errors[1] == pytest.approx(assessed.governing(Metric.RMS).rms.value, rel=0.02)
+    assert errors[1] == pytest.approx(assessed.governing.rms.value, rel=0.02)
     assert abs(errors[1] / errors[0] - 1.0) > 0.1
