@@ -8,8 +8,7 @@ import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
-from reliab.assessment.rebuilt_error.responses import exact_of_draws
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.substructures import Substructures
 from reliab.structures import Partition
 
@@ -86,7 +85,7 @@ def exact_test(
             few, one = error.rebuilt.differences[:_DRAWS], error.rebuilt
             yield from (_of_force(*each) for each in specimen.test.exact_of_draws(few, one.unknown, one.seed))
             return
-        for structure, response in _exact_of_draws(error):
+        for structure, response in rebuilt.exact():
             yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
 
     return ExactTest(
@@ -105,12 +104,3 @@ def exact_test(
         stated=stated,
         draws=draws,
     )
-
-
-def _exact_of_draws(error: ErrorWithThreshold) -> Iterator[tuple[Partition, Array]]:
-    """Structures and exact responses at the interface [m] of draws with a linear specimen."""
-    if isinstance(error, ErrorOfTest):
-        return exact_of_draws(error.rebuilt, _DRAWS)
-    if isinstance(error, ErrorOfSeveral):
-        return error.rebuilt.exact()
-    raise TypeError(error)

@@ -17,7 +17,6 @@ from reliab.assessment.contradictions import (
     of_specimen,
     of_stability,
 )
-from reliab.assessment.coupled_error import compare_with_ground, rebuild_coupled
 from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
@@ -214,6 +213,8 @@ def _of_one(
 def _of_several(
     recording: CoupledRecording, frame: FrameUnderTest, question: Question, motion: Motion | None
 ) -> CoupledAssessment:
+    from reliab.assessment.coupled_error import compare_with_ground
+
     partition, carry = frame.partition, frame.to_interface
     require_length(recording, question.structure.frequency)
     faults = tuple(_faults(recording, frame, question.threshold))
@@ -305,6 +306,8 @@ def _error_of_several(
     left: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Rebuild the errors of all interface displacements; see `error_with_faults`."""
+    from reliab.assessment.coupled_error import rebuild_coupled
+
     sizes = {**question.sizes(test.time_step), **left}
     error = rebuild_coupled(
         frame.straightened(test.command),

@@ -18,11 +18,12 @@ from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.channels import checked_histories
 from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
-from reliab.assessment.rebuilt_error.error_statistics import mean_square, sweep_draws
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     ACCURACY,
     FEWEST_SWEPT,
+    DrivenDraws,
     Unknown,
     columns_of_sensor,
     draw_unknown,
@@ -214,7 +215,8 @@ class _Sweep:
         statistics, band = np.empty((draws, 3, carried.shape[1])), np.zeros((2, *carried.shape[1:]))
         for places, structure in self._structures(drawn, draws):
             chosen = {name: values[places] for name, values in drawn.items()}
-            statistics[places], sums = self._swept(structure, chosen, moving[places], carried[places])
+            driven = self._driven(structure, chosen, moving[places])
+            statistics[places], sums = driven.errors(carried[places])
             band += sums
         statistics *= self._between_samples
         computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
@@ -245,31 +247,15 @@ class _Sweep:
             together = stacked([changed[place] for place in places])
             yield places, together.scaled(frequency=f, damping_ratio=ratio, share=share)
 
-    def _swept(
-        self, structure: Partition, drawn: dict[str, Array], moving: Array, differences: Array
-    ) -> tuple[Array, Array]:
-        """Statistics and sums over draws of structures of one size."""
-        recursion, states, (inputs, shifts), (late, rate) = self._driven(structure, drawn, moving)
-        command = self.histories.carry @ self.histories.command[:, :: self.every]
-        lags = drawn["feedback_lag"]
-        return sweep_draws(recursion, states, command, differences, inputs, shifts, late, rate, lags)
-
     def exact(self, unknown: Unknown, differences: Array) -> Iterator[tuple[Partition, Array]]:
         """Structures and exact responses at the interface [m], draw by draw."""
         draws, carried = differences.shape[0], self.histories.carry @ differences
-        command = self.histories.carry @ self.histories.command[:, :: self.every]
         drawn, moving = draw_unknown(unknown, draws, self.seed)
         for places, structure in self._structures(drawn, draws):
             chosen = {name: values[places] for name, values in drawn.items()}
-            recursion, states, (inputs, shifts), (late, rate) = self._driven(
-                structure, chosen, moving[places]
-            )
-            for row, draw in enumerate(places.tolist()):
-                strayed = carried[draw] + np.tensordot(shifts[row], inputs, 1)
-                fed_back = strayed + late + chosen["feedback_lag"][row] * rate
-                response = respond(recursion.of_draw(row), fed_back, states[row])
-                of_draw = {name: values[row : row + 1] for name, values in chosen.items()}
-                yield self._whole(of_draw), command - response
+            responses = self._driven(structure, chosen, moving[places]).exact(carried[places])
+            for row, response in enumerate(responses):
+                yield self._whole({name: values[row : row + 1] for name, values in chosen.items()}), response
 
     def _whole(self, drawn: dict[str, Array]) -> Partition:
         """Give the structure of one draw with all of its modes."""
@@ -279,23 +265,23 @@ class _Sweep:
         whole = changed if changed.size == self.partition.size else self.partition
         return whole.scaled(frequency=f, damping_ratio=ratio, share=share)
 
-    def _driven(
-        self, structure: Partition, drawn: dict[str, Array], moving: Array
-    ) -> tuple[Recursion, Array, tuple[Array, Array], tuple[Array, Array]]:
-        """Recursion and states of draws, what sensors add and how much of it, and what a late force adds."""
+    def _driven(self, structure: Partition, drawn: dict[str, Array], moving: Array) -> DrivenDraws:
+        """Collect what drives draws of structures of one size."""
         histories, every = self.histories, self.every
         step = every * histories.time_step
         recursion = Recursion.of_displacement(structure, step, smooth=True).of_draws(len(moving))
         command, measured = histories.command[:, ::every], histories.measured[:, ::every]
         displaced = np.array([drawn[f"initial_state_{place + 1}"] for place in range(len(command))]).T
-        return (
-            recursion,
-            states_at_first_sample(structure, recursion, displaced, moving, histories.standing),
-            self._at_sensors(command, measured, drawn),
-            (
-                (histories.fed_back - histories.difference)[:, ::every],
-                histories.carry @ np.gradient(measured, step, axis=1),
-            ),
+        inputs, shifts = self._at_sensors(command, measured, drawn)
+        return DrivenDraws(
+            recursion=recursion,
+            states=states_at_first_sample(structure, recursion, displaced, moving, histories.standing),
+            command=histories.carry @ command,
+            inputs=inputs,
+            shifts=shifts,
+            late=(histories.fed_back - histories.difference)[:, ::every],
+            velocity=histories.carry @ np.gradient(measured, step, axis=1),
+            lags=drawn["feedback_lag"],
         )
 
     def _at_sensors(self, command: Array, measured: Array, drawn: dict[str, Array]) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ histories of x_c − x_m from those that the noise allows, and the error is rebu
 linearised, and no noise is subtracted from a mean square or a peak.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,13 @@ from reliab.assessment.rebuilt_error.error_statistics import sweep_draws
 from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
-from reliab.assessment.rebuilt_error.recursion import Recursion, stacked, states_in_motion, structure_of_draw
+from reliab.assessment.rebuilt_error.recursion import (
+    Recursion,
+    respond,
+    stacked,
+    states_in_motion,
+    structure_of_draw,
+)
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.swept import Swept
@@ -252,7 +258,7 @@ def _along_interface(structure: Partition, displaced: Array, moving: Array) -> A
     return np.asarray(displaced @ by_displacement.T + w0 * moving @ by_velocity.T)
 
 
-def inputs_of_reading(thin: Histories, drawn: dict[str, Array]) -> tuple[Array, Array]:
+def inputs_of_reading(thin: Histories, drawn: Mapping[str, Array]) -> tuple[Array, Array]:
     """Columns of what is drawn of the sensor, shape (columns, n), and how much each draw has of them."""
     return columns_of_sensor(thin.command, thin.measured, thin.time_step, drawn)
 
@@ -286,22 +292,55 @@ def columns_of_sensor(
     return inputs, np.array([drawn[name] for name in names]).reshape(-1, draws).T.copy()
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrivenDraws:
+    """Draws of a test and what drives their errors, at each swept sample of the interface."""
+
+    recursion: Recursion  # Of each draw
+    states: Array  # At the first sample, shape (draws, 2n)
+    command: Array  # x_c [m], shape (p, m)
+    inputs: Array  # What a unit of each unknown of the sensors adds to x_c − x_m, shape (columns, p, m)
+    shifts: Array  # How much each draw has of them, shape (draws, columns)
+    late: Array  # What a force that is fed back late adds to x_c − x_m [m], shape (p, m)
+    velocity: Array  # Of x_m [m/s], shape (p, m)
+    lags: Array  # Of the force beyond the stated one [s], shape (draws,)
+
+    def errors(self, differences: Array) -> tuple[Array, Array]:
+        """Statistics of errors and their band; see `sweep_draws`, also of `differences`."""
+        of_sensors = (self.inputs, self.shifts)
+        of_force = (self.late, self.velocity, self.lags)
+        return sweep_draws(self.recursion, self.states, self.command, differences, *of_sensors, *of_force)
+
+    def exact(self, differences: Array) -> Iterator[Array]:
+        """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
+        for draw, (state, shift, lag) in enumerate(zip(self.states, self.shifts, self.lags, strict=True)):
+            strayed = differences[draw % len(differences)] + np.tensordot(shift, self.inputs, 1)
+            fed_back = strayed + self.late + lag * self.velocity
+            yield self.command - respond(self.recursion.of_draw(draw), fed_back, state)
+
+
+def driven_draws(
+    thin: Histories, recursion: Recursion, drawn: Mapping[str, Array], states: Array
+) -> DrivenDraws:
+    """Collect what drives the draws of a test with one actuator."""
+    inputs, shifts = inputs_of_reading(thin, drawn)
+    return DrivenDraws(
+        recursion=recursion,
+        states=states,
+        command=thin.command[np.newaxis],
+        inputs=inputs[:, np.newaxis],
+        shifts=shifts,
+        late=(thin.fed_back - thin.difference)[np.newaxis],
+        velocity=np.gradient(thin.measured, thin.time_step)[np.newaxis],
+        lags=drawn["feedback_lag"],
+    )
+
+
 def _swept(
-    thin: Histories, recursion: Recursion, drawn: dict[str, Array], states: Array, differences: Array
+    thin: Histories, recursion: Recursion, drawn: Mapping[str, Array], states: Array, differences: Array
 ) -> tuple[Array, Array]:
     """Statistics, shape (draws, 3), and the band, shape (2, n)."""
-    inputs, shifts = inputs_of_reading(thin, drawn)
-    statistics, band = sweep_draws(
-        recursion,
-        states,
-        thin.command[np.newaxis],
-        differences[:, np.newaxis],
-        inputs[:, np.newaxis],
-        shifts,
-        (thin.fed_back - thin.difference)[np.newaxis],
-        np.gradient(thin.measured, thin.time_step)[np.newaxis],
-        drawn["feedback_lag"],
-    )
+    statistics, band = driven_draws(thin, recursion, drawn, states).errors(differences[:, np.newaxis])
     return statistics[..., 0], band[:, 0]
 
 

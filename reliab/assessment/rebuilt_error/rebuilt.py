@@ -1,5 +1,6 @@
 """The rebuilt error of a test: histories, RMS^R and MTE^R, intervals and probabilities."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,15 +8,23 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown
+from reliab.assessment.rebuilt_error.interval import (
+    Histories,
+    Unknown,
+    draw_unknown,
+    driven_draws,
+    states_at_first_sample,
+    structures_of_draws,
+)
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.recursion import Recursion, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
-_WIDENING_DRAWS = 128
+_WIDENING_DRAWS, _EXACT_DRAWS = 128, 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,6 +47,18 @@ class RebuiltError(DisplacementError):
     def command(self) -> Array:
         """x_c at the interface [m], shape (1, n)."""
         return self.histories.command[np.newaxis]
+
+    def exact(self) -> Iterator[tuple[Partition, Array]]:
+        """Structures, and responses without actuator errors [m], shape (1, m), of the first draws."""
+        thin = self.histories.thinned(self.every)
+        drawn, moving = draw_unknown(self.unknown, _EXACT_DRAWS, self.seed)
+        structures = structures_of_draws(self.structure, drawn)
+        recursion = Recursion.of_displacement(structures, thin.time_step).of_draws(_EXACT_DRAWS)
+        at_first = (drawn["initial_state"], moving, thin.standing)
+        states = states_at_first_sample(self.structure, recursion, *at_first)
+        responses = driven_draws(thin, recursion, drawn, states).exact(self.differences[:, np.newaxis])
+        for draw, response in enumerate(responses):
+            yield structure_of_draw(structures, draw), response
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
