@@ -24,6 +24,7 @@ from scipy import signal
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from benchmarks.blind_evaluation import foretold  # noqa: E402
 from benchmarks.machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine  # noqa: E402
 
 from reliab.arrays import Array  # noqa: E402
@@ -41,6 +42,7 @@ NOISE = 10.0 ** (-50.0 / 20.0)
 LARGEST_REMAINDER = 0.2
 CLOSE = 1.15
 HELD_OUT = (4, 5)
+PROBABILITIES = (0.0, 0.9, 0.99, 0.999, 1.0)
 
 
 def motions_of(random: np.random.Generator) -> list[Array]:
@@ -111,8 +113,12 @@ def examined(name: str, seed: int, *, pairs: bool) -> dict[str, Any]:
         spent = time.process_time() - begin
     (block,) = found.blocks
     row = {**judged(machine, found), "processor_seconds": spent}
+    row["foretold"] = foretold(block)
     if pairs:
-        row["best_pair"] = min(errors_of_pairs(block).items(), key=lambda item: item[1])
+        begin = time.process_time()
+        errors = errors_of_pairs(block)
+        row["best_pair"] = min(errors.items(), key=lambda item: item[1])
+        row["models"], row["pair_seconds"] = len(errors), time.process_time() - begin
     return row
 
 
@@ -153,7 +159,7 @@ def errors_of_pairs(found: BlockDiagnosis) -> dict[str, float]:
         for one in screened(problem, single, found.block.candidates, null):
             if one.start.size and one.kind not in single.space.effects:
                 space = ModelSpace(found.block, (kind, one.kind))
-                pair = fit(problem, space, [one.start], single.noise)
+                pair = fit(problem, space, [one.start, *one.others], single.noise)
                 error = held_out_nrmse(found.proof, residuals(found.proof, pair))
                 key = " + ".join(sorted((str(kind.name), str(one.kind.name))))
                 errors[key] = min(error, errors.get(key, np.inf))
@@ -175,8 +181,33 @@ def show(rows: Mapping[str, Mapping[str, Any]]) -> None:
         told["held-out error within 1.15 times that of the best pair"] = beside
     for words, answers in told.items():
         print(f"{words}: {sum(answers)} of {len(answers)}, {np.mean(answers):.0%}")
-    seconds = [row["processor_seconds"] for row in every]
-    print(f"processor time: {np.median(seconds):.0f} s in the median, {max(seconds):.0f} at most")
+    for low, high in itertools.pairwise(PROBABILITIES):
+        stated = [
+            (probability, name not in row["false"])
+            for row in every
+            for name, probability in row["probability"].items()
+            if low <= probability < high or probability == high == PROBABILITIES[-1]
+        ]
+        if stated:
+            mean = np.mean([probability for probability, _ in stated])
+            right = sum(accepted for _, accepted in stated)
+            print(f"probability {low} to {high}, mean {mean:.3f}: {right} of {len(stated)} are no false name")
+    for number in range(4):
+        covers = [test["covers"] for row in every for test in row["foretold"] if test["effects"] == number]
+        if covers:
+            print(
+                f"error on a held-out test, {number} effects: {sum(covers)} of {len(covers)} intervals hold"
+            )
+    print_times("diagnosis", [row["processor_seconds"] for row in every])
+    fitted = [row for row in every if "pair_seconds" in row]
+    if fitted:
+        models = np.median([row["models"] for row in fitted])
+        print_times(f"all pairs ({models:.0f} models)", [row["pair_seconds"] for row in fitted])
+
+
+def print_times(name: str, seconds: Sequence[float]) -> None:
+    """Print processor time of something that was done in each campaign [s]."""
+    print(f"processor time, {name}: {np.median(seconds):.0f} s in the median, {max(seconds):.0f} at most")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

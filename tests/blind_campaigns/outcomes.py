@@ -45,9 +45,13 @@ class Outcome:
         if self.result is None:
             return set()
         names = {str(effect["name"]) for effect in self.result.get("effects", [])}
-        if "force_offset" in self.changed:  # which is then rightly named
-            names -= {"force_bias"} - self.label.names
-        return names - CALIBRATION_NAMES if self.verdict == "named" else set()
+        return names - self._apart if self.verdict == "named" else set()
+
+    @property
+    def _apart(self) -> set[str]:
+        """Names that count neither way: calibration, and an offset that a variant added, rightly named."""
+        offset = {"force_bias"} - self.label.names if "force_offset" in self.changed else set()
+        return CALIBRATION_NAMES | offset
 
     @property
     def changed(self) -> set[str]:
@@ -130,7 +134,7 @@ class Outcome:
     def stated(self) -> list[tuple[float, bool]]:
         """Each stated probability of a named effect, and whether the effect is hidden."""
         effects = (self.result or {}).get("effects", []) if self.verdict == "named" else []
-        chosen = [effect for effect in effects if effect["name"] not in CALIBRATION_NAMES]
+        chosen = [effect for effect in effects if effect["name"] not in self._apart]
         return [
             (float(e["probability"]), e["name"] in self.label.names)
             for e in chosen
