@@ -60,7 +60,6 @@ _MILLISECONDS = 1e-3
 _WHOLE = (1.0, "1")  # shares of the stiffness that nobody has stated
 _BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
 _GLANCE = 0.1  # s of the test between two looks at the alarms
-_CRITICAL = 0.25  # share of the structure's damping ratio below which a warning is given
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -460,7 +459,6 @@ class _Watch:
 
     def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
         now = monitor.now
-        damping = None if now.damping is None else now.damping.ratio
         content = {
             "kind": kind,
             "samples": now.samples,
@@ -468,8 +466,9 @@ class _Watch:
             "error_m": now.error,
             "rms": now.rms,
             "mte": now.mte,
-            "net_damping_ratio": damping,
-            "near_instability": damping is not None and damping < _CRITICAL * self.stated["xi"].value,
+            "net_damping_ratio": None if now.damping is None else now.damping.ratio,
+            "net_damping_deviation": None if now.damping is None else now.damping.deviation,
+            "near_instability": now.near_instability,
             "alarms": list(self.alarms),
             "false_alarm_rates": {
                 "unstable": FALSE_ALARMS,

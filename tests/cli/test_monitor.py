@@ -69,6 +69,7 @@ def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
     assert end["error"]["rms"]["high"] == pytest.approx(whole.rms.high, rel=1e-9)
     assert end["error_m"] == pytest.approx(whole.error[-1], rel=1e-9)
     assert end["alarms"] == []
+    assert not any(one["near_instability"] for one in said)
     assert [one["samples"] for one in said[:3]] == [128, 256, 384]
 
 
@@ -112,7 +113,8 @@ def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):
     first = next(one for one in said if one["alarms"])
     assert (first["kind"], first["alarms"]) == ("alarm", ["unstable"])
     assert first["time_s"] < 10.5  # when the command is twice the exact peak
-    assert said[-1]["net_damping_ratio"] < 0.0
+    assert said[-1]["net_damping_ratio"] + 2.0 * said[-1]["net_damping_deviation"] < 0.0
+    assert said[-1]["near_instability"]
 
 
 @pytest.mark.slow

@@ -89,6 +89,7 @@ class MeasuredMonitor(RunningTest):
             rms=None if last is None else last.rms.value,
             mte=None if last is None else last.mte.value,
             damping=self._energy.net,
+            near_instability=self._energy.near_instability,
         )
 
     @property

@@ -31,8 +31,16 @@ class LoopEnergy:
     @property
     def net(self) -> NetDamping | None:
         """Smallest net damping of those that are known; None where none is."""
-        found = [net for motion in self._motions if (net := motion.net) is not None and net.known]
-        return min(found, key=lambda net: net.ratio, default=None)
+        return min(self._known, key=lambda net: net.ratio, default=None)
+
+    @property
+    def near_instability(self) -> bool:
+        """Whether a mode has lost most of its damping."""
+        return any(net.near for net in self._known)
+
+    @property
+    def _known(self) -> list[NetDamping]:
+        return [net for motion in self._motions if (net := motion.net) is not None and net.known]
 
     def feed(self, command: Array, measured: Array) -> None:
         """Add the next samples at the interface [m], shape (n,) or (p, n)."""

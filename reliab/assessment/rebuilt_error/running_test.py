@@ -55,6 +55,7 @@ class Now:
     mte: float | None
     # Smallest net damping of the watched modes; None where too little motion was recorded
     damping: NetDamping | None
+    near_instability: bool  # Whether a mode has lost most of its damping
 
     def size(self, metric: Metric) -> float | None:
         """RMS^R or MTE^R so far [-]."""
@@ -106,6 +107,7 @@ class RunningTest(ABC):
             rms=sums.rms,
             mte=sums.mte,
             damping=self._energy.net,
+            near_instability=self._energy.near_instability,
         )
 
     @property

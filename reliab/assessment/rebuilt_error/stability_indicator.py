@@ -49,6 +49,8 @@ LARGE_MOTION = 0.5  # of the largest power of the motion so far
 GRANTED = 1.6  # times the play that the smallest error shows
 FOLLOWS = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
 UNSURE = 0.5  # of the command, to which the error must be known
+CRITICAL = 0.25  # share of a mode's damping ratio, below which the loop is near instability
+LIKELY = 1.645  # standard errors by which the net damping must lie below it
 SINGULAR = 1e-12  # determinant of the scaled moments below which they count as singular
 TURNS = 6  # of the iteration for the pole
 SLOWEST = 0.2  # of a mode's circular frequency with which its pole may turn
@@ -67,6 +69,7 @@ class NetDamping:
     play: float  # Half width of the play that would make the actuator's error [m]
     amplitude: float  # Of the motion [m]
     of_play: float  # Damping ratio that play takes away at most [-]
+    near: bool  # Whether the loop has lost most of the mode's damping, also where chance took some
 
     def granted(self, play: float) -> float:
         """Damping ratio that play of a half width [m], largely granted, takes away."""
@@ -130,6 +133,7 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
         play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
         amplitude=amplitude,
         of_play=mode.stiffness / (2.0 * np.pi * mode.circular_frequency**2),
+        near=bool(ratio + LIKELY * deviation < CRITICAL * mode.ratio),
     )
 
 

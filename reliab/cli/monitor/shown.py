@@ -75,15 +75,21 @@ def _still_learning(message: Mapping[str, Any]) -> str:
 
 def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
     error = message["error"][metric]
-    damping = message["net_damping_ratio"]
+    damping, deviation = message["net_damping_ratio"], message["net_damping_deviation"]
     return (
         f"{message['time_s']:8.2f} s  {metric.upper()}{_governing(message)} "
         f"{percent(error['value'], decimals=2)} (90 %: "
         f"{percent(error['low'], decimals=2)} to {percent(error['high'], decimals=2)}), below "
         f"{percent(threshold)} with "
         f"probability {message['error']['probability']:.3f}, net damping "
-        + ("not settled" if damping is None else percent(damping, decimals=2))
+        + ("not settled" if damping is None else _with_deviation(damping, deviation))
+        + (", near instability" if message["near_instability"] else "")
     )
+
+
+def _with_deviation(damping: float, deviation: float) -> str:
+    """Net damping with its standard error."""
+    return f"{100.0 * damping:.2f} ± {percent(deviation, decimals=2)}"
 
 
 def _governing(message: Mapping[str, Any]) -> str:
@@ -112,8 +118,10 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
         )
         probability = result.probability(threshold, metric)
         shown.add_row(f"probability below {percent(threshold)}", f"{probability:.3f}")
-    damping = None if now.damping is None else now.damping.ratio
-    shown.add_row("net damping ratio", "not settled" if damping is None else percent(damping, decimals=2))
+    shown.add_row(
+        "net damping ratio",
+        "not settled" if now.damping is None else _with_deviation(now.damping.ratio, now.damping.deviation),
+    )
     for alarm in message.alarms.values():
         shown.add_row("ALARM", alarm)
     return shown

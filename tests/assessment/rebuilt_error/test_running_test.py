@@ -56,6 +56,17 @@ def test_net_damping_is_that_of_the_pole_with_the_error(slope):
     assert found.deviation == pytest.approx(0.5 * SHARE * W0 * np.sqrt(variance), rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("share", "noise", "near"), [(0.1, 1e-6, True), (0.5, 1e-6, False), (0.1, 1e-3, False)]
+)
+def test_a_loop_is_near_instability_where_noise_does_not_explain_the_damping_that_it_lost(share, noise, near):
+    """With a tenth of the damping left; where noise leaves the damping open it is not said."""
+    slope = 2.0 * XI * (share - 1.0) / (SHARE * W0)
+    rng = np.random.default_rng(2)
+    strayed = slope * np.gradient(COMMAND, STEP) + noise * rng.standard_normal(TIME.size)
+    assert net_of(strayed).near is near
+
+
 @pytest.mark.slow
 def test_more_windows_need_more_standard_errors_and_all_together_are_wrong_once_in_a_hundred():
     noise = 2e-5 * np.random.default_rng(2).standard_normal(TIME.size)
