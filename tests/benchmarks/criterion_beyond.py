@@ -42,6 +42,7 @@ from reliab.vocabulary import Side
 
 STRUCTURES = list(product(F, XI))
 GREATEST = 0.9  # amplitude error at which an edge is cut
+LONGEST = 0.2  # the same of a lead, as a share of the period
 STEP = 0.01  # s
 
 
@@ -88,10 +89,9 @@ def judged(motion, window, without, side):
     for place, (f, xi) in enumerate(STRUCTURES):
         response, position = by_response(ellipses, excitation, f, xi, side)
         limits = np.array([recorded[:, place], protected[:, place], of_length[:, place], response])
-        edges = [
-            Region(a=min(float(a), GREATEST), b=float(b), side=Side(side)).edge()
-            for a, b in limits.reshape(-1, 2)
-        ]
+        longest = np.inf if side == Side.LAG else (1000.0 * LONGEST / f) ** 2
+        pairs = np.minimum(limits.reshape(-1, 2), [GREATEST, longest]).tolist()
+        edges = [Region(a=a, b=b, side=Side(side)).edge() for a, b in pairs]
         gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
         cell = Cell(frequency=f, damping_ratio=xi, threshold=THRESHOLD, metric="rms")
         errors = truth.errors(cell, 0, gain, delay).reshape(4, len(CONFIDENCES), -1).max(axis=-1)
