@@ -51,9 +51,8 @@ _BY_RESPONSE_ELSEWHERE: Final = (
     "they are 92 to 99 %, 75 to 96 % and 65 to 90 %, with errors up to 7 % above."
 )
 _BY_LENGTH_ELSEWHERE: Final = (
-    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep what states 95 % and 88 to "
-    "95 % what states 90 %, but 76 to 90 % what states 80 % and 44 to 79 % what states 50 %: rely on 90 % or "
-    "more."
+    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep what states 95 % and 82 to "
+    "97 % what states 90 %, but 72 to 90 % what states 80 % and 38 to 79 % what states 50 %: rely on 95 %."
 )
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
