@@ -1,28 +1,36 @@
 """Single entries of a matrix: the largest error that they allow decides whether a test is reliable."""
 
-import numpy as np
+from types import SimpleNamespace
+from typing import Any
 
 from reliab.assessment.doubts import doubted_by_entries
 from reliab.assessment.verdict import Verdict, Word
 
 RELIABLE = Verdict(word=Word.RELIABLE, reasons=("small",), would_decide=())
-ERRORS = np.array([0.01, 0.02, 0.06])
-ENTRY = ("frequency", "stiffness_entry_1_1")
+
+
+def error(
+    threshold: float = 0.05,
+    unknown: tuple[str, ...] = ("frequency", "stiffness_entry_1_1"),
+    learned: Any = None,
+) -> Any:
+    """An error of which one draw is 6 %."""
+    rebuilt = SimpleNamespace(unknown=SimpleNamespace(own_frequency=learned))
+    return SimpleNamespace(
+        sizes=dict.fromkeys(unknown), largest_drawn=0.06, threshold=threshold, rebuilt=rebuilt
+    )
 
 
 def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
-    doubted = doubted_by_entries(RELIABLE, ENTRY, ERRORS, 0.05, learned=False)
+    doubted = doubted_by_entries(RELIABLE, error())
     assert doubted.word is Word.UNDECIDED
     assert "6.00 %" in doubted.reasons[0]
     assert "natural frequencies" in doubted.would_decide[0]
 
 
 def test_nothing_is_doubted_without_entries_or_without_such_a_structure():
-    assert (
-        doubted_by_entries(RELIABLE, ("frequency", "storey_stiffness_1"), ERRORS, 0.05, learned=False)
-        is RELIABLE
-    )
-    assert doubted_by_entries(RELIABLE, ENTRY, ERRORS, 0.07, learned=False) is RELIABLE
-    assert doubted_by_entries(RELIABLE, ENTRY, ERRORS, 0.05, learned=True) is RELIABLE
+    assert doubted_by_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
+    assert doubted_by_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
+    assert doubted_by_entries(RELIABLE, error(learned="frequency")) is RELIABLE
     refused = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
-    assert doubted_by_entries(refused, ENTRY, ERRORS, 0.05, learned=False) is refused
+    assert doubted_by_entries(refused, error()) is refused
