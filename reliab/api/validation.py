@@ -1,6 +1,6 @@
 """`reliab.validate_criteria`, `reliab.calibrate_probabilities`: whether criteria hold on unseen motions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -244,18 +244,25 @@ def _judged(ellipses: xr.Dataset, scheme: str) -> str:
 def _sentences(
     validation: Validation, rows: list[dict[str, Any]], leads: list[dict[str, Any]]
 ) -> Iterator[str]:
-    """Say of each criterion whether the share that it states is kept by the motions of which it speaks."""
-    outside, whose = motions_outside(validation.ellipses, validation.division), "the motions"
+    """Say of each criterion whether the share that it states is kept by the motions of which it speaks.
+
+    Printed laws are learned from none of the motions, and speak of all.
+    """
+    outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
+    whose = "the motions that do not lie outside" if outside.any() else "the motions"
     if outside.all():
         yield "All motions lie outside of those that their criteria are learned from: no share is promised."
-        return
-    if outside.any():
-        whose = "the motions that do not lie outside"
-        counts = validation.counts.counts.isel(motion=~outside)
-        inside = replace(validation.counts, counts=counts)
-        rows, leads = (_rows(inside, ("f", "xi"), side) for side in ("lag", "lead"))
-    yield from kept_shares(rows, whose=whose)
-    yield from kept_shares(leads, " for leads", whose)
+    for side, of_side, of_all in (("lag", "", rows), ("lead", " for leads", leads)):
+        inside = of_all
+        if outside.any():
+            inner = replace(counts, counts=counts.counts.isel(motion=~outside))
+            inside = [] if outside.all() else _rows(inner, ("f", "xi"), side)
+        yield from kept_shares([row for row in inside if not _is_printed(row)], of_side, whose)
+        yield from kept_shares([row for row in of_all if _is_printed(row)], of_side)
+
+
+def _is_printed(row: Mapping[str, Any]) -> bool:
+    return row["candidate"] in OF_MANY_MOTIONS
 
 
 def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
