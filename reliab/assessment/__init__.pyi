@@ -28,6 +28,7 @@ from .error_of_test import PART_NAMES as PART_NAMES, ErrorOfTest as ErrorOfTest
 from .error_with_threshold import ErrorOfSeveral as ErrorOfSeveral, ErrorWithThreshold as ErrorWithThreshold
 from .faults import plain_faults as plain_faults
 from .frame_assessment import (
+    CANCELLING as CANCELLING,
     CoupledAssessment as CoupledAssessment,
     FrameAssessment as FrameAssessment,
     JudgedFrame as JudgedFrame,

@@ -131,7 +131,7 @@ class ErrorWithThreshold(ABC):
             "interval_level": LEVEL,
             "probability": self.probability,
             "parts": {name: plain_part(part) for name, part in by_name.items()},
-            "improve_first": self.parts.first if by_name else None,
+            "improve_first": self.parts.first,
             "would_decide": list(self.would_decide),
         }
 
@@ -169,12 +169,13 @@ class ErrorOfSeveral(ErrorWithThreshold):
         """Parts of the error that governs; none where all are lost in noise."""
         division = self.rebuilt.division
         if self.governing is None:
-            return Parts(gain=division.gain, delay=division.delay, by_name={})
+            return Parts(gain=division.gain, delay=division.delay, by_name={}, rms=0.0)
         return self.parts_of(self.governing)
 
     def parts_of(self, degree: "DegreeError") -> Parts:
         """Parts of the error of one displacement."""
-        return self.rebuilt.division.of_degree(self.degrees.index(degree))
+        parts = self.rebuilt.division.of_degree(self.degrees.index(degree))
+        return parts.without_noise(degree.rms.value)
 
     @property
     def of_which(self) -> str:

@@ -364,6 +364,13 @@ class CoupledAssessment(JudgedFrame):
         }
 
 
+CANCELLING = (
+    "Improve first: no single part. The parts of the error cancel each other, and without any one of them "
+    "it would not be smaller."
+)
+"""What is said where the removal of no part of an error makes it smaller."""
+
+
 def part_in_words(part: str) -> str:
     """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
     for cause, words in _CAUSES.items():

@@ -269,9 +269,8 @@ def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_not
     assert "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown" in lines
     assert "Channels: command = 'u' (mm; its name)." in lines
     assert "Note: A remark." in lines
-    assert not any(
-        line.startswith(("Improve first", "The critical delay", "For all results")) for line in lines
-    )
+    assert "Improve first: no single part." in " ".join(lines)
+    assert not any(line.startswith(("The critical delay", "For all results")) for line in lines)
 
 
 def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):

@@ -11,7 +11,7 @@ without a part holds to first order only, because a better actuator also changes
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ DELAY = "delay"
 NEITHER = "neither"
 FED_BACK_FORCE = "fed_back_force"
 
+_REMAINDERS = (NEITHER, "_rest")
 _ROUNDING = 1e-12
 
 
@@ -40,6 +41,12 @@ class Part:
     remaining_rms: float
     remaining_mte: float
 
+    def without_noise(self, added: float) -> "Part":
+        """Take off a mean square [-] that noise adds to the error that remains; its peak in proportion."""
+        remaining = float(np.sqrt(max(self.remaining_rms**2 - added, 0.0)))
+        share = remaining / self.remaining_rms if self.remaining_rms > 0.0 else 1.0
+        return replace(self, remaining_rms=remaining, remaining_mte=share * self.remaining_mte)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Parts:
@@ -52,11 +59,35 @@ class Parts:
     # "amplitude", "delay", "neither" or, of several actuators, "actuator_1_gain" and so on;
     # "fed_back_force" where a lag of it is known
     by_name: dict[str, Part]
+    rms: float  # RMS^R of all parts together [-]
 
     @property
-    def first(self) -> str:
-        """The part to improve first: the one whose removal leaves the smallest error."""
-        return min(self.by_name, key=lambda name: self.by_name[name].remaining_rms)
+    def first(self) -> str | None:
+        """The part to improve first: the one whose removal leaves the smallest error.
+
+        None where there are no parts, or where they cancel each other so that without any one of them the
+        error would be larger.
+        """
+        first = min(self.by_name, key=lambda name: self.by_name[name].remaining_rms, default=None)
+        return first if first is not None and self.by_name[first].remaining_rms < self.rms else None
+
+    def without_noise(self, rms: float) -> "Parts":
+        """Take off what noise of the sensors adds to the errors that would remain, down to an RMS^R [-].
+
+        The noise is in what is neither gain nor delay, and no more than that; of several actuators in
+        proportion to its mean square.
+        """
+        noisy = {name: part.rms**2 for name, part in self.by_name.items() if name.endswith(_REMAINDERS)}
+        most = sum(noisy.values())
+        added = min(max(self.rms**2 - rms**2, 0.0), most)
+        return replace(
+            self,
+            rms=float(np.sqrt(self.rms**2 - added)),
+            by_name={
+                name: part.without_noise(added * (1.0 - noisy.get(name, 0.0) / (most or 1.0)))
+                for name, part in self.by_name.items()
+            },
+        )
 
     def over_time(self, time_step: float, length: float) -> dict[str, Array]:
         """RMS of each part in consecutive stretches of the test.
@@ -137,6 +168,7 @@ def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array]
         gain=gain,
         delay=delay,
         by_name={name: part_of(piece, whole, ideal_peak) for name, piece in pieces.items()},
+        rms=float(np.sqrt(mean_square(whole))) / ideal_peak,
     )
 
 

@@ -72,10 +72,12 @@ def _error(content: dict[str, Any], metric: str) -> str:
 
 
 def _improve(error: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment import part_in_words
+    from reliab.assessment import CANCELLING, part_in_words
 
     first = error["improve_first"]
-    if first is not None:
+    if first is None and error["parts"]:
+        yield CANCELLING
+    elif first is not None:
         remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
         yield (
             f"Improve first: {part_in_words(first)}; without it RMS^R{_of_governing(error)} would be "

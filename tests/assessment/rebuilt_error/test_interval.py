@@ -6,6 +6,7 @@ import pytest
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.force_form import Form
+from reliab.assessment.rebuilt_error.parts import parts_of
 from reliab.errors import InputError
 from reliab.signals import converter_step
 from reliab.structures.structure import Structure
@@ -150,6 +151,36 @@ def test_parts_add_up_and_name_what_is_wrong(outcome):
     assert parts.first == "delay"
     better = run(Lab(1.0, 0.03, 1.0, DELAY, (0.997, 1e-9, 0.0, 0.0)), outcome.ground)
     assert parts.by_name["delay"].remaining_rms == pytest.approx(better.rms, rel=0.1)
+
+
+def test_noise_is_no_part_that_could_be_improved(outcome):
+    """A sensor with noise of the size of the actuator's error: what would remain is that without noise."""
+    noise = (
+        0.4
+        * np.sqrt(np.mean(outcome.measured**2))
+        * np.random.default_rng(8).standard_normal(outcome.measured.size)
+    )
+    quiet, noisy = (
+        rebuild(outcome.command, measured, STEP, STRUCTURE).parts()
+        for measured in (outcome.measured, outcome.measured + noise)
+    )
+    assert noisy.rms > 1.3 * quiet.rms
+    assert noisy.first == "neither"
+    freed = noisy.without_noise(quiet.rms)
+    assert freed.first == quiet.first == "delay"
+    for name in ("amplitude", "delay"):
+        missed, missed_with_noise = (
+            abs(parts.by_name[name].remaining_rms - quiet.by_name[name].remaining_rms)
+            for parts in (freed, noisy)
+        )
+        assert missed < 0.7 * missed_with_noise
+
+
+def test_parts_that_cancel_leave_nothing_to_improve_first():
+    """Two parts of opposite sign, each larger than their sum."""
+    moved = np.sin(0.1 * np.arange(500.0))
+    parts = parts_of(1.0, 0.0, {"amplitude": 3.0 * moved, "delay": -2.5 * moved}, 1.0)
+    assert parts.first is None
 
 
 def test_a_late_force_is_a_part_of_its_own():

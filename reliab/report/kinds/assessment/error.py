@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.assessment import (
+    CANCELLING,
     PART_NAMES,
     Assessment,
     ErrorOfTest,
@@ -144,6 +145,8 @@ def improve_first(error: ErrorWithThreshold) -> str:
     if not error.parts.by_name:
         return "No displacement moves enough to say so."
     first = error.parts.first
+    if first is None:
+        return CANCELLING
     remaining = percent(error.parts.by_name[first].remaining_rms)
     return (
         f"Improve first: {part_in_words(first)}. Without its part RMSᴿ{error.of_which} would be {remaining}."
