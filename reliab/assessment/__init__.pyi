@@ -24,16 +24,19 @@ from .design import (
     tolerable_errors as tolerable_errors,
 )
 from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_text
-from .error_of_test import PART_NAMES as PART_NAMES, ErrorOfTest as ErrorOfTest
+from .error_of_test import (
+    CANCELLING as CANCELLING,
+    PART_NAMES as PART_NAMES,
+    ErrorOfTest as ErrorOfTest,
+    part_in_words as part_in_words,
+)
 from .error_with_threshold import ErrorOfSeveral as ErrorOfSeveral, ErrorWithThreshold as ErrorWithThreshold
 from .faults import plain_faults as plain_faults
 from .frame_assessment import (
-    CANCELLING as CANCELLING,
     CoupledAssessment as CoupledAssessment,
     FrameAssessment as FrameAssessment,
     JudgedFrame as JudgedFrame,
     ModeOfTest as ModeOfTest,
-    part_in_words as part_in_words,
 )
 from .frame_responses import ResponseErrors as ResponseErrors
 from .frame_test import (

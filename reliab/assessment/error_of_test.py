@@ -50,6 +50,19 @@ PART_NAMES: Final[Mapping[str, str]] = {
 }
 """Parts of the error in words."""
 
+CANCELLING = (
+    "Improve first: no single part. The parts of the error cancel each other, and without any one of them "
+    "it would not be smaller."
+)
+"""What is said where the removal of no part of an error makes it smaller."""
+
+_CAUSES: Final[Mapping[str, str]] = {
+    "gain": "gain of actuator {}",
+    "delay": "delay of actuator {}",
+    "cross_coupling": "motion of actuator {} that others cause",
+    "rest": "other tracking errors of actuator {}",
+}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Question:
@@ -200,6 +213,15 @@ class ErrorOfTest(ErrorWithThreshold):
     @property
     def _of_specimen(self) -> str:
         return "" if self.if_linear is None else " of a linear specimen"
+
+
+def part_in_words(part: str) -> str:
+    """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
+    for cause, words in _CAUSES.items():
+        if part.startswith("actuator_") and part.endswith(f"_{cause}"):
+            number = part.removeprefix("actuator_").removesuffix(f"_{cause}")
+            return words.format(number)
+    return PART_NAMES[part]
 
 
 def error_of_test(

@@ -3,13 +3,13 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from reliab.assessment.budget import BudgetItem
 from reliab.assessment.contradictions import Contradiction, of_stability
-from reliab.assessment.error_of_test import PART_NAMES, ErrorOfTest
+from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
@@ -30,13 +30,6 @@ from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error import ShownByGround
-
-_CAUSES: Final = {
-    "gain": "gain of actuator {}",
-    "delay": "delay of actuator {}",
-    "cross_coupling": "motion of actuator {} that others cause",
-    "rest": "other tracking errors of actuator {}",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -362,22 +355,6 @@ class CoupledAssessment(JudgedFrame):
             "critical_direction": dict(directions),
             "shown_by_ground": None if shown is None else shown.to_dict(),
         }
-
-
-CANCELLING = (
-    "Improve first: no single part. The parts of the error cancel each other, and without any one of them "
-    "it would not be smaller."
-)
-"""What is said where the removal of no part of an error makes it smaller."""
-
-
-def part_in_words(part: str) -> str:
-    """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
-    for cause, words in _CAUSES.items():
-        if part.startswith("actuator_") and part.endswith(f"_{cause}"):
-            number = part.removeprefix("actuator_").removesuffix(f"_{cause}")
-            return words.format(number)
-    return PART_NAMES[part]
 
 
 def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
