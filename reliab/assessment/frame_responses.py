@@ -104,6 +104,11 @@ class ResponseErrors:
         return next((error for error in self.each if error.kind == "storey"), None)
 
     @property
+    def unit(self) -> str:
+        """Unit of the responses in a thousandth: degrees of freedom that the ground does not move may turn."""
+        return "mm or mrad" if any(error.kind == "degree" for error in self.each) else "mm"
+
+    @property
     def sentence(self) -> str:
         """Which storey governs, or what is needed to say so."""
         governing = self.governing_storey
@@ -137,6 +142,7 @@ class ResponseErrors:
             "in_words": self.sentence,
             "specimen": self.specimen,
             "governing_storey": None if governing is None else governing.name,
+            "unit": self.unit,
             "each": [error.to_dict() for error in self.each],
             "ground_factor": self.ground_factor,
             "needs": None if self.over_peaks else _NEEDS,

@@ -52,6 +52,7 @@ FRAME = {
     "over_frequency": {"frequency_hz": [0.5, 2.0, 8.0], "error": {"rms": 0.0123, "remaining_rms": 0.0045}},
     "warnings": ["Look at this."], "notes": ["A remark."],
     "responses": {
+        "unit": "mm",
         "each": [RESPONSE, {**RESPONSE, "name": "floor 1", "rms": None, "mte": None}],
         "in_words": "Of storeys.",
     },

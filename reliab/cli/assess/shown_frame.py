@@ -93,7 +93,8 @@ def _modes(modes: list[dict[str, Any]]) -> Any:  # noqa: ANN401 - Rich's table
 
 def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     """Errors of floors and storeys."""
-    headings = ("response", "RMS, mm", "largest, mm", "RMS^R", "MTE^R")
+    unit = content["responses"]["unit"]
+    headings = ("response", f"RMS, {unit}", f"largest, {unit}", "RMS^R", "MTE^R")
     shown = table(
         "Errors of floors and storeys", {"response": "left", **dict.fromkeys(headings[1:], "right")}
     )

@@ -103,7 +103,7 @@ def responses_table(responses: ResponseErrors) -> Table:
     ]
     return quantities_table(
         rows,
-        ("Response", "RMS [mm]", "Largest [mm]", "RMSᴿ", "MTEᴿ"),
+        ("Response", f"RMS [{responses.unit}]", f"Largest [{responses.unit}]", "RMSᴿ", "MTEᴿ"),
         caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
         f"with 90 % intervals. {responses.sentence.replace('RMS^R', 'RMSᴿ')}",
         label="tab:responses",
