@@ -105,7 +105,7 @@ class ResponseErrors:
 
     @property
     def unit(self) -> str:
-        """Unit of the responses in a thousandth: degrees of freedom that the ground does not move may turn."""
+        """Unit of the responses: degrees of freedom that the ground does not move may turn."""
         return "mm or mrad" if any(error.kind == "degree" for error in self.each) else "mm"
 
     @property
