@@ -105,17 +105,18 @@ def estimate_noise(
     0.01
     """
     commands = command[np.newaxis] if others is None else np.vstack([command, others])
-    (centre, mean, count), quiet, floor = _residual(commands, measured, time_step)
+    powers = [_periodogram(one) for one in commands]
+    (centre, mean, count), quiet, floor = _residual(commands, powers, measured, time_step)
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):
         weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
     else:
         weights[0] = floor
-    moving = (command - measured, command - command.mean())
+    moving = (_periodogram(command - measured), powers[0])
     return SensorNoise(
         time_step=time_step,
         weights=weights,
-        band=max(_band(values, weights[0], time_step) for values in moving),
+        band=max(_band(power, weights[0], command.size, time_step) for power in moving),
     )
 
 
@@ -124,21 +125,22 @@ def level_of_residual(command: Array, measured: Array, time_step: float) -> tupl
 
     `command`, `measured` [m]; `time_step` [s].
     """
-    bins, quiet, _ = _residual(command[np.newaxis], measured, time_step)
+    bins, quiet, _ = _residual(command[np.newaxis], [_periodogram(command)], measured, time_step)
     first = int(np.argmin(quiet[::-1])) if not quiet.all() else quiet.size  # of those above all motion
     centre, mean, count = (values[values.size - first :] for values in bins)
     return centre, mean, count
 
 
 def _residual(
-    commands: Array, measured: Array, time_step: float
+    commands: Array, powers: list[Array], measured: Array, time_step: float
 ) -> tuple[tuple[Array, Array, Array], NDArray[np.bool_], float]:
-    """Bins of what the commands do not explain, which of them are noise, and the white floor [m²]."""
-    residual = measured - followed(commands, measured, time_step)
+    """Bins of what the commands do not explain, which of them are noise, and the white floor [m²].
+
+    `powers`: periodograms of the commands.
+    """
     frequency: Array = np.fft.rfftfreq(measured.size, time_step)[1:].astype(np.float64)
-    power = _periodogram(residual)
-    moved = _together([_periodogram(command) for command in commands])
-    floor = white_floor(residual)
+    power = _periodogram(measured - followed(commands, measured, time_step, powers))
+    moved, floor = _together(powers), upper_level(power)
     power = np.minimum(power, _without_lines(power))
     bins = binned(frequency, power, _BINS)
     motion = binned(frequency, moved, _BINS)[1]
@@ -159,12 +161,12 @@ def _together(powers: list[Array]) -> Array:
     return np.asarray(np.sum([power / most for power, most in zip(powers, largest, strict=True)], axis=0))
 
 
-def followed(commands: Array, measured: Array, step: float) -> Array:
+def followed(commands: Array, measured: Array, step: float, powers: list[Array] | None = None) -> Array:
     """Commands as an actuator of slowly changing gains and delays follows them, by least squares.
 
     The first command may lag, too. `commands` [m], shape (p, n); `measured` [m], shape (n,) or (rows, n);
-    `step` [s]. Commands of several actuators may answer the noise that the loop feels, which they must not
-    explain: what counts is the motion.
+    `step` [s]; `powers`: periodograms of the commands, where they are known. Commands of several actuators
+    may answer the noise that the loop feels, which they must not explain: what counts is the motion.
     """
     size = commands.shape[1]
     place = np.linspace(-1.0, 1.0, size)
@@ -175,17 +177,18 @@ def followed(commands: Array, measured: Array, step: float) -> Array:
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
     left, right = rows, measured
     if len(commands) > 1:
-        filter_ = low_pass(_MARGIN * _highest(commands, step), 1.0 / step)
+        powers = powers or [_periodogram(command) for command in commands]
+        filter_ = low_pass(_MARGIN * _highest(powers, commands.shape[1] * step), 1.0 / step)
         left, right = (smoothed(one, filter_) for one in (rows, measured))
     coefficients = np.linalg.lstsq(left @ left.T, left @ right.T, rcond=1e-12)[0]
     return np.asarray(coefficients.T @ left)
 
 
-def _highest(commands: Array, step: float) -> float:
-    """Frequency [Hz] below which nearly all of each command's power lies."""
-    powers = np.cumsum([_periodogram(command) for command in commands], axis=1)
-    places = (powers < (1.0 - _BEYOND) * powers[:, -1:]).sum(axis=1)
-    return float((places.max() + 1) / (commands.shape[1] * step))
+def _highest(powers: list[Array], duration: float) -> float:
+    """Frequency [Hz] below which nearly all of each command's power lies; `duration` [s]."""
+    below = np.cumsum(powers, axis=1)
+    places = (below < (1.0 - _BEYOND) * below[:, -1:]).sum(axis=1)
+    return float((places.max() + 1) / duration)
 
 
 def _periodogram(values: Array) -> Array:
@@ -218,10 +221,10 @@ def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
     return np.asarray(levels)
 
 
-def _band(values: Array, white: float, step: float) -> float:
-    """Highest frequency [Hz] at which a history rises above the white noise."""
-    frequency: Array = np.fft.rfftfreq(values.size, step)[1:].astype(np.float64)
-    centre, mean, count = binned(frequency, _periodogram(values), _BINS)
+def _band(power: Array, white: float, samples: int, step: float) -> float:
+    """Highest frequency [Hz] at which a periodogram rises above the white noise."""
+    frequency: Array = np.fft.rfftfreq(samples, step)[1:].astype(np.float64)
+    centre, mean, count = binned(frequency, power, _BINS)
     limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
     # a single bin above the noise is a line, not motion
     above = mean > limit
