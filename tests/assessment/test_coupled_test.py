@@ -175,6 +175,12 @@ def test_its_report_is_written(recorded, tmp_path):
     assert report.read_bytes().startswith(b"%PDF")
 
 
+def test_a_loop_beyond_its_critical_delay_leaves_no_test_reliable(assessed):
+    late = replace(assessed, limit=replace(assessed.limit, delay=0.5 * assessed.longest_delay))
+    assert late.stability_margin == pytest.approx(-1.0)
+    assert any("the loop is unstable" in words for words in late.warnings)
+
+
 def test_what_takes_one_actuator_refuses_several(recorded):
     file, path, _ = recorded
     with pytest.raises(InputError, match="driven at one degree of freedom"):
@@ -271,6 +277,21 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
         assert found.rms.value == pytest.approx(known.rms.value, rel=1e-6)
         assert found.rms.high - found.rms.low > known.rms.high - known.rms.low
     assert 0.01 <= assessed.probability <= 0.99
+
+
+def test_a_fault_of_one_channel_is_stated_with_the_error_without_it(recorded):
+    """An offset of which the command does not show whether the loop felt it: the interval holds both."""
+    table = pd.read_csv(recorded[0])
+    table["measured_1"] += 0.05 * table["command_1"].abs().max()
+    found = reliab.assess(table, recorded[1], exact=True).to_dict()
+    (fault,) = found["faults"]
+    assert (fault["actuator"], fault["kind"], fault["in_loop"]) == ("1", "offset", None)
+    assert fault["error_otherwise"] == pytest.approx(recorded[2][1], rel=0.02)
+    rms = found["error"]["degrees_of_freedom"]["theta"]["rms"]
+    assert fault["error"] == rms["value"] > 3.0 * fault["error_otherwise"]
+    assert rms["low"] < 1.05 * fault["error_otherwise"]
+    assert found["budget"][0]["quantity"].endswith("of actuator 1")
+    assert found["budget"][0]["name"] == "open_offset_1"
 
 
 @pytest.mark.slow
