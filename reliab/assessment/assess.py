@@ -21,7 +21,7 @@ from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.explanations import Explanation, error_under
 from reliab.assessment.fault_effects import error_of_one_with_faults
-from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.moving_windows import track_windows
 from reliab.assessment.own_equation import OwnEquation, examine_equation
@@ -33,7 +33,7 @@ from reliab.assessment.tracking_measures import measure_tracking
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion
-from reliab.recordings import Recording, without_spikes
+from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, whole_structure
 from reliab.vocabulary import Metric
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from reliab.motions import Motion
     from reliab.simulation.hybrid_test import UpdatedModel
 
-_FEW_DRAWS = 2
 _DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
 
 
@@ -150,7 +149,12 @@ def _examined(
     taper: str,
 ) -> Assessment:
     structure = question.structure
-    faults = _faults(recording, question, taper)
+    faults = faults_of_channel(
+        recording,
+        threshold=question.threshold,
+        experimental_fraction=structure.experimental_fraction,
+        window=taper,
+    )
     clean = repaired(recording, faults)
     tracking = track(clean, window=taper, seed=question.seed)
     judged = _judged(recording, clean, faults, question)
@@ -267,16 +271,6 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
         effects=effects,
         equation=equation,
         otherwise=(*otherwise, *explained),
-    )
-
-
-def _faults(recording: Recording, question: Question, taper: str) -> tuple[Fault, ...]:
-    bridged, *_ = without_spikes(recording)
-    return find_faults(
-        recording,
-        track(bridged, window=taper, draws=_FEW_DRAWS),
-        threshold=question.threshold,
-        experimental_fraction=question.structure.experimental_fraction,
     )
 
 

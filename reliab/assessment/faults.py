@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.tracking_index import TrackingIndex
+from reliab.assessment.tracking_index import TrackingIndex, track
 from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import CubicPath
 from reliab.significant import percent, significant
@@ -23,6 +23,7 @@ COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
 _OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
+_FEW_DRAWS = 2  # of gain and delay, whose scatter is not asked for
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
@@ -115,6 +116,18 @@ def find_faults(
         *_standstill(clean, expected),
         *_slow(clean, expected, threshold, experimental_fraction, tracking),
     )
+
+
+def faults_of_channel(
+    recording: Recording, *, threshold: float, experimental_fraction: float, window: str = "hann"
+) -> tuple[Fault, ...]:
+    """Look for faults of a recording beside the gain and delay that it shows without spikes.
+
+    `threshold`, `experimental_fraction` [-]; `window` of the spectra.
+    """
+    bridged, *_ = without_spikes(recording)
+    tracking = track(bridged, window=window, draws=_FEW_DRAWS)
+    return find_faults(recording, tracking, threshold=threshold, experimental_fraction=experimental_fraction)
 
 
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:

@@ -21,7 +21,7 @@ from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import error_of_one_with_faults, error_with_faults
-from reliab.assessment.faults import Fault, find_faults, repaired
+from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
 from reliab.assessment.frame_responses import errors_of_responses
@@ -37,13 +37,12 @@ from reliab.errors import InputError
 from reliab.indices import TrackingOverFrequency
 from reliab.indices.tracking_over_frequency import tracking_over_frequency
 from reliab.motions import Motion
-from reliab.recordings import CoupledRecording, Recording, without_spikes
+from reliab.recordings import CoupledRecording, Recording
 from reliab.simulation.frames import FrameUnderTest, governing_mode
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, StabilityLimit, Structure, stability_limit
 from reliab.vocabulary import Metric
 
-_FEW_DRAWS = 2
 _SAME_SHARE = 1e-3
 _LEAST_SHARE = 1e-6
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
@@ -261,13 +260,8 @@ def _faults(
     shares = frame.partition.shares_at_sensors(frame.to_interface)
     for number, channel in _channels(recording):
         require_plausible(channel, stiffness=float(frame.partition.specimen_stiffness[number, number]))
-        bridged, *_ = without_spikes(channel)
-        faults = find_faults(
-            channel,
-            track(bridged, draws=_FEW_DRAWS),
-            threshold=threshold,
-            experimental_fraction=float(shares[number]),
-        )
+        share = float(shares[number])
+        faults = faults_of_channel(channel, threshold=threshold, experimental_fraction=share)
         if isinstance(recording, CoupledRecording):
             faults = tuple(fault.of_actuator(number, recording) for fault in faults)
         yield from faults
