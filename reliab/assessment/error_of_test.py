@@ -215,13 +215,13 @@ class ErrorOfTest(ErrorWithThreshold):
         return "" if self.if_linear is None else " of a linear specimen"
 
 
-def part_in_words(part: str) -> str:
+def part_in_words(name: str) -> str:
     """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
     for cause, words in _CAUSES.items():
-        if part.startswith("actuator_") and part.endswith(f"_{cause}"):
-            number = part.removeprefix("actuator_").removesuffix(f"_{cause}")
+        if name.startswith("actuator_") and name.endswith(f"_{cause}"):
+            number = name.removeprefix("actuator_").removesuffix(f"_{cause}")
             return words.format(number)
-    return PART_NAMES[part]
+    return PART_NAMES[name]
 
 
 def error_of_test(

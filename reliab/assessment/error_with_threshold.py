@@ -94,13 +94,13 @@ class ErrorWithThreshold(ABC):
     @property
     def frequency_shown(self) -> tuple[str, ...]:
         """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
-        shown = self.rebuilt.unknown.own_frequency
-        if shown is None or not shown.contradicts:
+        learned = self.rebuilt.unknown.own_frequency
+        if learned is None or not learned.contradicts:
             return ()
         stated = float(self.rebuilt.structure.natural_frequencies[0])
         sentence = (
-            f"The recording moves as a structure of {significant(stated * (1.0 + shown.value))} ± "
-            f"{significant(stated * shown.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
+            f"The recording moves as a structure of {significant(stated * (1.0 + learned.value))} ± "
+            f"{significant(stated * learned.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
             "interval is that of what the recording shows, the value that of what was stated."
         )
         return (sentence,)
@@ -130,7 +130,7 @@ class ErrorWithThreshold(ABC):
             **{str(name): plain_estimate(self.estimate(name)) for name in Metric},
             "interval_level": LEVEL,
             "probability": self.probability,
-            "parts": {name: plain_part(part) for name, part in by_name.items()},
+            "parts": {name: plain_part(piece) for name, piece in by_name.items()},
             "improve_first": self.parts.first,
             "would_decide": list(self.would_decide),
         }
@@ -213,6 +213,6 @@ class ErrorOfSeveral(ErrorWithThreshold):
             "judged": True,
             **{str(name): plain_estimate(degree.estimate(name)) for name in Metric},
             "probability": self.probability_of(degree),
-            "parts": {name: plain_part(part) for name, part in parts.by_name.items()},
+            "parts": {name: plain_part(piece) for name, piece in parts.by_name.items()},
             "improve_first": parts.first,
         }

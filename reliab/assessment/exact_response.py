@@ -82,8 +82,9 @@ def exact_test(
 
     def draws() -> Iterator[ExactResponse]:
         if isinstance(error, ErrorOfTest) and specimen is not None:
-            few, one = error.rebuilt.differences[:_DRAWS], error.rebuilt
-            yield from (_of_force(*each) for each in specimen.test.exact_of_draws(few, one.unknown, one.seed))
+            single = error.rebuilt
+            of_draws = specimen.test.exact_of_draws(single.differences[:_DRAWS], single.unknown, single.seed)
+            yield from (_of_force(*response) for response in of_draws)
             return
         for structure, response in rebuilt.exact():
             yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)

@@ -26,15 +26,15 @@ def error_with_faults(
     Returns `effects`: for each fault the error without it, or with it where `error` already excludes it.
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
-    known = frozenset(fault.place for fault in faults if fault.size)
-    error = rebuilt(repaired(recording, unfelt), known, _sizes_left(unfelt) | _sizes_open(faults))
+    sensors = frozenset(fault.place for fault in faults if fault.size)
+    error = rebuilt(repaired(recording, unfelt), sensors, _sizes_left(unfelt) | _sizes_open(faults))
     effects = []
     for fault in faults:
         others = (
             [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
         )
         changed = (
-            rebuilt(repaired(recording, others), known, _sizes_left(others)) if fault.repairable else None
+            rebuilt(repaired(recording, others), sensors, _sizes_left(others)) if fault.repairable else None
         )
         effects.append(FaultEffect(fault=fault, otherwise=changed))
     return error, tuple(effects)
@@ -47,8 +47,8 @@ def error_of_one_with_faults(
     return error_with_faults(
         recording,
         faults,
-        lambda test, known, left: error_of_test(
-            test, question, sensor_offset=0.0 if known else None, left_by_repairs=left
+        lambda test, sensors, repairs: error_of_test(
+            test, question, sensor_offset=0.0 if sensors else None, left_by_repairs=repairs
         ),
     )
 

@@ -159,16 +159,18 @@ def errors_of_responses(
     """
     test = exact_test(error, degrees, recorded)
     names, weights = _responses(test)
-    one = error if isinstance(error, ErrorOfTest) else None
-    share = 0.0 if one is None or one.if_linear is None else one.sizes["yielding"].deviation
+    single = error if isinstance(error, ErrorOfTest) else None
+    share = 0.0 if single is None or single.if_linear is None else single.sizes["yielding"].deviation
     ground = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=ground)
     sizes = looking.as_stated
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     yielded = draws[:0]
-    if one is not None and share:
-        of_yielding = exact_if_yielding(one.rebuilt)
-        yielded = looking.of_draws((Substructures.of_partition(each), exact) for each, exact in of_yielding)
+    if single is not None and share:
+        of_yielding = exact_if_yielding(single.rebuilt)
+        yielded = looking.of_draws(
+            (Substructures.of_partition(changed), exact) for changed, exact in of_yielding
+        )
     errors = [
         _response(sizes[:, place], draws[..., place], yielded[..., place], share, *name)
         for place, name in enumerate(names)
@@ -176,7 +178,7 @@ def errors_of_responses(
     expected = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
-        specimen="may_have_yielded" if share else "linear" if one is None else _specimen_of(one),
+        specimen="may_have_yielded" if share else "linear" if single is None else _specimen_of(single),
         ground_factor=ground.factor if ground is not None and ground.differs else None,
         other_motion=expected and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.over_peaks,

@@ -50,7 +50,7 @@ _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel ca
 _Assessment = TypeVar("_Assessment", bound=JudgedFrame)
 
 
-class _Asked(TypedDict, total=False):
+class _Options(TypedDict, total=False):
     """Arguments of `assess_frame` that need a name; they are declared here for the checkers of types."""
 
     criterion: Criterion | None
@@ -65,14 +65,16 @@ class _Asked(TypedDict, total=False):
 
 
 @overload
-def assess_frame(recording: Recording, frame: FrameUnderTest, **asked: Unpack[_Asked]) -> FrameAssessment: ...
+def assess_frame(
+    recording: Recording, frame: FrameUnderTest, **options: Unpack[_Options]
+) -> FrameAssessment: ...
 @overload
 def assess_frame(
-    recording: CoupledRecording, frame: FrameUnderTest, **asked: Unpack[_Asked]
+    recording: CoupledRecording, frame: FrameUnderTest, **options: Unpack[_Options]
 ) -> CoupledAssessment: ...
 @overload
 def assess_frame(
-    recording: Recording | CoupledRecording, frame: FrameUnderTest, **asked: Unpack[_Asked]
+    recording: Recording | CoupledRecording, frame: FrameUnderTest, **options: Unpack[_Options]
 ) -> FrameAssessment | CoupledAssessment: ...
 
 
@@ -200,7 +202,7 @@ def _of_one(
         if criterion is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
-    specimen, frequencies = error.specimen, [each.frequency for each in assessment.modes]
+    specimen, frequencies = error.specimen, [mode_of_test.frequency for mode_of_test in assessment.modes]
     return _contradicted(
         assessment,
         *(of_frequency(sound, tracking, frequencies) if specimen is None else ()),
@@ -218,7 +220,9 @@ def _of_several(
     require_length(recording, question.structure.frequency)
     faults = tuple(_faults(recording, frame, question.threshold))
     error, effects = error_with_faults(
-        recording, faults, lambda test, known, left: _error_of_several(test, frame, question, known, left)
+        recording,
+        faults,
+        lambda test, sensors, repairs: _error_of_several(test, frame, question, sensors, repairs),
     )
     ground, rebuilt = recording.ground, error.rebuilt
     shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.reduced, ground)
@@ -296,13 +300,13 @@ def _error_of_several(
     test: CoupledRecording,
     frame: FrameUnderTest,
     question: Question,
-    known: frozenset[int],
-    left: Mapping[str, Size],
+    sensors: frozenset[int],
+    repairs: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Rebuild the errors of all interface displacements; see `error_with_faults`."""
     from reliab.assessment.coupled_error import rebuild_coupled
 
-    sizes = {**question.sizes(test.time_step), **left}
+    sizes = {**question.sizes(test.time_step), **repairs}
     error = rebuild_coupled(
         frame.straightened(test.command),
         frame.straightened(test.measured),
@@ -310,7 +314,7 @@ def _error_of_several(
         frame.partition,
         to_interface=frame.to_interface,
         feedback_lag=question.feedback_lag,
-        sensor_offsets=np.array([0.0 if place in known else np.nan for place in range(len(test.command))]),
+        sensor_offsets=np.array([0.0 if place in sensors else np.nan for place in range(len(test.command))]),
         tolerances=tolerances_of(sizes),
     )
     return ErrorOfSeveral(
@@ -347,12 +351,12 @@ def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledReco
     )
 
 
-def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **asked: bool) -> None:
+def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **options: bool) -> None:
     """Refuse what a frame's test cannot be asked, by the names of the arguments of `reliab.assess`.
 
     `measured`: whether the specimen is learned from its force.
     """
-    for name, is_asked in asked.items():
+    for name, is_asked in options.items():
         if is_asked and frame.several:
             raise InputError(
                 f"`{name}` has no meaning beside a `structure` with several actuators", remedy="Leave it out"

@@ -18,7 +18,10 @@ from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 
-_OWN, _OF_OTHERS = 1e-3, 3e-3  # of a command: errors that large are as dear as what they leave unexplained
+_BY_ITSELF, _OF_OTHERS = (
+    1e-3,
+    3e-3,
+)  # of a command: errors that large are as dear as what they leave unexplained
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,8 +71,8 @@ def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, 
     size = command.shape[0]
     followed = np.empty((size, 2 * size))
     for place in range(size):
-        own = np.arange(2 * size) % size == place
-        penalty = np.where(own, _OWN, _OF_OTHERS) ** 2
+        diagonal = np.arange(2 * size) % size == place
+        penalty = np.where(diagonal, _BY_ITSELF, _OF_OTHERS) ** 2
         missed = scaled @ (measured[place] - command[place]) / rows.shape[1]
         followed[place] = np.linalg.solve(normal + np.diag(penalty), missed) / scale
     return np.eye(size) + followed[:, :size], followed[:, size:]
