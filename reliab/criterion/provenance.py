@@ -69,7 +69,7 @@ class Provenance:
     position : str
         Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside".
     promised_from : float
-        Share of ground motions [-] from which one is promised: smaller ones cannot be kept.
+        Share of the population's ground motions [-] from which one is promised: smaller ones cannot be kept.
     """
 
     source: str

@@ -92,5 +92,5 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
         in text
     )
     assert f"{result.probability(0.05):.3f}" in text
-    assert f"{100 * monitor.now.damping.ratio:.2f} %" in text
+    assert f"{100 * monitor.now.damping.ratio:.2f} ± {100 * monitor.now.damping.deviation:.2f} %" in text
     assert "the loop has gained energy" in text

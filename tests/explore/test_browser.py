@@ -99,7 +99,7 @@ def test_of_a_test_outside_of_the_motions_no_share_is_promised(page, tmp_path):
     drop(page, path)
     assert "motionsoutside: length of the record 110" in text(page, "numbers")
     assert "none: the criterion says nothing of such a test" in text(page, "numbers")
-    assert text(page, "meaning").startswith("No share of ground motions is promised for this test")
+    assert text(page, "meaning").startswith("No share of the population's ground motions is promised for")
 
 
 def test_a_file_that_is_no_text_is_answered_with_the_command_that_makes_one(page, tmp_path):

@@ -180,10 +180,12 @@ def _force(mode: WatchedMode, law: Array, pole: complex) -> tuple[complex, compl
     twice, own = 2.0 * modes.ratios * modes.circular_frequencies, np.diag(modes.coupling)
     dynamic = pole**2 + twice * pole + modes.circular_frequencies**2 + error * own
     others = np.arange(own.size) != mode.place
-    shares = mode.exchange[others] / dynamic[others]
-    turned = error**2 * shares / dynamic[others]
+    taking = others & (mode.exchange != 0.0)
+    shares, turned = np.zeros((2, own.size), dtype=np.complex128)
+    shares[taking] = mode.exchange[taking] / dynamic[taking]
+    turned[taking] = error**2 * shares[taking] / dynamic[taking]
     return (
         complex(error * mode.stiffness - error**2 * shares.sum()),
-        complex(mode.stiffness - 2.0 * error * shares.sum() + turned @ own[others]),
-        complex(turned @ (2.0 * pole + twice[others])),
+        complex(mode.stiffness - 2.0 * error * shares.sum() + turned @ own),
+        complex(turned @ (2.0 * pole + twice)),
     )

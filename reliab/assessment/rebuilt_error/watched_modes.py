@@ -23,6 +23,7 @@ LOOKS = 4
 WIDTH = 2.0  # quality factor of the band in which a mode is watched
 _MODES_FOR_EACH_ACTUATOR = 3
 _TAKES_PART = 1e-6  # of the largest share of the specimen in a mode: a mode with less cannot become unstable
+_ROUNDING = 1e-24  # of the mode's own stiffness squared, that rounding leaves of no exchange
 _FEWEST_SAMPLES = 5.0  # in a period of a mode: fewer do not show its motion
 
 
@@ -68,8 +69,12 @@ class WatchedMode:
 
     @cached_property
     def exchange(self) -> Array:
-        """νᵀK_eνⱼ · νⱼᵀK_eν, by which an error moves mode j and this one by it, shape (n,) [1/s⁴]."""
-        return np.asarray(self.modes.coupling[self.place] * self.modes.coupling[:, self.place])
+        """νᵀK_eνⱼ · νⱼᵀK_eν, by which an error moves mode j and this one by it, shape (n,) [1/s⁴].
+
+        Zero where only rounding couples them, as modes of one frequency in a symmetric structure.
+        """
+        exchange = self.modes.coupling[self.place] * self.modes.coupling[:, self.place]
+        return np.where(np.abs(exchange) > _ROUNDING * self.stiffness**2, exchange, 0.0)
 
     @cached_property
     def samples(self) -> float:

@@ -227,7 +227,7 @@ static void force_of(const mode *of, const double law[2], number pole, number fo
     error.real += law[0];
     squared = times(error, error);
     for (j = 0u; j < RELIAB_MODES; j++) {
-        if (j != of->place) {
+        if (j != of->place && of->exchange[j] != 0.0) { /* uncoupled modes may have one pole */
             number dynamic = plus(times(pole, pole), plus(multiple(TWICE[j], pole), multiple(STIFFNESSES[j], error)));
             number share, turned, slope = multiple(2.0, pole);
             dynamic.real += SQUARES[j];
