@@ -25,6 +25,7 @@ _REMEDY: Final = (
     "Correct the columns of this test: metres and newtons, displacements of one direction, and a force that "
     "is positive where the specimen resists a positive displacement"
 )
+_REMEDY_OF_SIZE: Final = f"{_REMEDY}; leave out a test whose loop diverged"
 _BINS_IN_BAND = (
     4.0  # of the shortest test: a band is narrower than a resonance, and noise is not coherent in it
 )
@@ -120,9 +121,9 @@ def _require_agreement(campaign: Campaign) -> None:
         if all(np.ptp(test.channels[channel]) > 0.0 for channel in channels)
     ]
     pairs = list(combinations(channels, 2))
-    for rule, agrees, found in (
-        ("The tests of a campaign must have the same signs", _same_sign, _reversed),
-        ("The tests of a campaign must have the same units", _same_unit, _scaled),
+    for rule, agrees, found, remedy in (
+        ("The tests of a campaign must have the same signs", _same_sign, _reversed, _REMEDY),
+        ("The tests of a campaign must have the same units", _same_unit, _scaled, _REMEDY_OF_SIZE),
     ):
         votes = [
             (test, pair, [agrees(test, rival, pair) for rival in tests if rival is not test])
@@ -137,7 +138,7 @@ def _require_agreement(campaign: Campaign) -> None:
             channel = max(channels, key=lambda name: sum(name in pair for pair in blamed))
             others = [test for test in tests if test is not first]
             raise InputError(
-                rule, value=found(first, others, channel, blamed), remedy=_REMEDY, where=first.file
+                rule, value=found(first, others, channel, blamed), remedy=remedy, where=first.file
             )
 
 
