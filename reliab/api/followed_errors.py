@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
+from reliab.assessment import plain_errors
 from reliab.assessment.budget import Size, as_certain_as
 from reliab.assessment.coupled_error import CoupledError, CoupledMonitor, DegreeError
 from reliab.assessment.rebuilt_error import RunningTest
 from reliab.vocabulary import Metric
-
-_UNKNOWN = {"value": None, "low": None, "high": None}
 
 
 def degrees_so_far(monitor: RunningTest) -> dict[str, Any]:
@@ -61,13 +60,5 @@ def _of_degree(
 
 def _errors(error: Any, sizes: Mapping[str, Size], threshold: float, metric: Metric) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
     """RMS^R and MTE^R with their intervals, and the probability of staying below a threshold."""
-    if error is None:
-        return {**{str(one): dict(_UNKNOWN) for one in Metric}, "probability": None}
-    estimates = {str(one): error.estimate(one) for one in Metric}
-    return {
-        **{
-            name: {"value": size.value, "low": size.low, "high": size.high}
-            for name, size in estimates.items()
-        },
-        "probability": as_certain_as(sizes, error.probability(threshold, metric)),
-    }
+    probability = None if error is None else as_certain_as(sizes, error.probability(threshold, metric))
+    return {**plain_errors(None if error is None else error.estimate), "probability": probability}

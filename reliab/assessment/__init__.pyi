@@ -48,6 +48,7 @@ from .measured_specimen import ForceChannel as ForceChannel
 from .moving_windows import Windows as Windows
 from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
+from .plain_error import plain_errors as plain_errors
 from .plausibility import require_plausible as require_plausible
 from .recorded_force import (
     require_restoring_force as require_restoring_force,

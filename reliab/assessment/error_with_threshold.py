@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.budget import BudgetItem, Size, Source, as_certain_as, budget_of_error
-from reliab.assessment.plain_error import plain_estimate, plain_part
+from reliab.assessment.plain_error import plain_errors, plain_part
 from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening
 from reliab.assessment.rebuilt_error.spread import LEVEL
 from reliab.significant import significant
@@ -127,7 +127,7 @@ class ErrorWithThreshold(ABC):
         """Put it into plain values."""
         by_name = self.parts.by_name
         return {
-            **{str(name): plain_estimate(self.estimate(name)) for name in Metric},
+            **plain_errors(self.estimate),
             "interval_level": LEVEL,
             "probability": self.probability,
             "parts": {name: plain_part(piece) for name, piece in by_name.items()},
@@ -199,11 +199,10 @@ class ErrorOfSeveral(ErrorWithThreshold):
 
     def _of_degree(self, degree: "DegreeError") -> dict[str, Any]:
         if not degree.judged:
-            unknown = dict.fromkeys(("value", "low", "high"))
             return {
                 "judged": False,
                 "why_not": degree.why_not_judged,
-                **{str(name): unknown for name in Metric},
+                **plain_errors(None),
                 "probability": None,
                 "parts": {},
                 "improve_first": None,
@@ -211,7 +210,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
         parts = self.parts_of(degree)
         return {
             "judged": True,
-            **{str(name): plain_estimate(degree.estimate(name)) for name in Metric},
+            **plain_errors(degree.estimate),
             "probability": self.probability_of(degree),
             "parts": {name: plain_part(piece) for name, piece in parts.by_name.items()},
             "improve_first": parts.first,

@@ -1,10 +1,12 @@
 """Errors and their parts as plain numbers, the same in every summary of a test."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reliab.assessment.rebuilt_error import Estimate, Part
+from reliab.vocabulary import Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen import MeasuredSpecimen
@@ -18,6 +20,16 @@ def finite(value: float | None) -> float | None:
 def plain_estimate(error: Estimate) -> dict[str, float | None]:
     """Value and ends of the 90 % interval of an error [-]."""
     return {"value": finite(error.value), "low": finite(error.low), "high": finite(error.high)}
+
+
+def plain_errors(estimate: Callable[[Metric], Estimate] | None) -> dict[str, dict[str, float | None]]:
+    """RMS^R and MTE^R of a test or a displacement by name, as it estimates them; unknown without."""
+    return {
+        str(name): dict.fromkeys(("value", "low", "high"))
+        if estimate is None
+        else plain_estimate(estimate(name))
+        for name in Metric
+    }
 
 
 def plain_part(part: Part) -> dict[str, float | None]:

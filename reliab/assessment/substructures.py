@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import march
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.structures import Partition
 from reliab.structures.frames import exact_step
 from reliab.threads import one_thread
@@ -128,19 +128,13 @@ def _follow(matrices: list[Array], force: Array, step: float) -> Array:
     loads = np.vstack([np.zeros((size, size)), np.linalg.inv(mass)])
     with one_thread():
         transition, early, late = exact_step(dynamics, loads, step)
-    start = np.concatenate([np.linalg.solve(stiffness, force[:, 0]), np.zeros(size)])
-    late, force = np.ascontiguousarray(late), np.ascontiguousarray(force)
-    none = np.zeros((size, len(force)))
-    return np.asarray(
-        march(
-            transition,
-            early,
-            late,
-            np.eye(size, 2 * size),
-            none,
-            (0,) * len(force),
-            force,
-            force,
-            start,
-        )
+    recursion = Recursion(
+        transition=transition,
+        early=early,
+        late=np.ascontiguousarray(late),
+        output=np.eye(size, 2 * size),
+        feed_through=np.zeros((size, size)),
+        static=np.vstack([np.linalg.inv(stiffness), np.zeros((size, size))]),
     )
+    start = np.concatenate([np.linalg.solve(stiffness, force[:, 0]), np.zeros(size)])
+    return respond(recursion, force, start)

@@ -1,7 +1,6 @@
 from .condensation import condensed as condensed, static_shapes as static_shapes
 from .critical_delay import (
     StabilityLimit as StabilityLimit,
-    frequencies_of_loop as frequencies_of_loop,
     stability_limit as stability_limit,
 )
 from .partition import (

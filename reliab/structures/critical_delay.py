@@ -170,7 +170,7 @@ def _imaginary_eigenvalues(a: Array, b: Array, c: Array, d: float) -> Array:
 
 def _crossings_of_several(partition: Partition, gains: Array) -> Iterator[tuple[float, complex]]:
     """Ω [rad/s] at which an eigenvalue of L(iΩ) has modulus one, and the eigenvalue."""
-    omega = frequencies_of_loop(partition)
+    omega = _frequencies_of_loop(partition)
     values = _tracked(_loop(partition, gains, omega))
     excess = np.log(np.maximum(np.abs(values), 1e-300))
     for place, branch in zip(*np.nonzero(np.diff(np.sign(excess), axis=0)), strict=True):
@@ -188,7 +188,7 @@ def _loop(partition: Partition, gains: Array, omega: Array) -> Spectrum:
     return np.asarray((partition.interface.T @ moved) @ partition.impedance(s) @ gains)
 
 
-def frequencies_of_loop(partition: Partition) -> Array:
+def _frequencies_of_loop(partition: Partition) -> Array:
     """Frequencies [rad/s] close enough to each other to follow the loop of any actuators, shape (n,)."""
     mass, damping, stiffness = _numerical(partition)
     points = []

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 TEST = str(Path(__file__).resolve().parents[2] / "datasets/sample_test/test.csv")
@@ -45,8 +46,15 @@ def modules(*arguments):
 
 @pytest.fixture
 def files(tmp_path):
-    """The same test under another name, since one that is given twice is refused, and a record to write."""
-    return {"AGAIN": shutil.copy(TEST, tmp_path / "again.csv"), "RECORD": tmp_path / "record.nc"}
+    """The test under another name, since one that is given twice is refused, with a force, and a record."""
+    recorded = pd.read_csv(TEST, comment="#")
+    with_force = recorded.assign(force_N=4e4 * recorded.filter(like="measured").iloc[:, 0])
+    with_force.to_csv(tmp_path / "with_force.csv", index=False)
+    return {
+        "AGAIN": shutil.copy(TEST, tmp_path / "again.csv"),
+        "WITH_FORCE": tmp_path / "with_force.csv",
+        "RECORD": tmp_path / "record.nc",
+    }
 
 
 def test_a_verdict_needs_none_of_the_heavy_parts():
@@ -61,6 +69,7 @@ def test_a_verdict_needs_none_of_the_heavy_parts():
         (("assess", "--help"), SPARED_BY_HELP),
         (("monitor", TEST, *STRUCTURE), SPARED_BY_VERDICTS),
         (("assess", TEST, *STRUCTURE, "--exact"), SPARED_BY_VERDICTS),
+        (("assess", "WITH_FORCE", *STRUCTURE), SPARED_BY_VERDICTS),
         (("assess", TEST, "AGAIN", *STRUCTURE), SPARED_BY_VERDICTS),
         (("compare", TEST, "AGAIN", *STRUCTURE), SPARED_BY_VERDICTS),
         (("record", TEST, "--out", "RECORD"), SPARED_BY_ALL),

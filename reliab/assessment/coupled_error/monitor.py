@@ -20,8 +20,8 @@ from reliab.assessment.rebuilt_error import (
     RunningTest,
     Tolerances,
     delayed,
-    march,
     require_readings,
+    run_on,
 )
 from reliab.errors import InputError
 from reliab.structures import Partition
@@ -74,7 +74,10 @@ class CoupledMonitor(RunningTest):
     def _begin(self, offsets: Array, standing: Array) -> None:
         """Begin at the first sample with offsets of the sensors and a standing x_c − x_m at each [m]."""
         self._offsets = offsets[:, np.newaxis]
-        self._state = self._recursion.static @ (self._carry @ standing) if standing.any() else None
+        stands = standing.any()  # else it needs no stiffness that holds it
+        self._state = (
+            self._recursion.static @ (self._carry @ standing) if stands else np.zeros(self._recursion.order)
+        )
         self._sums = {name: RunningSums() for name in self._partition.names}
         self._latest = np.zeros((2, offsets.size, 0))
 
@@ -102,20 +105,7 @@ class CoupledMonitor(RunningTest):
         self._latest = rows[:, :, -(int(self._lag / self.time_step) + _BEFORE) :]
         felt = rows[1] if self._lag == 0.0 else self._felt(rows[1])
         inputs = np.ascontiguousarray((self._carry @ (rows[0] - felt))[:, max(before - 1, 0) :])
-        if self._state is None:
-            self._state = np.zeros(self._recursion.order)
-        recursion = self._recursion
-        response = march(
-            recursion.transition,
-            recursion.early,
-            recursion.late,
-            recursion.output,
-            recursion.feed_through,
-            (0,) * len(inputs),
-            inputs,
-            inputs,
-            self._state,
-        )[:, min(before, 1) :]
+        response = run_on(self._recursion, inputs, self._state)[:, min(before, 1) :]
         ideal = self._carry @ command - response
         errors = self._carry @ rows[1, :, before:] - ideal
         for sums, error, exact in zip(self._sums.values(), errors, ideal, strict=True):

@@ -11,7 +11,7 @@ from .nonlinear_reference import (
 from .parts import Part as Part, Parts as Parts
 from .rebuild import DRAWS as DRAWS, rebuild as rebuild
 from .rebuilt import RebuiltError as RebuiltError
-from .recursion import Recursion as Recursion, march as march
+from .recursion import Recursion as Recursion, run_on as run_on
 from .running_specimen import (
     CLOSE as CLOSE,
     FLATTEST as FLATTEST,

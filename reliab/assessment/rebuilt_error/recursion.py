@@ -205,6 +205,11 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
     """
     inputs = np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
     held = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
+    return run_on(recursion, inputs, held)
+
+
+def run_on(recursion: Recursion, inputs: Array, state: Array) -> Array:
+    """Run the recursion from the state at the first input, shape (p, n), to that at the last, in place."""
     return np.asarray(
         march(
             recursion.transition,
@@ -215,7 +220,7 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
             (0,) * len(inputs),
             inputs,
             joined(inputs) if recursion.smooth else inputs,
-            held,
+            state,
         )
     )
 

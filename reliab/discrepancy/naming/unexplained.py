@@ -84,7 +84,7 @@ def _is_large(problem: Problem, best: Fit, proved: Gap) -> bool:
     The force that balances a command is computed from derivatives of the command. Where these are rough, at
     frequencies above those that are judged, the error is one of this computation.
     """
-    if _is_balanced(problem) and not _error_with_threshold(problem, best) > SMALLEST_GAP:
+    if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
         return False
     above_floor = proved.floor is not None and proved.after > ABOVE_FLOOR * proved.floor
     return proved.model_error > SMALLEST_GAP or above_floor
@@ -114,7 +114,7 @@ def _is_balanced(problem: Problem) -> bool:
     return problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
 
 
-def _error_with_threshold(problem: Problem, best: Fit) -> float:
+def _judged_error(problem: Problem, best: Fit) -> float:
     """RMS of what a model leaves over that of the channel, at the frequencies at which it is judged."""
     unit = NoiseModel.white(problem.block.rate, 1.0)
     rows = problem.whitened(best.space, best.coordinates, unit)
