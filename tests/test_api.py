@@ -199,3 +199,23 @@ def test_tests_of_a_file_are_named_by_file_and_group(tmp_path):
     rows = "\n".join(f"{t},{np.sin(t)},{np.sin(t)}" for t in time)
     (tmp_path / "one.csv").write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
     assert stated.of_each_test(tmp_path / "one.csv") == {"one.csv": stated}
+
+
+RESULTS_WITH_ROWS = {
+    "criteria": lambda: reliab.derive_criteria(ellipses="real_suite", f=[1, 2], xi=0.02, method="quantile"),
+    "design": lambda: reliab.design_test(f=[1, 2]),
+    "ellipses": lambda: reliab.trace_boundaries(motions="synthetic", f=1.0, xi=0.02),
+    "motions": lambda: reliab.api.list_motions("synthetic"),
+    "effects": lambda: reliab.diagnose("rig_a"),
+}
+
+
+@pytest.mark.default_cases(2)
+@pytest.mark.parametrize("key", RESULTS_WITH_ROWS)
+def test_rows_of_a_result_are_a_table(key):
+    found = RESULTS_WITH_ROWS[key]()
+    rows, table = found.to_dict()[key], found.to_frame()
+    assert len(table) == len(rows) > 0
+    for name, value in rows[-1].items():
+        if isinstance(value, float | int | str):
+            assert table[name].iloc[-1] == value

@@ -53,6 +53,7 @@ GROUND = {
     "received",
     "registry",
     "renamed",
+    "rows",
     "shipped",
     "significant",
     "steps_of_logarithm",

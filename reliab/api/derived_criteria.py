@@ -19,13 +19,14 @@ from reliab.criterion import (
 )
 from reliab.errors import IncompleteError
 from reliab.files import refuse_unwritable, require_ending, written_whole
+from reliab.rows import ResultWithRows
 from reliab.shipped import shipped
 from reliab.significant import percent
 from reliab.sweep import open_ellipses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Criteria:
+class Criteria(ResultWithRows):
     """Criteria with what they were derived from.
 
     Attributes
@@ -42,6 +43,8 @@ class Criteria:
         What was asked for beside the criteria: `figures`, `comparison`; of frames `frame` and `rig`, of
         several actuators `cross_coupling`, of several shares of the stiffness `share_law`.
     """
+
+    rows_in = "criteria"
 
     criteria: tuple[Criterion, ...]
     structures: tuple[tuple[float, float], ...]

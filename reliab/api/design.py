@@ -3,21 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reliab.api.arguments import Quantity, stated_values, unused
 from reliab.assessment import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.criterion import Criterion
 from reliab.errors import InputError
+from reliab.rows import ResultWithRows
 from reliab.sweep import Numbers, several
 from reliab.vocabulary import Metric
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, kw_only=True)
-class Design:
+class Design(ResultWithRows):
     """Tolerable errors of a rig before a test.
 
     Attributes
@@ -28,6 +26,8 @@ class Design:
         The same over all frequencies for which the criterion is valid.
     """
 
+    rows_in = "design"
+
     tolerances: tuple[Tolerance, ...]
     chart: tuple[Tolerance, ...]
 
@@ -37,12 +37,6 @@ class Design:
             "design": [tolerance.to_dict() for tolerance in self.tolerances],
             "chart": [tolerance.to_dict() for tolerance in self.chart],
         }
-
-    def to_frame(self) -> "pd.DataFrame":
-        """Table of the structures that were asked for, with the keys of `to_dict`."""
-        import pandas as pd
-
-        return pd.DataFrame(self.to_dict()["design"])
 
 
 def design_test(

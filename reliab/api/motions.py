@@ -8,12 +8,13 @@ from typing import Any
 from reliab.api.sources import Files, listed, paths
 from reliab.motions import Fault, MotionSuite, inspect, load_motions, measure, write_suite
 from reliab.motions.synthetic import synthetic_suite
+from reliab.rows import ResultWithRows
 from reliab.sweep import Names
 from reliab.vocabulary import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True)
-class MotionList:
+class MotionList(ResultWithRows):
     """Ground motions with their measures of intensity.
 
     Attributes
@@ -22,6 +23,8 @@ class MotionList:
         Name, event, set, time step [s], duration [s], peak [g], Arias intensity [m/s], significant duration
         [s], mean period [s] and checksum of each.
     """
+
+    rows_in = "motions"
 
     rows: list[dict[str, Any]]
 

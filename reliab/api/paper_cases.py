@@ -11,6 +11,7 @@ from reliab.assessment import default_criterion
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
 from reliab.motions import Motion, load_motions
+from reliab.rows import ResultWithRows
 from reliab.shipped import shipped
 from reliab.study import study_module
 from reliab.sweep import Names, open_ellipses
@@ -18,7 +19,7 @@ from reliab.validation import earthquakes_among
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PaperCases:
+class PaperCases(ResultWithRows):
     """Verdicts on the paper's four cases.
 
     Attributes
@@ -30,6 +31,8 @@ class PaperCases:
     verdicts : pandas.DataFrame
         One row for each case and criterion.
     """
+
+    rows_in = "cases"
 
     motion: str
     held_out: str | None

@@ -7,11 +7,14 @@ from typing import Any
 
 from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.rig import RigFolder, RigTable
+from reliab.rows import ResultWithRows
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigList:
+class RigList(ResultWithRows):
     """The tests of a rig."""
+
+    rows_in = "tests"
 
     rig: Path
     table: RigTable

@@ -10,6 +10,7 @@ import xarray as xr
 
 from reliab.api.sources import EllipseSource, Files
 from reliab.progress import Show, quietly
+from reliab.rows import ResultWithRows
 from reliab.sweep import Names, Numbers, several, share_of, write_ellipses
 from reliab.vocabulary import CurveName, NoEllipse, Side
 
@@ -24,7 +25,7 @@ _SUFFIXES: Final = {
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Boundaries:
+class Boundaries(ResultWithRows):
     """Boundaries of equal error.
 
     Attributes
@@ -33,6 +34,8 @@ class Boundaries:
         `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as
         :func:`reliab.ellipses` returns them.
     """
+
+    rows_in = "ellipses"
 
     ellipses: xr.Dataset
 

@@ -25,6 +25,7 @@ from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.progress import Show, quietly
+from reliab.rows import ResultWithRows
 from reliab.significant import percent
 from reliab.sweep import Names, Numbers, share_of
 from reliab.validation.cross_validation import (
@@ -46,7 +47,7 @@ _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Validation:
+class Validation(ResultWithRows):
     """How often criteria hold on motions from which they were not learned.
 
     Attributes
@@ -58,6 +59,8 @@ class Validation:
     division : Division
         Which motions were learned from, and which judged.
     """
+
+    rows_in = "rows"
 
     counts: CrossValidation
     ellipses: xr.Dataset
@@ -298,7 +301,7 @@ def _number(value: float) -> float | None:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Calibration:
+class Calibration(ResultWithRows):
     """Probabilities that were stated for tests, against how many of the tests are good.
 
     Attributes
@@ -310,6 +313,8 @@ class Calibration:
     bins : pandas.DataFrame
         By stated probability: `stated`, `observed` with `low` and `high`, and the number of `tests`.
     """
+
+    rows_in = "bins"
 
     scheme: str
     truth: str

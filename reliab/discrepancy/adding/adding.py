@@ -15,6 +15,7 @@ from reliab.effects import ExcitationScale, library
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed_method
+from reliab.rows import ResultWithRows
 from reliab.simulation.hybrid_test import MODEL_FILE, HybridTest, UpdatedModel, write_model
 from reliab.threads import one_thread
 
@@ -27,7 +28,7 @@ _WITHOUT_FRAME = (
 
 @renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Addition:
+class Addition(ResultWithRows):
     """A diagnosis with its posteriors, its updated model and its effect on the criterion.
 
     Attributes
@@ -39,6 +40,8 @@ class Addition:
     model : UpdatedModel
         The model with what was calibrated and named.
     """
+
+    rows_in = "effects"
 
     diagnosis: Diagnosis
     posteriors: dict[str, Posterior]

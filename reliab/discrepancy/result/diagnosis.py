@@ -12,6 +12,7 @@ from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.html_table import html_table
 from reliab.renamed import renamed_method
+from reliab.rows import ResultWithRows
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT, Block
 
@@ -36,7 +37,7 @@ _VERDICTS = {
 
 @renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Diagnosis:
+class Diagnosis(ResultWithRows):
     """The results for a campaign.
 
     Attributes
@@ -50,6 +51,8 @@ class Diagnosis:
     criterion_shift : dict, optional
         Ratios of the criterion's parameters with and without the effects, where they were computed.
     """
+
+    rows_in = "effects"
 
     campaign: Campaign
     blocks: tuple[BlockDiagnosis, ...]
