@@ -122,16 +122,8 @@ def main() -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run a command.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        What stands after `reliab`.
-
-    Returns
-    -------
-    int
-        Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted
-        by Ctrl-C, 141 nobody reads the output to its end. Every other error passes; the program ends with 70.
+    Exit code: 0 done, 1 the answer is "not reliable", 2 bad input, 3 unfinished but safe, 130 interrupted by
+    Ctrl-C, 141 nobody reads the output to its end. Every other error passes; the program ends with 70.
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())

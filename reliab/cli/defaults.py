@@ -28,21 +28,7 @@ VARIABLE = "RELIAB_CONFIG"
 def read_defaults(command: Any) -> dict[str, dict[str, Any]]:  # noqa: ANN401 - Typer hides its type
     """Read a laboratory's defaults.
 
-    Parameters
-    ----------
-    command : click.Group
-        The command line, whose commands and options the file may name.
-
-    Returns
-    -------
-    dict
-        By command, values by the names of its parameters; empty where there is no file.
-
-    Raises
-    ------
-    InputError
-        If the file that the environment names is missing, or a file is no TOML, or names a command or option
-        that does not exist.
+    By command, values by the names of its parameters; empty where there is no file.
     """
     named = os.environ.get(VARIABLE)
     path = Path(named or FILE)

@@ -28,18 +28,6 @@ _NOTHING_HALF = "No file is half written; run the command again."
 def interruption(arguments: Sequence[str]) -> str:
     """Say what Ctrl-C has left.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        What stands after `reliab`.
-
-    Returns
-    -------
-    str
-        One sentence or two.
-
-    Examples
-    --------
     >>> interruption(["simulate", "--out", "results.zarr"])
     'Interrupted. The motions that are finished are kept; go on with --resume.'
     >>> interruption(["explore"])
@@ -57,11 +45,6 @@ def noticed_interruption() -> Iterator[None]:
 
     Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
     for a reason of their own. A Ctrl-C that was lost is repeated.
-
-    Raises
-    ------
-    SystemExit
-        With the exit code of Ctrl-C, in place of any error after it.
     """
     pressed = threading.Event()
     in_main_thread = threading.current_thread() is threading.main_thread()

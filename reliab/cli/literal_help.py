@@ -4,13 +4,7 @@ from typing import Any
 
 
 def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its type
-    """Escape the help of a command, of its options and of its own commands, once and for all.
-
-    Parameters
-    ----------
-    command : click.Command
-        The command, or the group of commands.
-    """
+    """Escape the help of a command, of its options and of its own commands, once and for all."""
     from rich.markup import escape
 
     for shown in (command, *command.params):

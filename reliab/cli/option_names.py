@@ -10,20 +10,8 @@ _ARGUMENT = re.compile(r"`([a-z]\w*)(?:=([^`]+))?`")
 def as_options(message: str, command: Any) -> str:  # noqa: ANN401 - Typer hides its type
     """Write the arguments that a message names as options of the command line.
 
-    Parameters
-    ----------
-    message : str
-        A message, such as one of an `InputError`.
-    command : click.Command
-        The command, or the group of commands.
+    `` `time_units="ms"` `` as ``--time-units ms``; what names no option stays as it is.
 
-    Returns
-    -------
-    str
-        `` `time_units="ms"` `` as ``--time-units ms``; what names no option stays as it is.
-
-    Examples
-    --------
     >>> import typer
     >>> from reliab.cli import app
     >>> command = typer.main.get_command(app)

@@ -43,18 +43,7 @@ def takes_any_character(stream: TextIO) -> bool:
 
 
 def write_what_can_be_written(stream: TextIO) -> TextIO:
-    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi", and end where nobody reads on.
-
-    Parameters
-    ----------
-    stream : file
-        Standard output or error.
-
-    Returns
-    -------
-    file
-        The stream that takes its place.
-    """
+    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi", and end where nobody reads on."""
     if not isinstance(stream, io.TextIOWrapper):
         return stream
     stream = _ending_with_its_reader(stream)

@@ -7,18 +7,6 @@ from typing import IO
 def printable(text: str) -> str:
     r"""Name characters that would steer a terminal, turn the order of a line, or cannot be written.
 
-    Parameters
-    ----------
-    text : str
-        Any text, such as the name of a motion.
-
-    Returns
-    -------
-    str
-        The text with such characters as Python writes them; ends of lines and tabs stay.
-
-    Examples
-    --------
     >>> print(printable("red \x1b[31m"))
     red \x1b[31m
     """
@@ -28,20 +16,7 @@ def printable(text: str) -> str:
 
 
 def substituted(text: str, stream: IO[str]) -> str:
-    """Put what a stream writes for characters that it lacks, so that columns are as wide as they will be.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-    stream : file
-        Where it will be written.
-
-    Returns
-    -------
-    str
-        The text as it will stand there.
-    """
+    """Put what a stream writes for characters that it lacks, so that columns are as wide as they will be."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
     return text.encode(encoding, getattr(stream, "errors", None) or "surrogatepass").decode(
         encoding, "surrogatepass"

@@ -22,12 +22,7 @@ class Elastoplastic(SteppedEffect):
     kinematic hardening. It is the limit of :class:`reliab.effects.hysteresis.Hysteresis` for an infinite
     exponent, where that equation cannot be stepped.
 
-    Parameters
-    ----------
-    force_n : float
-        Force f of the part that yields [N].
-    displacement_m : float
-        Yield displacement d [m].
+    `force_n`: force f of the part that yields [N]; `displacement_m`: yield displacement d [m].
     """
 
     name = "elastoplastic"

@@ -30,22 +30,10 @@ class SpecimenKind(StrEnum):
 class NonlinearSpecimen:
     """A kind of specimen and how far it is from linear.
 
-    Parameters
-    ----------
-    kind : SpecimenKind
-        Its nonlinear behaviour.
-    level : float
-        For `bilinear` and `bouc_wen` the peak of the linear response over the yield displacement, R [-]; for
-        `coulomb` the friction force, for `cubic` the cubic force, over the force of the linear spring at the
-        peak of the linear response [-]; negative for a cubic spring that softens.
+    `level`: for `bilinear` and `bouc_wen` the peak of the linear response over the yield displacement, R [-];
+    for `coulomb` the friction force, for `cubic` the cubic force, over the force of the linear spring at the
+    peak of the linear response [-]; negative for a cubic spring that softens.
 
-    Raises
-    ------
-    InputError
-        If the level is zero, or negative and the spring is not cubic.
-
-    Examples
-    --------
     >>> yielding = NonlinearSpecimen(kind=SpecimenKind.BILINEAR, level=4.0)
     >>> (effect,) = yielding.effects(Structure(frequency=1.0, damping_ratio=0.02), 0.08)
     >>> effect.displacement_m
@@ -72,17 +60,7 @@ class NonlinearSpecimen:
     def effects(self, structure: Structure, peak: float) -> tuple[Effect, ...]:
         """Return what acts beside the specimen's linear spring, per unit mass of the structure.
 
-        Parameters
-        ----------
-        structure : Structure
-            The structure; the specimen's spring has the stiffness αω₀².
-        peak : float
-            Peak of the response of the linear structure [m].
-
-        Returns
-        -------
-        tuple of Effect
-            Effects of the library.
+        `peak`: peak of the response of the linear structure [m].
         """
         stiffness = structure.experimental_fraction * structure.circular_frequency**2
         if self.kind is SpecimenKind.CUBIC:

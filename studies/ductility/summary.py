@@ -24,19 +24,11 @@ _CONFIDENCE = 0.95
 def compare_levels(tests: pd.DataFrame) -> pd.DataFrame:
     """Quantiles of the tolerances over those of linear tests, for each specimen and direction.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As `tolerances` gives it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each specimen, level, structure (`f` and `xi` NaN for all of them together) and direction,
-        the narrowest one of a test included: `tests` counted, `lost` ones whose exact response runs away,
-        `motions`, `events`, median `ductility` [-], quantiles `q05` … `q95` of the tolerance over that of
-        the linear test [-], and `narrower`, the share of tests that tolerate less than the linear one, with
-        `low` and `high` ends of its 95 % interval over earthquakes.
+    One row for each specimen, level, structure (`f` and `xi` NaN for all of them together) and direction, the
+    narrowest one of a test included: `tests` counted, `lost` ones whose exact response runs away, `motions`,
+    `events`, median `ductility` [-], quantiles `q05` … `q95` of the tolerance over that of the linear test
+    [-], and `narrower`, the share of tests that tolerate less than the linear one, with `low` and `high` ends
+    of its 95 % interval over earthquakes.
     """
     tests = tests.assign(**{NARROWEST: tests[list(DIRECTIONS)].min(axis=1, skipna=False)})
     rows = []
@@ -72,18 +64,10 @@ def _row(group: pd.DataFrame, direction: str) -> dict[str, Any]:
 def compare_limits(tests: pd.DataFrame) -> pd.DataFrame:
     """Compare what 95 % of the motions tolerate with nonlinear and with linear specimens.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As `tolerances` gives it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each specimen, level and structure: the delay alone [ms] and the amplitude error alone
-        [-], the smaller one of both signs, that 95 % of the motions tolerate: `delay_ms`, `amplitude`, and
-        `linear_delay_ms`, `linear_amplitude` of the linear structure. NaN for fewer than
-        `FEWEST_MOTIONS` motions.
+    One row for each specimen, level and structure: the delay alone [ms] and the amplitude error alone [-],
+    the smaller one of both signs, that 95 % of the motions tolerate: `delay_ms`, `amplitude`, and
+    `linear_delay_ms`, `linear_amplitude` of the linear structure. NaN for fewer than `FEWEST_MOTIONS`
+    motions.
     """
     tests = tests.assign(
         delay_ms=tests["linear_delay_ms"] * tests["late"],

@@ -59,28 +59,13 @@ def tolerances(
 ) -> pd.DataFrame:
     """Find what tests with nonlinear specimens tolerate, beside those with linear ones.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions.
-    structures : iterable of Structure
-        The structures; the share α of their stiffness is the specimen.
-    specimens : sequence of NonlinearSpecimen, optional
-        The specimens.
-    threshold : float, optional
-        RMS^R that is tolerated [-], over the whole record and relative to the specimen's own exact response.
-    progress : callable, optional
-        Called after each motion.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each motion, structure and specimen: `motion`, `event`, `f` [Hz], `xi` [-], `specimen`,
-        `level` [-], `ductility` (peak of the exact response over the yield displacement [-]; NaN where
-        nothing yields), the tolerances of the linear test `linear_delay_ms` [ms] and `linear_large`,
-        `linear_small` [-] (delay alone, gain above 1 and below 1 alone), and for each direction the tolerable
-        distance over that of the linear test [-]: NaN where the exact response itself runs away, and a lower
-        bound where the tolerance lies beyond `FARTHEST`.
+    `threshold`: RMS^R that is tolerated [-], over the whole record and relative to the specimen's own exact
+    response. Result: one row for each motion, structure and specimen: `motion`, `event`, `f` [Hz], `xi` [-],
+    `specimen`, `level` [-], `ductility` (peak of the exact response over the yield displacement [-]; NaN
+    where nothing yields), the tolerances of the linear test `linear_delay_ms` [ms] and `linear_large`,
+    `linear_small` [-] (delay alone, gain above 1 and below 1 alone), and for each direction the tolerable
+    distance over that of the linear test [-]: NaN where the exact response itself runs away, and a lower
+    bound where the tolerance lies beyond `FARTHEST`.
     """
     rows: list[dict[str, Any]] = []
     structures = list(structures)

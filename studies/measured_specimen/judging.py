@@ -38,28 +38,11 @@ def judge_tests(
 ) -> pd.DataFrame:
     """Simulate and judge tests of families of specimens.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        Ground motions, drawn anew for each test.
-    families : sequence of str
-        Names of families.
-    tests : int
-        Number of tests of each family, with noise of 40 and 30 dB in turn.
-    seed : int
-        Seed of motions, structures, specimens, actuators and noise.
-    threshold : float
-        Error of the whole test up to which it is good [-].
-    progress : Progress
-        Told how many of how many tests are judged.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row a test: family, decibels, f [Hz], xi, alpha, true error, computed value with its interval
-        (low, high) [-], held_out [-], word of the verdict, left (error of the corrected over that of the
-        measured response) and inside (share of samples in the band) [-]; of linear specimens also
-        stated_value, stated_low, stated_high and stated_word, with the specimen as it is stated.
+    `threshold`: error of the whole test up to which it is good [-]. Result: one row a test: family, decibels,
+    f [Hz], xi, alpha, true error, computed value with its interval (low, high) [-], held_out [-], word of the
+    verdict, left (error of the corrected over that of the measured response) and inside (share of samples in
+    the band) [-]; of linear specimens also stated_value, stated_low, stated_high and stated_word, with the
+    specimen as it is stated.
     """
     drawn = [(family, number) for family in families for number in range(tests)]
     rows = []

@@ -51,29 +51,9 @@ def audit(
 ) -> pd.DataFrame:
     """Recompute everything that the paper prints with a number.
 
-    Parameters
-    ----------
-    folder : pathlib.Path, optional
-        The printed tables, `datasets/paper` of this project by default.
-    ellipses : xarray.Dataset, optional
-        Ellipses of the 100 records over f, ξ, threshold and metric, motions named as in Table 2.
-    example, cases : xarray.Dataset, optional
-        From `run_paper_example` and `cases_dataset`.
-        Numbers that need what is not given are NaN.
+    Columns item, quantity, unit, printed, from_tables, from_records, difference (relative; of the records, or
+    else of the tables) and finding; tables, figures, equations, then the text.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns item, quantity, unit, printed, from_tables, from_records, difference (relative; of the
-        records, or else of the tables) and finding; tables, figures, equations, then the text.
-
-    Raises
-    ------
-    InputError
-        If a table is missing.
-
-    Examples
-    --------
     >>> table = audit().set_index(["item", "quantity"])
     >>> table.loc[("Equation (12)", "a"), "from_tables"].round(7)
     np.float64(5.29e-05)

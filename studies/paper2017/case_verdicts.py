@@ -23,21 +23,9 @@ def case_verdicts(
 ) -> pd.DataFrame:
     """Simulate the paper's cases under a ground motion and compare criteria with the errors.
 
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion, KOBE/KJM000 in the paper.
-    criteria : mapping of str to callable
-        Criteria by name.
-    integrator, compensator : str, optional
-        Names of `equipment`; the paper's by default.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each case and criterion: `case`, `f` [Hz], `xi` [-], `estimated_delay` [steps], `A`
-        [-], `d_ms`, `rms` [-], `good` (the error is at most the threshold), `criterion`, `index` [-],
-        `accepted`, and `probability` [-] of staying below the threshold, None where it is unknown.
+    One row for each case and criterion: `case`, `f` [Hz], `xi` [-], `estimated_delay` [steps], `A` [-],
+    `d_ms`, `rms` [-], `good` (the error is at most the threshold), `criterion`, `index` [-], `accepted`, and
+    `probability` [-] of staying below the threshold, None where it is unknown.
     """
     rows = []
     outcomes = run_paper_cases(motion, integrator=integrator, compensator=compensator)

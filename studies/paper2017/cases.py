@@ -43,18 +43,9 @@ RECORD_SECONDS = 40.0
 class PaperCase:
     """One column of Table 5.
 
-    Parameters
-    ----------
-    frequency : float
-        Natural frequency f_n [Hz].
-    damping_ratio : float
-        ξ [-].
-    estimated_delay : float
-        α_es of the inverse compensation [steps].
-    amplitude : float
-        Amplitude error, as a gain [-].
-    specimen_stiffness, frame_stiffness : float, optional
-        k_e and k_n [N/m].
+    `frequency`: natural frequency f_n [Hz]; `damping_ratio`: ξ [-]; `estimated_delay`: α_es of the inverse
+    compensation [steps]; `amplitude`: amplitude error, as a gain [-]; `specimen_stiffness`,
+    `frame_stiffness`: k_e and k_n [N/m].
     """
 
     frequency: float
@@ -80,13 +71,7 @@ class PaperCase:
 
 
 def printed_cases() -> list[PaperCase]:
-    """Cases of Table 5 as printed.
-
-    Returns
-    -------
-    list of PaperCase
-        The four cases.
-    """
+    """Cases of Table 5 as printed."""
     columns = ("f_hz", "xi", "alpha_es", "amplitude_error")
     rows = PrintedTables.read().cases[list(columns)].itertuples(index=False)
     return [
@@ -99,20 +84,9 @@ def printed_cases() -> list[PaperCase]:
 class CaseOutcome:
     """The outcome of a case.
 
-    Attributes
-    ----------
-    case : PaperCase
-        The case.
-    amplitude : float
-        A [-].
-    equivalent_delay : float
-        d [s].
-    rms : float
-        RMS^R between exact response and measured displacement [-].
-    times : numpy.ndarray
-        Times [s], shape (n,).
-    ideal, measured : numpy.ndarray
-        Exact response and measured displacement [m], shape (n,).
+    `amplitude`: A [-]; `equivalent_delay`: d [s]; `rms`: RMS^R between exact response and measured
+    displacement [-]; `times`: times [s], shape (n,); `ideal`, `measured`: exact response and measured
+    displacement [m], shape (n,).
     """
 
     case: PaperCase
@@ -131,27 +105,7 @@ def run_paper_cases(
     integrator: str = "chen_ricles",
     compensator: str = "inverse",
 ) -> list[CaseOutcome]:
-    """Simulate cases under a ground motion.
-
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion, KOBE/KJM000 in the paper; its first 40 s are used.
-    cases : sequence of PaperCase, optional
-        The cases; those of Table 5 by default.
-    integrator, compensator : str, optional
-        Names of `equipment`; the paper's by default.
-
-    Returns
-    -------
-    list of CaseOutcome
-        One for each case.
-
-    Raises
-    ------
-    InputError
-        If there is no such integrator or compensator.
-    """
+    """Simulate cases under a ground motion."""
     record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
     cases_to_run = printed_cases() if cases is None else cases
     return [_run(record, case, integrator, compensator) for case in cases_to_run]
@@ -190,19 +144,9 @@ def _run(record: Motion, case: PaperCase, integrator: str, compensator: str) -> 
 def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset:
     """Gather the outcomes of the cases of Tables 5 and 6.
 
-    Parameters
-    ----------
-    outcomes : sequence of CaseOutcome
-        Outcomes of the cases under a ground motion.
-    motion : Motion
-        The ground motion.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over `case` (1, 2, …): `f` [Hz], `xi`, `estimated_delay` [steps], `gain`, `mass` [kg], `A`, `d` [s]
-        and `rms` [-]; over (case, time [s]): `ideal` and `measured` displacement [m]. Attributes: `motion`,
-        `peak_acceleration` [m/s²] and `window` [s], over which the error is computed.
+    Over `case` (1, 2, …): `f` [Hz], `xi`, `estimated_delay` [steps], `gain`, `mass` [kg], `A`, `d` [s] and
+    `rms` [-]; over (case, time [s]): `ideal` and `measured` displacement [m]. Attributes: `motion`,
+    `peak_acceleration` [m/s²] and `window` [s], over which the error is computed.
     """
     cases = [outcome.case for outcome in outcomes]
     numbers = {
@@ -236,17 +180,9 @@ def cases_dataset(outcomes: Sequence[CaseOutcome], motion: Motion) -> xr.Dataset
 def case_table(cases: xr.Dataset) -> pd.DataFrame:
     """Verdicts on the cases by equation (18) and by their errors, beside what the paper prints.
 
-    Parameters
-    ----------
-    cases : xarray.Dataset
-        From :func:`cases_dataset`, the cases of Table 5 in their order.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each case: `case`, `f` [Hz], `xi`, `A`, `d` [s]; `index` of equation (18) and
-        `index_printed`; `accepted` and `accepted_printed`; `rms` and `rms_printed` [-]; `good`, whether the
-        error is at most 5 %; `of_rms`, the error relative to the RMS, not the peak, of the exact response.
+    One row for each case: `case`, `f` [Hz], `xi`, `A`, `d` [s]; `index` of equation (18) and `index_printed`;
+    `accepted` and `accepted_printed`; `rms` and `rms_printed` [-]; `good`, whether the error is at most 5 %;
+    `of_rms`, the error relative to the RMS, not the peak, of the exact response.
     """
     printed = PrintedTables.read().cases.set_index("case").loc[cases["case"].values]
     f, xi, amplitude, delay, rms = (cases[name].values for name in ("f", "xi", "A", "d", "rms"))

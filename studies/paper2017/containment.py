@@ -13,15 +13,7 @@ LAWS = ("guo_2017_15", "guo_2017_18", "guo_2017_15_corrected", "guo_2017_18_corr
 def containment(records: Records) -> pd.DataFrame:
     """Share of the motions whose own fitted ellipse contains a published criterion, at ξ = 0.02.
 
-    Parameters
-    ----------
-    records : Records
-        With ellipses.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns f [Hz] and one for each law, shares [-].
+    Columns f [Hz] and one for each law, shares [-].
     """
     rows = []
     for f in records.frequencies.tolist():

@@ -42,24 +42,12 @@ is sent, one step before it is due."""
 
 
 def integrator_of(name: str, structure: Structure) -> Integrator:
-    """Make the integrator of a name for a structure.
-
-    Raises
-    ------
-    InputError
-        If there is no such integrator.
-    """
+    """Make the integrator of a name for a structure."""
     return _chosen(INTEGRATORS, "integrator", name)(structure)
 
 
 def compensator_of(name: str, steps: float) -> Compensator | None:
-    """Make the compensator of a name for an estimated delay [steps]; None for no compensation.
-
-    Raises
-    ------
-    InputError
-        If there is no such compensator.
-    """
+    """Make the compensator of a name for an estimated delay [steps]; None for no compensation."""
     return _chosen(COMPENSATORS, "compensator", name)(steps)
 
 

@@ -40,22 +40,12 @@ def run_paper_example(
 ) -> xr.Dataset:
     """Simulate the example.
 
-    Parameters
-    ----------
-    motion : Motion
-        The ground motion, KOBE/NIS000 in the paper.
-    frequency, damping_ratio : float, optional
-        The structure [Hz, -].
-
-    Returns
-    -------
-    xarray.Dataset
-        `displacement` [m] over (test, time) with the coordinates `test_gain` and `test_delay`, the first
-        test being the exact response; `error_of_delay` over (metric, long_delay) at gain 1,
-        `error_of_gain` over (metric, gain) without delay, and `error` over (metric, gain, delay) [-];
-        `amplitude_mte`, `delay_mte`, `amplitude_rms` and `delay_rms`, the contours of 5 % error [-] and
-        [s] over their points, with `ends_mte` and `ends_rms` [-] over end ("low", "high"), the amplitudes
-        at which they reach d = 0. Attributes: `critical_delay` [s], `motion`, `f`, `xi`.
+    `frequency`, `damping_ratio`: the structure [Hz, -]. Result: `displacement` [m] over (test, time) with the
+    coordinates `test_gain` and `test_delay`, the first test being the exact response; `error_of_delay` over
+    (metric, long_delay) at gain 1, `error_of_gain` over (metric, gain) without delay, and `error` over
+    (metric, gain, delay) [-]; `amplitude_mte`, `delay_mte`, `amplitude_rms` and `delay_rms`, the contours of
+    5 % error [-] and [s] over their points, with `ends_mte` and `ends_rms` [-] over end ("low", "high"), the
+    amplitudes at which they reach d = 0. Attributes: `critical_delay` [s], `motion`, `f`, `xi`.
     """
     structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)

@@ -14,8 +14,6 @@ _PARAMETERS = 2
 def exponential(frequencies: ArrayLike, b: ArrayLike) -> tuple[float, float]:
     """Fit k₁ and k₂ of equation (13), b = k₁ e^(−k₂f), by least squares of b; NaN of one value.
 
-    Examples
-    --------
     Table 3 as printed gives equation (15):
 
     >>> from reliab_studies.paper2017.printed import PrintedTables
@@ -36,8 +34,6 @@ def exponential(frequencies: ArrayLike, b: ArrayLike) -> tuple[float, float]:
 def proportional(damping_ratios: ArrayLike, values: ArrayLike) -> float:
     """Fit k of equations (16), y = kξ, by least squares.
 
-    Examples
-    --------
     >>> round(proportional([0.02, 0.1], [2.0, 10.0]), 6)
     100.0
     """

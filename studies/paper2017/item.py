@@ -11,24 +11,7 @@ MISSING: Final = float("nan")
 
 @dataclass(frozen=True, kw_only=True)
 class Item:
-    """One number of the paper, or one thing without a number.
-
-    Parameters
-    ----------
-    item : str
-        Table, figure, equation, or "Text" with its place.
-    quantity : str
-        What the number is.
-    printed : float, optional
-        As printed; NaN where the paper prints none.
-    from_tables, from_records : float, optional
-        Recomputed from the printed tables and equations, and from the records themselves; NaN where that
-        cannot be done.
-    unit : str, optional
-        Unit of all three.
-    remark : str, optional
-        What the difference is, where it has a name; how a thing without a number is used.
-    """
+    """One number of the paper, or one thing without a number."""
 
     item: str
     quantity: str
@@ -48,8 +31,6 @@ class Item:
     def finding(self) -> str:
         """The finding on the number, in a clause.
 
-        Examples
-        --------
         >>> Item(item="Equation (12)", quantity="a", printed=5.3e-5, from_tables=5.29e-5).finding
         'comes back'
         >>> Item(item="Table 1", quantity="a", printed=2.0, from_tables=2.0, from_records=3.0).finding

@@ -1,7 +1,5 @@
 """Every number that the paper prints: its tables as typed out, and what its equations, figures and text say.
 
-References
-----------
 Reliability assessment of real-time hybrid simulation under worst-case scenarios using frequency-domain
 evaluation indices (2017), published online 13 February 2017.
 """
@@ -154,16 +152,8 @@ _FILES: Final = {
 class PrintedTables:
     """The paper's tables as typed out.
 
-    Parameters
-    ----------
-    table2 : pandas.DataFrame
-        no, record, a [-], b [ms²], error [ms⁴].
-    table3 : pandas.DataFrame
-        f_hz, a [-], b [ms²].
-    table4 : pandas.DataFrame
-        xi, a [-], b (which is √b [ms]).
-    cases : pandas.DataFrame
-        Tables 5 and 6.
+    `table2`: no, record, a [-], b [ms²], error [ms⁴]; `table3`: f_hz, a [-], b [ms²]; `table4`: xi, a [-], b
+    (which is √b [ms]).
     """
 
     table2: pd.DataFrame
@@ -175,24 +165,6 @@ class PrintedTables:
     def read(cls, folder: Path | None = None) -> Self:
         """Read the CSV files of a folder.
 
-        Parameters
-        ----------
-        folder : pathlib.Path, optional
-            With `table2.csv`, `table3.csv`, `table4.csv` and `tables5_6.csv`; by default what ships with
-            the project.
-
-        Returns
-        -------
-        PrintedTables
-            The tables.
-
-        Raises
-        ------
-        InputError
-            If a file is missing.
-
-        Examples
-        --------
         >>> tables = PrintedTables.read()
         >>> len(tables.table2), len(tables.table3), len(tables.table4), len(tables.cases)
         (100, 8, 9, 4)

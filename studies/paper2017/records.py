@@ -19,15 +19,8 @@ from .printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
 class Records:
     """Results of the records at 5 % RMS^R, or nothing; what is not there is NaN.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset, optional
-        `a` [-] and `b` [ms²] (and `sse` [ms⁴]) over (motion, f, xi, threshold, metric, curve), motions
-        named as in Table 2.
-    example : xarray.Dataset, optional
-        From `run_paper_example`.
-    cases : xarray.Dataset, optional
-        From `cases_dataset`.
+    `ellipses`: `a` [-] and `b` [ms²] (and `sse` [ms⁴]) over (motion, f, xi, threshold, metric, curve),
+    motions named as in Table 2.
     """
 
     ellipses: xr.Dataset | None = None
@@ -121,15 +114,7 @@ class Records:
 def contour_with_ends(example: xr.Dataset) -> Contour:
     """Contour of 5 % RMS^R of the example (Figure 9b), with its two ends on the axis d = 0.
 
-    Parameters
-    ----------
-    example : xarray.Dataset
-        From `run_paper_example`.
-
-    Returns
-    -------
-    Contour
-        Amplitude [-] and delay [s]; for KOBE/NIS000 the 25 points of the paper.
+    Amplitude [-] and delay [s]; for KOBE/NIS000 the 25 points of the paper.
     """
     low, high = example["ends_rms"].values
     amplitude, delay = (example[f"{name}_rms"].values for name in ("amplitude", "delay"))

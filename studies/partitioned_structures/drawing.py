@@ -19,21 +19,7 @@ RATE: Final = 4096.0
 
 @dataclass(frozen=True, kw_only=True)
 class PartitionedTest:
-    """One test: structure, motion, and a servo with its compensation.
-
-    Attributes
-    ----------
-    structure : str
-        Name of the structure.
-    motion : Motion
-        The ground motion.
-    servo : TransferFunction
-        The actuator: second-order dynamics, a valve's pole and a delay.
-    inverse : tuple of float
-        Factors of the model inverse before it.
-    seed : int
-        Seed of the sensors' noise.
-    """
+    """One test: structure, motion, and a servo with its compensation."""
 
     structure: str
     motion: Motion
@@ -43,27 +29,7 @@ class PartitionedTest:
 
 
 def draw_tests(motions: Sequence[Motion], count: int, seed: int) -> list[PartitionedTest]:
-    """Draw tests: structures and motions in turn, servos and compensations at random.
-
-    Parameters
-    ----------
-    motions : sequence of Motion
-        Ground motions, taken in turn.
-    count : int
-        How many tests.
-    seed : int
-        Seed of the draws.
-
-    Returns
-    -------
-    list of PartitionedTest
-        The tests, whatever their error turns out to be.
-
-    Raises
-    ------
-    InputError
-        If there are no motions or no tests are asked for.
-    """
+    """Draw tests: structures and motions in turn, servos and compensations at random."""
     if not motions or count < 1:
         raise InputError("A study of partitioned tests needs motions and tests", value=f"{count} tests")
     generator = np.random.default_rng([seed, 18])

@@ -56,17 +56,7 @@ def _by_index(a: float, b: float, amplitude: float, delay: float) -> float:
 def by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
     """Predict RMS^R by equation (18).
 
-    Parameters
-    ----------
-    mode : Structure
-        The governing mode, as if all of its stiffness stood in the laboratory.
-    amplitude, delay : float
-        A [-] and d [ms].
-
-    Returns
-    -------
-    float
-        RMS^R [-]; NaN where the equation is not valid.
+    `amplitude`, `delay`: A [-] and d [ms]. Result: RMS^R [-]; NaN where the equation is not valid.
     """
     try:
         a, b = Equation18().limits(mode.frequency, mode.damping_ratio)
@@ -80,23 +70,8 @@ def by_law_with_share(
 ) -> float:
     """Predict RMS^R by the mean law and the growth of a and b with a smaller share α.
 
-    Parameters
-    ----------
-    law : Dimensionless
-        The law of wholly experimental structures; above 2 Hz that of 2 Hz is taken, with b in proportion to
-        1/f².
-    mode : Structure
-        The governing mode with the specimen's share α.
-    partition : Partition
-        The structure with its specimen.
-    amplitude, delay : float
-        A [-] and d [ms].
-
-    Returns
-    -------
-    float
-        RMS^R [-]; NaN where the specimen is no spring in that mode, or α too small beside ξ, so that the law
-        of the share does not hold.
+    `amplitude`, `delay`: A [-] and d [ms]. Result: RMS^R [-]; NaN where the specimen is no spring in that
+    mode, or α too small beside ξ, so that the law of the share does not hold.
     """
     place = place_of_governing_mode(partition)
     if partition.stiffness_shares[place] < _SPRING * abs(partition.impedance_shares[place]):
@@ -117,19 +92,7 @@ def resolved(run: Run, partition: Partition, motion: Motion) -> float:
     Gain and phase of the measured over the command displacement are estimated where the two are coherent, and
     kept beyond; the loop is then solved anew under the ground motion.
 
-    Parameters
-    ----------
-    run : Run
-        The test.
-    partition : Partition
-        Its structure.
-    motion : Motion
-        Its ground motion.
-
-    Returns
-    -------
-    float
-        RMS of the measured minus the exact displacement [m].
+    RMS of the measured minus the exact displacement [m].
     """
     tracking = tracking_over_frequency(run.command, run.measured, run.step)
 

@@ -31,19 +31,9 @@ from .structures import partitioned_structures
 def run_tests(tests: Sequence[PartitionedTest], *, progress: Progress = silent) -> pd.DataFrame:
     """Run tests and predict the error of each in four ways.
 
-    Parameters
-    ----------
-    tests : sequence of PartitionedTest
-        The tests.
-    progress : callable, optional
-        Called after each.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each test: `structure`, `motion`, `f` [Hz], `xi`, `alpha` of the governing mode, `A`,
-        `d_ms`, `lost`, `error` (simulated RMS^R) [-] and the predictions `law_18`, `law_with_share`,
-        `resolved` and `rebuilt` [-]; missing where a law does not apply or the test was lost.
+    One row for each test: `structure`, `motion`, `f` [Hz], `xi`, `alpha` of the governing mode, `A`, `d_ms`,
+    `lost`, `error` (simulated RMS^R) [-] and the predictions `law_18`, `law_with_share`, `resolved` and
+    `rebuilt` [-]; missing where a law does not apply or the test was lost.
     """
     partitions, law = partitioned_structures(), mean_law()
     with ThreadPoolExecutor() as pool:
@@ -94,16 +84,8 @@ def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimension
 def ratios(tests: pd.DataFrame) -> pd.DataFrame:
     """Predicted over simulated error: median ratio and scatter of each prediction.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As `run_tests` returns them.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `prediction`, `tests` that it applies to, `median` ratio, `scatter` (standard deviation of the
-        ratio's logarithm), `low` and `high` (5 and 95 % of the ratios).
+    Columns `prediction`, `tests` that it applies to, `median` ratio, `scatter` (standard deviation of the
+    ratio's logarithm), `low` and `high` (5 and 95 % of the ratios).
     """
     rows = []
     for name in PREDICTIONS:

@@ -58,11 +58,8 @@ def partitioned_structures() -> dict[str, Partition]:
 def shares_of_structures() -> pd.DataFrame:
     """Tabulate modes and the specimen's share in them.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `structure`, `mode`, `f` [Hz], `xi`, shares `alpha`, `mass` and `damping` [-], and
-        `critical_delay_ms` of the structure.
+    Columns `structure`, `mode`, `f` [Hz], `xi`, shares `alpha`, `mass` and `damping` [-], and
+    `critical_delay_ms` of the structure.
     """
     rows = []
     for name, partition in partitioned_structures().items():

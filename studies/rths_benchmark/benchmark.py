@@ -67,14 +67,7 @@ COMPENSATORS: Final = (
 class BenchmarkPlant:
     """A plant of the benchmark: nominal, or drawn from its uncertainty.
 
-    Attributes
-    ----------
-    number : int
-        0 for the nominal plant, else the number of the draw.
-    servo : ServoHydraulic
-        The actuator.
-    stiffness : float
-        True stiffness k_e of the specimen [N/m].
+    `stiffness`: true stiffness k_e of the specimen [N/m].
     """
 
     number: int
@@ -85,13 +78,6 @@ class BenchmarkPlant:
 def benchmark_frame(case: int) -> Frame:
     """Return the reference structure of a case 1 to 4.
 
-    Raises
-    ------
-    InputError
-        If there is no such case.
-
-    Examples
-    --------
     >>> benchmark_frame(1).modes.frequency.round(4)
     array([ 3.6124, 15.9966, 38.0862])
     """
@@ -113,20 +99,7 @@ def benchmark_partition(case: int, stiffness: float = _SPECIMEN_STIFFNESS) -> Pa
 
 
 def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
-    """Draw plants with a₃, β₁, β₂ and k_e from normal distributions, beside the nominal one.
-
-    Parameters
-    ----------
-    perturbed : int
-        How many are drawn.
-    seed : int, optional
-        Seed of the draws; the first of them are the same whatever their number.
-
-    Returns
-    -------
-    list of BenchmarkPlant
-        The nominal one first. A draw of a₃ that is not positive, which leakage cannot be, is drawn again.
-    """
+    """Draw plants with a₃, β₁, β₂ and k_e from normal distributions, beside the nominal one."""
     generator = np.random.default_rng([seed, 2020])
     plants = [BenchmarkPlant(number=0, servo=ServoHydraulic(), stiffness=_SPECIMEN_STIFFNESS)]
     while len(plants) <= perturbed:
@@ -140,13 +113,7 @@ def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
 
 
 def benchmark_compensator(name: str) -> Compensator | None:
-    """Return the controller or compensator of a name, set up for the nominal plant.
-
-    Raises
-    ------
-    InputError
-        If there is no such one; the message lists those there are.
-    """
+    """Return the controller or compensator of a name, set up for the nominal plant."""
     specimen = benchmark_partition(1).specimen
     factors = ServoHydraulic().inverse_factors(specimen)
     lag = factors[1] / factors[0]

@@ -18,15 +18,8 @@ _LONGEST_LAG = 50  # samples
 def tracking_delay(command: Array, measured: Array, step: float) -> float:
     """Lag [s], from 0 to 49 samples, at which measured and command displacement correlate best.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,).
-    step : float
-        Step [s].
+    `command`, `measured`: displacements [m], shape (n,); `step`: step [s].
 
-    Examples
-    --------
     >>> late = np.sin(0.01 * np.arange(1000))
     >>> tracking_delay(np.sin(0.01 * (np.arange(1000) + 7)), late, 1.0)
     7.0
@@ -39,18 +32,7 @@ def tracking_delay(command: Array, measured: Array, step: float) -> float:
 
 
 def benchmark_criteria(run: Run) -> dict[str, float]:
-    """J1 [ms] and J2 to J9 [%] of a test whose first three degrees of freedom are floors.
-
-    Parameters
-    ----------
-    run : Run
-        The test.
-
-    Returns
-    -------
-    dict of str to float
-        Values by name, rounded as the benchmark's code does: J1 to 0.1 ms, the others to 0.01 %.
-    """
+    """J1 [ms] and J2 to J9 [%] of a test whose first three degrees of freedom are floors."""
     measured, numerical, reference = run.measured, run.floors, run.reference
 
     def spread(values: Array, reference: Array) -> float:

@@ -47,23 +47,7 @@ _PUBLISHED_MOTION: Final = "elcentro"
 class BenchmarkRequest:
     """The part of the benchmark to run.
 
-    Parameters
-    ----------
-    cases : tuple of int, optional
-        Cases 1 to 4.
-    compensators : tuple of str, optional
-        Names as `benchmark_compensator` knows them.
-    perturbed : int, optional
-        Number of perturbed plants beside the nominal one.
-    seed : int, optional
-        Seed of the perturbed plants; each test's noise has its own seed that follows from it.
-    threshold : float, optional
-        Error [-] of the verdicts.
-
-    Raises
-    ------
-    InputError
-        If a case or compensator is unknown, or a number is out of range.
+    `threshold`: error [-] of the verdicts.
     """
 
     cases: tuple[int, ...] = CASES
@@ -89,22 +73,10 @@ def run_benchmark(
 ) -> list[dict[str, Any]]:
     """Run every case, motion, compensator and plant in the exact variant.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The unscaled records.
-    request : BenchmarkRequest
-        What is run.
-    progress : callable, optional
-        Called after each test.
-
-    Returns
-    -------
-    list of dict
-        One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms]
-        to `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error`, the true `rms` and `mte`
-        [-]; on the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the
-        probability that RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
+    One for each test: `case`, `motion`, `compensator`, `plant` ("nominal" or a number), `lost`, `J1` [ms] to
+    `J9` [%], `A`, `d_ms`, `peak_force_n`, `over_force_limit`, and `error`, the true `rms` and `mte` [-]; on
+    the nominal plant `rebuilt`, the same from the test alone with its 90 % interval, the probability that
+    RMS^R is below the threshold, and the `verdict`. A lost test has nulls.
     """
     plants = benchmark_plants(request.perturbed, request.seed)
     tests = list(_tests(motions, request, plants))
@@ -194,21 +166,9 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
 def beside_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6) -> pd.DataFrame:
     """Compare the published Table 3 with ours, over noises.
 
-    Parameters
-    ----------
-    motion : Motion
-        El Centro, unscaled.
-    published : pandas.DataFrame
-        Columns `case` and `J1` … `J9`.
-    seeds : int, optional
-        Number of noises.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each case, criterion and variant ("emulated" difference blocks, or "exact"): `case`,
-        `criterion`, `variant`, `published`, `mean`, `least`, `most` over the noises, and `reached`, whether
-        some noise gives the printed digits.
+    `published`: columns `case` and `J1` … `J9`. Result: one row for each case, criterion and variant
+    ("emulated" difference blocks, or "exact"): `case`, `criterion`, `variant`, `published`, `mean`, `least`,
+    `most` over the noises, and `reached`, whether some noise gives the printed digits.
     """
     plant = benchmark_plants(0)[0]
     rows = []
@@ -260,16 +220,8 @@ def read_published(path: Path) -> pd.DataFrame:
 def summary(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Summarise tests by compensator and kind of plant.
 
-    Parameters
-    ----------
-    rows : sequence of dict
-        As `run_benchmark` returns them.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `compensator`, `plants` ("nominal" or "perturbed"), `tests`, `lost`, `over_force_limit`, and
-        the means of `J1` … `J9`, `A` and `d_ms` over the tests that were not lost.
+    Columns `compensator`, `plants` ("nominal" or "perturbed"), `tests`, `lost`, `over_force_limit`, and the
+    means of `J1` … `J9`, `A` and `d_ms` over the tests that were not lost.
     """
     table = pd.DataFrame(rows)
     table["plants"] = np.where(table["plant"] == NOMINAL, NOMINAL, "perturbed")

@@ -20,16 +20,8 @@ _SPECTRAL_DAMPING = 0.05
 def suite_measures(motions: Iterable[Motion]) -> pd.DataFrame:
     """Measure the intensity of motions.
 
-    Parameters
-    ----------
-    motions : iterable of Motion
-        A suite.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row a motion: `motion`, `event`, `peak_acceleration` [m/s²], `arias_intensity` [m/s],
-        `significant_duration` [s] (5 to 95 %) and `mean_period` [s].
+    One row a motion: `motion`, `event`, `peak_acceleration` [m/s²], `arias_intensity` [m/s],
+    `significant_duration` [s] (5 to 95 %) and `mean_period` [s].
     """
     rows = []
     for motion in motions:
@@ -50,20 +42,8 @@ def suite_measures(motions: Iterable[Motion]) -> pd.DataFrame:
 def response_spectra(motions: Sequence[Motion], periods: Sequence[float] = PERIODS) -> xr.DataArray:
     """Pseudo-spectral accelerations of motions at 5 % damping.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        A suite.
-    periods : sequence of float, optional
-        Natural periods [s].
+    `periods`: natural periods [s]. Result: ω₀² max|x| [m/s²] over (motion, period).
 
-    Returns
-    -------
-    xarray.DataArray
-        ω₀² max|x| [m/s²] over (motion, period).
-
-    Examples
-    --------
     A structure much stiffer than the motion moves with the ground:
 
     >>> t = np.arange(0.0, 20.0, 0.01)

@@ -45,28 +45,12 @@ def audit_table2(
 ) -> pd.DataFrame:
     """Find hidden differences between the paper's Table 2 and a simulation of its records.
 
-    Parameters
-    ----------
-    suite : sequence of Motion
-        The records, named as in the table.
-    printed : pandas.DataFrame
-        Columns `record`, `a` [-], `b` [ms²] and `error` [ms⁴], for 1 Hz, 2 % damping and 5 % RMS^R.
-    progress : callable, optional
-        Called after each row.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row each of the printed records that the suite has: `record`, `a_printed`, `b_printed`, `a`,
-        `b` of our simulation, `error_printed` and `error` of equation (10) [ms⁴], `gap_before` (larger of
-        |ln a/a_printed| and |ln b/b_printed|), `agrees` (a and b are within 10 % of the printed numbers),
-        `difference` ("", "time step", "duration", "component" or "none found"), `detail`, `a_after`,
-        `b_after`, `gap_after`, and `chance`, the probability that an explanation as good is due to chance.
-
-    Raises
-    ------
-    InputError
-        If the suite has no or hardly any record of the table.
+    `printed`: columns `record`, `a` [-], `b` [ms²] and `error` [ms⁴], for 1 Hz, 2 % damping and 5 % RMS^R.
+    Result: one row each of the printed records that the suite has: `record`, `a_printed`, `b_printed`, `a`,
+    `b` of our simulation, `error_printed` and `error` of equation (10) [ms⁴], `gap_before` (larger of |ln
+    a/a_printed| and |ln b/b_printed|), `agrees` (a and b are within 10 % of the printed numbers),
+    `difference` ("", "time step", "duration", "component" or "none found"), `detail`, `a_after`, `b_after`,
+    `gap_after`, and `chance`, the probability that an explanation as good is due to chance.
     """
     by_name = {motion.name: motion for motion in suite}
     rows = printed[printed["record"].isin(list(by_name))].reset_index(drop=True)

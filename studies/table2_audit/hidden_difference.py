@@ -28,22 +28,9 @@ def simulated_ellipse(
 ) -> Ellipse:
     """Ellipse of 5 % RMS^R of a record.
 
-    Parameters
-    ----------
-    acceleration : numpy.ndarray
-        Ground acceleration [m/s²], shape (n,).
-    time_step : float
-        Step between samples [s].
-    structure : Structure
-        The structure.
-    end : float, optional
-        End of the window over which the error is computed [s], the record's own by default.
-
-    Returns
-    -------
-    Ellipse
-        a [-], b [ms²] and the fitting error of equation (10) [ms⁴]; a or b is not positive where the
-        boundary is no ellipse.
+    `acceleration`: ground acceleration [m/s²], shape (n,); `time_step`: step between samples [s]; `end`: end
+    of the window over which the error is computed [s], the record's own by default. Result: a [-], b [ms²]
+    and the fitting error of equation (10) [ms⁴]; a or b is not positive where the boundary is no ellipse.
     """
     excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(0.0, end))
     (contour,) = motion_contours(Loop(excitation=excitation, structure=structure))
@@ -51,18 +38,7 @@ def simulated_ellipse(
 
 
 def logarithms(ellipse: Ellipse) -> Pair:
-    """Logarithms of a and b [ms²]; NaN where the boundary is no ellipse.
-
-    Parameters
-    ----------
-    ellipse : Ellipse
-        From :func:`simulated_ellipse`.
-
-    Returns
-    -------
-    tuple of float
-        ln a and ln b.
-    """
+    """Logarithms of a and b [ms²]; NaN where the boundary is no ellipse."""
     if min(ellipse.a, ellipse.b) <= 0.0:
         return NO_ELLIPSE
     return float(np.log(ellipse.a)), float(np.log(ellipse.b))
@@ -72,14 +48,7 @@ def logarithms(ellipse: Ellipse) -> Pair:
 class Difference:
     """A way in which a row may have been computed differently, with its choices.
 
-    Attributes
-    ----------
-    kind : str
-        "time step", "duration" or "component".
-    details : tuple of str
-        What was different, for each choice.
-    pairs : numpy.ndarray
-        ln a and ln b that it leads to, shape (choices, 2); NaN where there is no ellipse.
+    `pairs`: ln a and ln b that it leads to, shape (choices, 2); NaN where there is no ellipse.
     """
 
     kind: str
@@ -99,21 +68,7 @@ def differences(
 ) -> tuple[Difference, ...]:
     """Work out what every difference would have led to.
 
-    Parameters
-    ----------
-    motion : Motion
-        The record of the row.
-    siblings : sequence of Motion
-        Other components of the same recording.
-    steps : sequence of float
-        Time steps that occur in the suite [s].
-    structure : Structure
-        The structure.
-
-    Returns
-    -------
-    tuple of Difference
-        Time step, duration and component, as far as there is a choice.
+    `steps`: time steps that occur in the suite [s].
     """
     other_steps = [step for step in steps if abs(step / motion.time_step - 1.0) > _SAME]
     time_steps = Difference(

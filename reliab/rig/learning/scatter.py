@@ -1,15 +1,13 @@
 """How a test scatters about its prediction: normally, unless the tests say otherwise.
 
-Residuals that are standardised by their predicted spread follow Student's t distribution, perhaps wider
-on one side than on the other (Fernández and Steel 1998), whose mean is zero. Its degrees of freedom, skewness
+Residuals that are standardised by their predicted spread follow Student's t distribution, perhaps wider on
+one side than on the other (Fernández and Steel 1998), whose mean is zero. Its degrees of freedom, skewness
 and scale have a posterior on a grid, and a further residual follows the mean of all of them. Before any test
 is seen, 95 in 100 are normal and 2 in 100 skewed, and the logarithm of the scale is wholly unknown: then few
 tests give wide intervals, many ordinary ones the normal distribution, and odd tests or a skewed scatter have
 to show themselves. Tests of one earthquake are alike, so that all together count as their effective number,
 less the one that the level takes.
 
-References
-----------
 Fernández, C., Steel, M. F. J. (1998). On Bayesian modeling of fat tails and skewness. *Journal of the
 American Statistical Association* 93(441), 359-371.
 """

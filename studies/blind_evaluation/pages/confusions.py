@@ -17,15 +17,9 @@ _DARK = 0.55
 def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
     """Draw how often effects that were named with a stated probability were right.
 
-    Parameters
-    ----------
-    bins : pandas.DataFrame
-        Columns `mean_stated`, `share`, `low`, `high` (95 % interval of the share) [-] and `of`, the count.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Share that was right over the stated probability; on the diagonal statements are calibrated.
+    `bins`: columns `mean_stated`, `share`, `low`, `high` (95 % interval of the share) [-] and `of`, the
+    count. Result: share that was right over the stated probability; on the diagonal statements are
+    calibrated.
     """
     figure, axes = panels(height=_HEIGHT, width=_HEIGHT + 14.0)
     place = axes[0, 0]
@@ -45,15 +39,7 @@ def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
 def discrepancy_confusion(counts: Mapping[str, Mapping[str, int]]) -> Figure:
     """Draw which effects were given which names.
 
-    Parameters
-    ----------
-    counts : mapping of str to mapping of str to int
-        Answers with their numbers by what is true.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Truths in rows, answers in columns; shading by the share of the row.
+    Truths in rows, answers in columns; shading by the share of the row.
     """
     table = pd.DataFrame(counts).T.fillna(0).astype(int)
     table = table[sorted(table.columns, key=lambda name: _place(str(name), list(counts)))]

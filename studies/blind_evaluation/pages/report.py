@@ -46,25 +46,7 @@ def blind_evaluation_report(
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report what was measured on blind campaigns.
-
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    runs : sequence of mapping
-        Figures of each run, the last being that of the present code: `code`, `seeds`, `campaigns`, `rates`,
-        `closed_fraction`, `coverage`, `reliability`, `confusion` and `failures`.
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know.
-
-    Returns
-    -------
-    Document
-        The report.
-    """
+    """Report what was measured on blind campaigns."""
     last = runs[-1]
     rates_with_target = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
     gap = last["closed_fraction"]

@@ -45,23 +45,7 @@ def ductility_report(
 ) -> Document:
     """Report tolerances of nonlinear over those of linear tests.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    levels : pandas.DataFrame
-        As `compare_levels` gives it.
-    limits : pandas.DataFrame
-        As `compare_limits` gives it, with `alpha` and `threshold` [-].
-    provenance : mapping
-        What the report can be made again from, by name.
-    purpose : str, optional
-        What the study is for.
-
-    Returns
-    -------
-    Document
-        The report.
+    `limits`: as `compare_limits` gives it, with `alpha` and `threshold` [-].
     """
     overall = levels[levels["f"].isna() & (levels["direction"] == "narrowest")]
     narrower = float((overall["narrower"] * overall["tests"]).sum() / overall["tests"].sum())

@@ -26,18 +26,7 @@ _TITLES = {
 
 @styled
 def tolerance_over_level(levels: pd.DataFrame) -> Figure:
-    """Draw quantiles of the tolerance over that of the linear test, one panel for each kind of specimen.
-
-    Parameters
-    ----------
-    levels : pandas.DataFrame
-        As `compare_levels` gives it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Median, the middle half (thick) and 90 % (thin) of all tests, over the level of the specimen.
-    """
+    """Draw quantiles of the tolerance over that of the linear test, one panel for each kind of specimen."""
     kinds = list(dict.fromkeys(levels["specimen"]))
     columns = min(2, len(kinds))
     rows = -(-len(kinds) // columns)

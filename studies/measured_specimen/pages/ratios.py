@@ -16,15 +16,8 @@ _BESIDE = 0.13  # between marks of tests with less and with more noise
 def ratios_by_family(tests: pd.DataFrame) -> Figure:
     """Draw the computed error over the true one with its interval, one mark a test.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        Columns `family`, `decibels`, `true`, `value`, `low` and `high`, one row a test.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Ratios [-] on a logarithmic scale, the band of 10 % shaded; what lies outside is drawn at the edge.
+    `tests`: columns `family`, `decibels`, `true`, `value`, `low` and `high`, one row a test. Result: ratios
+    [-] on a logarithmic scale, the band of 10 % shaded; what lies outside is drawn at the edge.
     """
     figure, axes = panels(height=_HEIGHT)
     place = axes[0, 0]

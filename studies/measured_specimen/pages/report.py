@@ -39,25 +39,7 @@ def measured_specimen_report(
 ) -> Document:
     """Report errors of tests whose specimen is known by its force only.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    tests : pandas.DataFrame
-        As `judge_tests` gives them.
-    rates : pandas.DataFrame
-        As `summarise` gives them.
-    threshold : float
-        Error up to which a test is good [-].
-    provenance : mapping
-        What the report can be made again from, by name.
-    purpose : str, optional
-        What the study is for.
-
-    Returns
-    -------
-    Document
-        The report.
+    `threshold`: error up to which a test is good [-].
     """
     overall = rates[rates["family"] == ALL].iloc[0]
     return Document(

@@ -12,13 +12,7 @@ _LINE = 1.0
 
 @styled
 def block_diagram() -> Figure:
-    """Draw the loop: structure without its tested stiffness, actuator, specimen, feedback.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A drawing to no scale.
-    """
+    """Draw the loop: structure without its tested stiffness, actuator, specimen, feedback."""
     figure = blank(height=_HEIGHT)
     axes = figure.subplots()
     axes.set(xlim=(0.0, 16.0), ylim=(-0.2, 5.0), aspect="equal")

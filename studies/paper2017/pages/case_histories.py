@@ -9,24 +9,7 @@ from ..pages.displacement_histories import HistoryPanel, displacement_histories
 
 
 def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: bool = False) -> Figure:
-    """Draw the exact response and the measured displacement of each case.
-
-    Parameters
-    ----------
-    cases : xarray.Dataset
-        The four cases, from `cases_dataset`.
-    caption : Prose
-        What the figure shows.
-    label : str
-        By which the report refers to it.
-    errors : bool, optional
-        Whether the RMS error stands in each panel.
-
-    Returns
-    -------
-    Figure
-        One panel for each case.
-    """
+    """Draw the exact response and the measured displacement of each case."""
     panels = [
         HistoryPanel(
             title=f"case {number}",

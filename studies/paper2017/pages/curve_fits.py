@@ -18,17 +18,8 @@ _POINTS = 201
 def curve_fits(contour: Contour, curves: Sequence[Curve]) -> Figure:
     """Draw a contour of equal error with the curves fitted to it.
 
-    Parameters
-    ----------
-    contour : Contour
-        Amplitude [-] and delay [s] along the contour.
-    curves : sequence of Curve
-        The fits.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Delay [ms] over amplitude [-]; the legend gives each fitting error [ms⁴].
+    `contour`: amplitude [-] and delay [s] along the contour. Result: delay [ms] over amplitude [-]; the
+    legend gives each fitting error [ms⁴].
     """
     figure, axes = panels(height=_HEIGHT, width=120.0)
     place = axes[0, 0]

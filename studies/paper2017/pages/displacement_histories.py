@@ -38,18 +38,8 @@ _LEVELS = 100.0
 class HistoryPanel:
     """What one panel shows.
 
-    Parameters
-    ----------
-    title : str
-        What is special about the test.
-    times : array of float, shape (n,)
-        Times [s].
-    ideal : array of float, shape (n,)
-        Exact response x_I [m].
-    measured : array of float, shape (n,), optional
-        Measured displacement x_m [m]; without it only the exact response is drawn.
-    note : str, optional
-        A number worth seeing, for example the error of the test.
+    `times`: times [s], shape (n,); `ideal`: exact response x_I [m], shape (n,); `measured`: measured
+    displacement x_m [m]; without it only the exact response is drawn, shape (n,).
     """
 
     title: str
@@ -63,17 +53,7 @@ class HistoryPanel:
 def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
     """Draw exact response and measured displacement of several tests on one scale of time.
 
-    Parameters
-    ----------
-    histories : sequence of HistoryPanel
-        One panel each.
-    columns : int, optional
-        Panels side by side.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Displacement [mm] over time [s].
+    Displacement [mm] over time [s].
     """
     rows = -(-len(histories) // columns)
     figure, axes = panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
@@ -92,18 +72,7 @@ def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 
 def as_printed(history: HistoryPanel) -> HistoryPanel:
     """Keep what a print can show: fewer points, displacements rounded to a third of a line's width.
 
-    Nothing is lost to the eye, and the ground motion cannot be found again by differentiating what is
-    drawn.
-
-    Parameters
-    ----------
-    history : HistoryPanel
-        Histories at any step.
-
-    Returns
-    -------
-    HistoryPanel
-        At most a thousand points.
+    Nothing is lost to the eye, and the ground motion cannot be found again by differentiating what is drawn.
     """
     times = np.linspace(history.times[0], history.times[-1], min(_MOST_POINTS, history.times.size))
     step = float(np.abs(history.ideal).max()) / _LEVELS

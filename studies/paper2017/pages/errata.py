@@ -38,18 +38,7 @@ _ALWAYS: Final[tuple[Prose, ...]] = (
 
 
 def errata_section(numbers: pd.DataFrame) -> Section:
-    """List the slips.
-
-    Parameters
-    ----------
-    numbers : pandas.DataFrame
-        Every number of the paper, as `tabulate` makes it.
-
-    Returns
-    -------
-    Section
-        One point each.
-    """
+    """List the slips."""
     slips = tuple(prose("{place}: {slip}", place=place, slip=slip) for place, slip in SLIPS)
     return Section(
         title="Errata of the paper",

@@ -18,15 +18,8 @@ _HEADROOM = 1.18
 def error_contours(contours: Mapping[Metric, Mapping[float, Contour]]) -> Figure:
     """Draw contours of equal error, MTE^R and RMS^R side by side on the same scales.
 
-    Parameters
-    ----------
-    contours : mapping of Metric to mapping of float to Contour
-        Contours by error and by threshold [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Delay [ms] over amplitude [-]; inside a contour the error is smaller.
+    `contours`: contours by error and by threshold [-]. Result: delay [ms] over amplitude [-]; inside a
+    contour the error is smaller.
     """
     figure, axes = panels(1, len(contours), height=_HEIGHT, share_x=True, share_y=True)
     letters(axes, tuple(ERRORS[metric] for metric in contours))

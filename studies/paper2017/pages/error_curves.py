@@ -37,21 +37,10 @@ def error_curves(
 ) -> Figure:
     """Draw how the error grows with the delay and with the amplitude error of the actuator.
 
-    Parameters
-    ----------
-    over_delay : tuple of array and mapping of Metric to array
-        Delays d [s] and the errors.
-    over_amplitude : tuple of array and mapping of Metric to array
-        Amplitudes A [-] and the errors.
-    critical_delay : float
-        Where the loop becomes unstable [s].
-    threshold : float
-        Error at which a test is no longer accepted [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Error [%] over delay [ms], on a linear and on a logarithmic scale, and over amplitude [-].
+    `over_delay`: delays d [s] and the errors; `over_amplitude`: amplitudes A [-] and the errors;
+    `critical_delay`: where the loop becomes unstable [s]; `threshold`: error at which a test is no longer
+    accepted [-]. Result: error [%] over delay [ms], on a linear and on a logarithmic scale, and over
+    amplitude [-].
     """
     figure, axes = panels(1, 3, height=_HEIGHT)
     linear, logarithmic, amplitude = axes[0]

@@ -28,21 +28,8 @@ def error_maps(
 ) -> Figure:
     """Draw errors over the plane of amplitude and delay, above as surfaces, below as plans.
 
-    Parameters
-    ----------
-    amplitudes : array of float, shape (kp,)
-        Amplitudes A [-].
-    delays : array of float, shape (tau,)
-        Delays d [s].
-    errors : mapping of Metric to array of float, shape (kp, tau)
-        MTE^R and RMS^R [-].
-    threshold : float
-        Error whose contour is drawn thick [-].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two rows, one column for each error.
+    `amplitudes`: amplitudes A [-], shape (kp,); `delays`: delays d [s], shape (tau,); `errors`: MTE^R and
+    RMS^R [-], shape (kp, tau); `threshold`: error whose contour is drawn thick [-].
     """
     figure = blank(height=_HEIGHT)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.06)

@@ -13,13 +13,7 @@ _COILS = 7
 
 @styled
 def frame() -> Figure:
-    """Draw the frame (numerical substructure) and the spring (experimental substructure).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A drawing to no scale.
-    """
+    """Draw the frame (numerical substructure) and the spring (experimental substructure)."""
     figure = blank(height=_HEIGHT)
     axes = figure.subplots()
     axes.set(xlim=(-1.2, 12.8), ylim=(-1.3, 4.6), aspect="equal")

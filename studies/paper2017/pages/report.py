@@ -55,36 +55,7 @@ def paper_report(
     notes: Sequence[Prose] = (),
     purpose: str = "",
 ) -> Document:
-    """Report the reproduction of Guo and others (2017).
-
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    example : xarray.Dataset
-        The example, from `run_paper_example`.
-    ellipses : xarray.Dataset
-        Ellipses of 5 % RMS^R (other thresholds and metrics are left aside) of the 100 motions, named as in
-        Table 2, over frequencies and damping ratios that include 1 Hz and 0.02.
-    cases : xarray.Dataset
-        The four cases, from `cases_dataset`.
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know beside what is always said.
-    purpose : str, optional
-        What the study is for, for the first page.
-
-    Returns
-    -------
-    Document
-        The report.
-
-    Raises
-    ------
-    InputError
-        If the ellipses lack the motion of the example.
-    """
+    """Report the reproduction of Guo and others (2017)."""
     if example.attrs["motion"] not in ellipses["motion"]:
         raise InputError(
             "The paper's motions include that of its example",

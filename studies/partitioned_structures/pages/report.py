@@ -28,26 +28,7 @@ def partitioned_structures_report(
     provenance: Mapping[str, object],
     purpose: str = "",
 ) -> Document:
-    """Report predictions against simulated errors.
-
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    tests : pandas.DataFrame
-        As `run_tests` returns them.
-    shares : pandas.DataFrame
-        As `shares_of_structures` returns them.
-    provenance : mapping
-        What the report can be made again from, by name.
-    purpose : str, optional
-        What the study is for.
-
-    Returns
-    -------
-    Document
-        The report.
-    """
+    """Report predictions against simulated errors."""
     completed = tests[~tests["lost"]]
     table = ratios(completed).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
     return Document(

@@ -15,15 +15,7 @@ _SPREAD = 0.16
 def benchmark_spread(tests: pd.DataFrame) -> Figure:
     """Draw J4 of every test over the case, one mark for each compensator.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        Columns `name`, `case` and `J4` [%], one row a test.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        J4 [%] on a logarithmic scale.
+    `tests`: columns `name`, `case` and `J4` [%], one row a test. Result: J4 [%] on a logarithmic scale.
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]

@@ -47,25 +47,7 @@ def rths_benchmark_report(
 ) -> Document:
     """Report the benchmark.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    tests : sequence of mapping
-        As `run_benchmark` returns them.
-    published : pandas.DataFrame or None
-        As `beside_published` returns it; None without its motion.
-    threshold : float
-        Error up to which a test is good [-].
-    provenance : mapping
-        What the report can be made again from, by name.
-    purpose : str, optional
-        What the study is for.
-
-    Returns
-    -------
-    Document
-        The report.
+    `threshold`: error up to which a test is good [-].
     """
     rows = [dict(test) for test in tests]
     table, judged = summary(rows), _judged(rows)

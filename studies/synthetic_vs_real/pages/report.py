@@ -54,33 +54,11 @@ def suites_report(
 ) -> Document:
     """Compare suites of ground motions, the first being the reference.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    measures : mapping of str to pandas.DataFrame
-        By the name of the suite, one row for each motion: `event`, `peak_acceleration` [m/s²],
-        `arias_intensity` [m/s], `significant_duration` [s], `mean_period` [s], `a` [-] and `b` [ms²].
-    spectra : mapping of str to xarray.DataArray
-        Spectral accelerations [m/s²] over (motion, period) by the name of the suite; may be empty.
-    limits : pandas.DataFrame
-        Limits of the criterion of each suite: columns suite, f [Hz], xi, a [-], b [ms²].
-    coverage : pandas.DataFrame, optional
-        What criteria learned from one suite contain of the motions of the reference, as
-        :func:`reliab.report.sections.rates.rates_table` makes it.
-    confidence : float
-        Confidence of the criteria [-].
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know.
-    purpose : str, optional
-        What the study is for, for the first page.
-
-    Returns
-    -------
-    Document
-        The report.
+    `measures`: by the name of the suite, one row for each motion: `event`, `peak_acceleration` [m/s²],
+    `arias_intensity` [m/s], `significant_duration` [s], `mean_period` [s], `a` [-] and `b` [ms²]; `spectra`:
+    spectral accelerations [m/s²] over (motion, period) by the name of the suite; may be empty; `limits`:
+    limits of the criterion of each suite: columns suite, f [Hz], xi, a [-], b [ms²]; `confidence`: confidence
+    of the criteria [-].
     """
     names, containment = list(measures), _containment(coverage, confidence)
     blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]

@@ -31,16 +31,8 @@ _QUANTILES = (0.16, 0.5, 0.84)
 def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the distribution of each measure over the motions of each suite.
 
-    Parameters
-    ----------
-    suites : mapping of str to pandas.DataFrame
-        By the name of the suite, one row for each motion with columns of `MEASURES`; those that all
-        suites have are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Shares of motions below a value, on logarithmic scales.
+    `suites`: by the name of the suite, one row for each motion with columns of `MEASURES`; those that all
+    suites have are drawn.
     """
     measures = {
         name: axis for name, axis in MEASURES.items() if all(name in table for table in suites.values())
@@ -65,15 +57,8 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
 def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Figure:
     """Draw the median response spectrum of each suite with the middle two thirds of the motions.
 
-    Parameters
-    ----------
-    suites : mapping of str to xarray.DataArray
-        Spectral accelerations [m/s²] over (motion, period [s]) by the name of the suite.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Spectral acceleration [m/s²] over period [s]: medians, and 16 to 84 % as bands and thin lines.
+    `suites`: spectral accelerations [m/s²] over (motion, period [s]) by the name of the suite. Result:
+    spectral acceleration [m/s²] over period [s]: medians, and 16 to 84 % as bands and thin lines.
     """
     figure, axes = panels(height=_SPECTRUM_HEIGHT)
     place = axes[0, 0]

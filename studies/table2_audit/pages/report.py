@@ -36,24 +36,7 @@ def table_audit_report(
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report which rows of Table 2 come back, and what differs in the others.
-
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    rows : pandas.DataFrame
-        As `audit_table2` makes it.
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know.
-
-    Returns
-    -------
-    Document
-        The report.
-    """
+    """Report which rows of Table 2 come back, and what differs in the others."""
     rows = rows.fillna({"difference": "", "detail": ""})
     disagreeing = rows[~rows["agrees"]]
     explained = disagreeing[disagreeing["difference"] != NONE_FOUND]

@@ -21,15 +21,7 @@ from reliab.report import (
 def table_rows(rows: pd.DataFrame) -> Figure:
     """Draw simulated over printed ellipse parameters, row by row.
 
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        As `audit_table2` makes it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels before and after; b over a, each as a ratio.
+    Panels before and after; b over a, each as a ratio.
     """
     figure, axes = panels(1, 2, height=78.0, share_x=True, share_y=True)
     letters(axes, ("as simulated", "with the differences that were named"))

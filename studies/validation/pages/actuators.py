@@ -10,18 +10,7 @@ from ..pages.actuators_beyond_the_model import error_beyond_the_model
 
 
 def actuators_section(tests: pd.DataFrame) -> Section:
-    """Report tests whose actuators are no constant gain and delay.
-
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As :func:`reliab.validation.beyond_the_model.try_rigs` makes it.
-
-    Returns
-    -------
-    Section
-        A figure of their errors and a table of the verdicts.
-    """
+    """Report tests whose actuators are no constant gain and delay."""
     return Section(
         title="Actuators that are no constant gain and delay",
         blocks=(

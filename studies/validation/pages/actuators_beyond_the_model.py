@@ -16,17 +16,8 @@ def error_beyond_the_model(
 ) -> Figure:
     """Draw the error of each test over that of a constant gain and delay with the same indices.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        Columns rig, error [-] and predicted [-], one row a test.
-    prediction : str, optional
-        What the predicted error is that of.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Both errors [%] on logarithmic scales; on the diagonal they agree.
+    `tests`: columns rig, error [-] and predicted [-], one row a test. Result: both errors [%] on logarithmic
+    scales; on the diagonal they agree.
     """
     figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]

@@ -11,18 +11,7 @@ from reliab.vocabulary import MILLI, PERCENT
 
 
 def cases_section(cases: xr.Dataset) -> Section:
-    """Show the verdicts of equation (18) on the four cases, their errors, and what the paper prints.
-
-    Parameters
-    ----------
-    cases : xarray.Dataset
-        The four cases, from `cases_dataset`.
-
-    Returns
-    -------
-    Section
-        A table and the histories.
-    """
+    """Show the verdicts of equation (18) on the four cases, their errors, and what the paper prints."""
     seconds = f"{cases.attrs.get('window', 0.0):g}"
     caption = "Exact response and measured displacement of the four cases."
     return Section(

@@ -26,17 +26,7 @@ _NAMES = {"guo_2017_15": "equation (15)", "guo_2017_18": "equation (18)"}
 def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     """Report what the rebuilt error is worth beside criteria.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        As :func:`reliab.validation.rebuilt_error_study.try_tests` gives it.
-    threshold : float
-        Error up to which a test is good [-].
-
-    Returns
-    -------
-    Section
-        Two figures and four tables.
+    `threshold`: error up to which a test is good [-].
     """
     by_judge = tests.assign(judge=tests["judge"].replace(_NAMES))
     tables = summarised(by_judge)

@@ -28,17 +28,8 @@ _SHIFT = 0.16
 def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     """Draw the error that judges state over the true one.
 
-    Parameters
-    ----------
-    tests : pandas.DataFrame
-        Columns judge, rig, error [-] and estimate [-], one row for each test and judge.
-    judges : tuple of str
-        Judges that state an error, a panel each.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Errors [%] on logarithmic scales, by actuator; on the diagonal they agree.
+    `tests`: columns judge, rig, error [-] and estimate [-], one row for each test and judge. Result: errors
+    [%] on logarithmic scales, by actuator; on the diagonal they agree.
     """
     figure, axes = panels(1, len(judges), height=_HEIGHT, share_x=True, share_y=True)
     estimated = tests[
@@ -64,15 +55,8 @@ def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
 def accepted_tests(rows: pd.DataFrame) -> Figure:
     """Draw which share of bad and of good tests each judge accepts.
 
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Columns judge, and bad_accepted and good_accepted [-], each with _low and _high.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Shares [%] with their 95 % intervals, a row for each judge.
+    `rows`: columns judge, and bad_accepted and good_accepted [-], each with _low and _high. Result: shares
+    [%] with their 95 % intervals, a row for each judge.
     """
     figure, axes = panels(height=_SHARES_HEIGHT + _ROW * len(rows))
     place = axes[0, 0]

@@ -40,45 +40,11 @@ def validation_report(
 ) -> Document:
     """Report how criteria did on motions that they were not learned from.
 
-    Parameters
-    ----------
-    title : str
-        Title of the report.
-    rates : mapping of str to pandas.DataFrame
-        What was found by the name of each division into learned and judged motions, each as
-        :func:`reliab.report.sections.rates.rates_table` makes it; the verdict is that of the first, and in
-        it of the first criterion.
-    confidence : float
-        The confidence that the verdict speaks of [-].
-    experimental_fraction : float, optional
-        Share of the stiffness in the laboratory [-].
-    window : str, optional
-        Where errors were taken.
-    verdicts : pandas.DataFrame, optional
-        What became of simulated tests in the first division: columns `candidate`, `confidence`,
-        `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`, as
-        :func:`reliab.validation.cross_validation.counts.tabulate` makes it.
-    beyond : pandas.DataFrame, optional
-        Tests with actuators that are no constant gain and delay, as
-        :func:`reliab.validation.beyond_the_model.try_rigs` makes it.
-    rebuilt : pandas.DataFrame, optional
-        Tests that are judged by their rebuilt error too, as
-        :func:`reliab.validation.rebuilt_error_study.try_tests` makes it.
-    threshold : float, optional
-        Error up to which these tests are good [-].
-    cases : xarray.Dataset, optional
-        The paper's four cases, from `cases_dataset`.
-    provenance : mapping
-        What the report can be made again from, by name.
-    notes : sequence of Prose, optional
-        What the reader should know.
-    purpose : str, optional
-        What the study is for, for the first page.
-
-    Returns
-    -------
-    Document
-        The report.
+    `confidence`: the confidence that the verdict speaks of [-]; `experimental_fraction`: share of the
+    stiffness in the laboratory [-]; `verdicts`: what became of simulated tests in the first division: columns
+    `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`, as
+    :func:`reliab.validation.cross_validation.counts.tabulate` makes it; `threshold`: error up to which these
+    tests are good [-].
     """
     blocks = _rates(rates, confidence)
     if verdicts is not None and len(verdicts):

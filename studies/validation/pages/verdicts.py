@@ -11,17 +11,8 @@ from reliab.significant import percent
 def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
     """Count good and bad tests that criteria accept and refuse.
 
-    Parameters
-    ----------
-    verdicts : pandas.DataFrame
-        Columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`.
-    confidence : float
-        Share of the population's ground motions that the criteria state [-].
-
-    Returns
-    -------
-    Section
-        A table.
+    `verdicts`: columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`,
+    `bad_rejected`; `confidence`: share of the population's ground motions that the criteria state [-].
     """
     rows = verdicts[np.isclose(verdicts["confidence"], confidence)]
     rows = rows.assign(candidate=[law_in_words(str(name)) for name in rows["candidate"]])
