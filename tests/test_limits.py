@@ -9,7 +9,7 @@ from scipy.io import savemat
 
 from reliab.assessment import assess
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.campaign import reading

@@ -55,7 +55,6 @@ from .recorded_force import (
     unit_like as unit_like,
 )
 from .same_test import RunOfTest as RunOfTest, SameTest as SameTest, combine_runs as combine_runs
-from .several import Assessments as Assessments
+from .several import Assessments as Assessments, verdict_table as verdict_table
 from .tracking_index import LEVEL as LEVEL
 from .verdict import Word as Word, word_of_probability as word_of_probability
-from .verdict_table import verdict_table as verdict_table

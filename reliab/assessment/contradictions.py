@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.band import noise_floor, power_of
 from reliab.assessment.budget import Size, Source
-from reliab.assessment.tracking_index import TrackingIndex
+from reliab.assessment.tracking_index import TrackingIndex, noise_floor, power_of
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
 from reliab.significant import percent, significant

@@ -15,7 +15,7 @@ from reliab.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error import CoupledError, DegreeError
-    from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
+    from reliab.assessment.rebuilt_error.spread import DisplacementError
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault
-from reliab.assessment.improvement import Improvement, improvement
 from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
@@ -23,7 +24,7 @@ from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, stability_margin
 from reliab.structures.stability import critical_delay
-from reliab.vocabulary import Metric
+from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.own_motion import OwnPlacement
@@ -63,6 +64,43 @@ class FaultEffect:
             "error": finite(error.estimate(error.metric).value),
             "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Improvement:
+    """Which of the two errors weighs more, and what would be tolerable."""
+
+    first: str  # The error with the greater part of the index
+    share_of_delay: float  # Part of the delay in the index [-]
+    # Delay [s] up to which the test is accepted at its own amplitude; 0 where no delay is small enough
+    tolerable_delay: float
+    # Amplitude error |A − 1| [-] up to which it is accepted at its own delay; likewise
+    tolerable_amplitude_error: float
+
+
+def improvement(amplitude: float, delay: float, a: float, b: float) -> Improvement:
+    """Divide the index of a test between its two errors.
+
+    >>> found = improvement(1.003, 0.0012, 5.3e-5, 1.04)
+    >>> found.first, round(found.share_of_delay, 2), round(1e3 * found.tolerable_delay, 3)
+    ('delay', 0.89, 0.929)
+    """
+    of_amplitude = _part((amplitude - 1.0) ** 2, a)
+    of_delay = _part((MILLI * delay) ** 2, b)
+    total = of_amplitude + of_delay
+    share = 0.5 if total == 0.0 or np.isinf(total) else of_delay / total
+    return Improvement(
+        first="delay" if of_delay >= of_amplitude else "amplitude",
+        share_of_delay=share,
+        tolerable_delay=float(np.sqrt(max(1.0 - of_amplitude, 0.0) * b)) / MILLI,
+        tolerable_amplitude_error=float(np.sqrt(max(1.0 - of_delay, 0.0) * a)),
+    )
+
+
+def _part(square: float, limit: float) -> float:
+    if limit > 0.0:
+        return square / limit
+    return 0.0 if square == 0.0 else np.inf
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.band import noise_floor
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
+from reliab.assessment.tracking_index import noise_floor
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import correlated

@@ -1,19 +1,24 @@
 """Verdicts on several tests, with the reasons why some could not be judged."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.same_test import SameTest, combine_runs
-from reliab.assessment.verdict_table import verdict_table
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _IN_NOTEBOOKS = ("verdict", "probability", "rms", "rms_low", "rms_high", "mte", "A", "d_ms", "fault")
+
+_PLAIN: Final = (
+    *("file", "test", "verdict", "probability", "metric", "threshold"),
+    *("A", "d_ms", "index", "stability_margin"),
+)
+_ENDS: Final = ("value", "low", "high")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,7 +68,7 @@ class Assessments:
         return combine_runs(runs)
 
     def to_frame(self) -> "pd.DataFrame":
-        """Put the verdicts into a table; see `reliab.assessment.verdict_table`."""
+        """Put the verdicts into a table; see `reliab.assessment.several`."""
         return verdict_table({"file": file, **summary} for file, summary in self.to_dict().items())
 
     def __repr__(self) -> str:
@@ -75,3 +80,34 @@ class Assessments:
         """Table for notebooks."""
         shown = self.to_frame().set_index("file")[list(_IN_NOTEBOOKS)]
         return str(shown.to_html(na_rep="", float_format="{:.4g}".format))
+
+
+def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> "pd.DataFrame":
+    """Put the answers about several tests into a table.
+
+    Returns `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
+    `index` [-], `stability_margin` [-], `rms`, `rms_low`, `rms_high`, `mte`, `mte_low`, `mte_high` [-],
+    `reasons`, `warnings` and `fault`; empty where a value is unknown.
+
+    >>> verdict_table([{"file": "a.csv", "fault": "It must not be empty."}]).loc[0, "fault"]
+    'It must not be empty.'
+    """
+    import pandas as pd
+
+    return pd.DataFrame([_row(summary) for summary in summaries])
+
+
+def _row(summary: Mapping[str, Any]) -> dict[str, Any]:
+    error = summary.get("error", {})
+    sizes = {
+        name if end == "value" else f"{name}_{end}": error.get(name, {}).get(end)
+        for name in ("rms", "mte")
+        for end in _ENDS
+    }
+    sentences = {name: " ".join(summary.get(name, ())) or None for name in ("reasons", "warnings")}
+    return {
+        **{name: summary.get(name) for name in _PLAIN},
+        **sizes,
+        **sentences,
+        "fault": summary.get("fault"),
+    }

@@ -3,7 +3,6 @@ from .calibration import (
     calibrate_channels as calibrate_channels,
     calibration_in_toml as calibration_in_toml,
 )
-from .channel import Channel as Channel, Part as Part
 from .channels_file import (
     ChannelTables as ChannelTables,
     StatedChannels as StatedChannels,
@@ -14,10 +13,14 @@ from .coupled_recording import (
     CoupledRecording as CoupledRecording,
     read_coupled_recording as read_coupled_recording,
 )
-from .followed_skew import rows_without_skew as rows_without_skew
-from .followed_steps import rows_at_equal_steps as rows_at_equal_steps, step_of_rows as step_of_rows
-from .following import Rows as Rows, rows_as_written as rows_as_written
-from .growing_file import chunks_of_text as chunks_of_text
+from .following import (
+    Rows as Rows,
+    chunks_of_text as chunks_of_text,
+    rows_as_written as rows_as_written,
+    rows_at_equal_steps as rows_at_equal_steps,
+    rows_without_skew as rows_without_skew,
+    step_of_rows as step_of_rows,
+)
 from .naming import page_words as page_words
 from .readers import is_frame as is_frame, read_tests as read_tests
 from .reading import (
@@ -38,6 +41,8 @@ from .record import (
 from .recording import (
     FEWEST_SAMPLES as FEWEST_SAMPLES,
     LARGEST_READING as LARGEST_READING,
+    Channel as Channel,
+    Part as Part,
     Recording as Recording,
 )
 from .spikes import without_spikes as without_spikes

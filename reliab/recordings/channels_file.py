@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
-from reliab.recordings.channel import Part, Stated
+from reliab.recordings.recording import Part, Stated
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 

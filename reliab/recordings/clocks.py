@@ -13,9 +13,8 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.channel import Channel
 from reliab.recordings.readers import Columns
-from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING
+from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Channel
 from reliab.recordings.units import TIMES, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals import CubicPath

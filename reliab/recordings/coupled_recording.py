@@ -1,6 +1,7 @@
 """A test with several actuators: commands and measured displacements at equal steps, checked."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -8,18 +9,28 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.actuator_pairs import numbers_of_pairs, with_numbered_pairs
-from reliab.recordings.channel import Channel, Part
 from reliab.recordings.channels_file import StatedChannels
-from reliab.recordings.readers import is_frame, read_frame
+from reliab.recordings.readers import Columns, is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
-from reliab.recordings.recording import FEWEST_SAMPLES, Recording, require_few_samples, require_finite
+from reliab.recordings.recording import (
+    DISPLACEMENTS,
+    FEWEST_SAMPLES,
+    Channel,
+    Part,
+    Recording,
+    require_few_samples,
+    require_finite,
+)
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import pandas as pd
+
+_NAMED_SO: Final = re.compile(
+    r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,3 +135,19 @@ def coupled_recording_of(histories: Histories) -> CoupledRecording:
         channels=tuple(named),
         ground=next((histories.values[key] for key in grounds), None),
     )
+
+
+def with_numbered_pairs(columns: Columns) -> Columns:
+    """Take columns command_1, measured_1, command_2, … as those of actuators where there are several."""
+    matches = {name: match for name in columns.values if (match := _NAMED_SO.match(name))}
+    parts = {name: (match[1], match[2]) for name, match in matches.items()}
+    if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
+        return replace(columns, parts={**columns.parts, **parts})
+    return columns
+
+
+def numbers_of_pairs(channels: Iterable[tuple[Part, str]]) -> tuple[str, ...]:
+    """Numbers of actuators with both channels, in their order."""
+    every = set(channels)
+    numbers = {number for part, number in every if all((one, number) in every for one in DISPLACEMENTS)}
+    return tuple(sorted(numbers, key=lambda number: (len(number), number)))

@@ -1,22 +1,26 @@
-"""Rows of a text that is still being written, as its lines become complete.
+"""Rows of a text that is still being written, as its lines become complete, at equal steps, without skew.
 
 The text has any dialect of :mod:`reliab.recordings.readers.text`. Of a file that was rotated (replaced by
 another one of the same name, or shortened) an empty piece comes first; its header is read anew, or is that of
 the file before where it has none.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
-from reliab.recordings.actuator_pairs import numbers_of_pairs, with_numbered_pairs
-from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
+from reliab.files import ordinary
+from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
 from reliab.recordings.readers import Columns
 from reliab.recordings.readers.text import (
     begins_table,
@@ -29,10 +33,78 @@ from reliab.recordings.readers.text import (
 )
 from reliab.recordings.reading import stated_in
 from reliab.recordings.recognition import recognise
+from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Stated
 from reliab.stated_value import StatedValue
+
+_POLL = 0.05  # s between two looks at a file that does not grow
+_BYTES = 1 << 16
 
 _LONGEST_LINE: Final = 1 << 16
 _LONGEST_PREAMBLE: Final = 10_000  # lines
+
+_ROWS_FOR_STEP = 64
+_GAP = 0.6  # of a step that a sample may come late or early after the one before
+_WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
+
+
+def chunks_of_text(
+    source: str, wait: float, start_within: float, say: Callable[[str], None] = lambda _sentence: None
+) -> Iterator[bytes]:
+    """Bytes of a growing file, or of standard input, as they come; `say` tells that a file is awaited."""
+    if source == "-":
+        while piece := os.read(sys.stdin.fileno(), _BYTES):
+            yield piece
+        return
+    path = Path(source)
+    stream = _awaited(path, start_within, say)
+    idle, lines = 0.0, 0
+    try:
+        while idle <= (wait if lines > 1 else start_within):
+            if piece := stream.read(_BYTES):
+                idle, lines = 0.0, lines + piece.count(b"\n")
+                yield piece
+            elif _rotated(path, stream):
+                stream.close()
+                stream = _opened(path)
+                yield b""
+            else:
+                time.sleep(_POLL)
+                idle += _POLL
+    finally:
+        stream.close()
+
+
+def _awaited(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
+    """Open a file that a logger may still have to create in its folder."""
+    if not path.exists() and path.absolute().parent.is_dir():
+        say(f"Waiting up to {limit:g} s for {path.name}, which is not there yet; Ctrl-C ends it.")
+        until = time.monotonic() + limit
+        while not path.exists() and time.monotonic() < until:
+            time.sleep(_POLL)
+    return _opened(path)
+
+
+def _opened(path: Path) -> BinaryIO:
+    try:
+        return ordinary(path).open("rb")
+    except OSError as error:
+        raise InputError(
+            "The file must be readable",
+            value=error.strerror,
+            remedy="Name the file that the test is or will be written to, or - for standard input; "
+            "`start_within` gives its logger more time",
+            where=str(path),
+        ) from error
+
+
+def _rotated(path: Path, stream: BinaryIO) -> bool:
+    """Return whether the file was replaced by another one, or shortened."""
+    try:
+        now = path.stat()
+    except OSError:
+        return False  # between two names; it will come
+    here = os.fstat(stream.fileno())
+    return now.st_ino != here.st_ino or now.st_size < stream.tell()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -250,3 +322,136 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         stated=layout.stated,
         actuators=layout.actuators,
     )
+
+
+def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
+    """Take a skew off, positive where the measured displacement was recorded later [samples].
+
+    Commands wait for the reading that belongs to them, which is a cubic through the four next samples; the
+    last commands, whose reading never comes, are left out. Before its first sample a reading stands still.
+
+    >>> time = np.arange(9.0)
+    >>> late = Rows(time=time, command=time**2, measured=(time - 1.5) ** 2)
+    >>> (moved,) = rows_without_skew(iter([late]), 1.5)
+    >>> moved.measured.tolist() == moved.command.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
+    True
+    """
+    ahead = int(np.floor(samples))
+    weights = _cubic(samples - ahead)
+    first = 1 - ahead  # sample of the command whose cubic begins with the first reading
+    waiting: Rows | None = None
+    read = np.empty(0)
+    for part in rows:
+        if waiting is None:
+            read = np.repeat(part.measured[..., :1], max(first, 0), axis=-1)
+        read = np.concatenate([read, part.measured], axis=-1)
+        waiting = part if waiting is None else _joined(waiting, part)
+        if first < 0:
+            dropped = min(-first, read.shape[-1])
+            read, first = read[..., dropped:], first + dropped
+        ready = min(read.shape[-1] - weights.size + 1, waiting.command.shape[-1]) if first >= 0 else 0
+        if ready > 0:
+            nodes = np.lib.stride_tricks.sliding_window_view(read, weights.size, axis=-1)
+            yield replace(
+                waiting,
+                time=None if waiting.time is None else waiting.time[:ready],
+                command=waiting.command[..., :ready],
+                measured=nodes[..., :ready, :] @ weights,
+                force=None if waiting.force is None else waiting.force[:ready],
+            )
+            waiting, read = _after(waiting, ready), read[..., ready:]
+
+
+def _cubic(place: float) -> Array:
+    """Weights of samples at −1, 0, 1 and 2 for a cubic at a place between 0 and 1 (Lagrange)."""
+    nodes = np.array([-1.0, 0.0, 1.0, 2.0])
+    others = [np.delete(nodes, k) for k in range(nodes.size)]
+    return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, others, strict=True)])
+
+
+def _joined(before: Rows, after: Rows) -> Rows:
+    return replace(
+        after,
+        time=_one_after_the_other(before.time, after.time),
+        command=np.concatenate([before.command, after.command], axis=-1),
+        force=_one_after_the_other(before.force, after.force),
+    )
+
+
+def _one_after_the_other(before: Array | None, after: Array | None) -> Array | None:
+    return None if before is None or after is None else np.concatenate([before, after])
+
+
+def _after(rows: Rows, count: int) -> Rows:
+    return replace(
+        rows,
+        time=None if rows.time is None else rows.time[count:],
+        command=rows.command[..., count:],
+        force=None if rows.force is None else rows.force[count:],
+    )
+
+
+def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
+    """Step between samples, from the rate or the first times.
+
+    `rate` [Hz]; returns step [s].
+    """
+    if rate is not None:
+        return 1.0 / rate, rows
+    first: list[Rows] = []
+    count = 0
+    for part in rows:
+        first.append(part)
+        count += part.command.shape[-1]
+        if count > _ROWS_FOR_STEP:
+            break
+    if any(part.time is None for part in first):
+        raise InputError(
+            "A test that is followed needs times or a sampling rate",
+            remedy="Add a column time, or give the sampling rate with `rate`",
+        )
+    if count <= _ROWS_FOR_STEP:
+        raise InputError(
+            f"A test that is followed needs more than {_ROWS_FOR_STEP} rows",
+            value=count,
+            remedy="Wait until the test runs, or wait longer with `wait`",
+        )
+    times = np.concatenate([part.time for part in first if part.time is not None])
+    step = float(times[-1] - times[0]) / (times.size - 1)
+    if not step > 0.0:
+        raise InputError("Times must grow", value=f"{times[-1]:g} s after {times[0]:g} s")
+    whole = round(1.0 / step)
+    if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
+        step = 1.0 / whole
+    return step, chain(first, rows)
+
+
+def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
+    """Pass rows on while their times, where there are any, follow at equal steps.
+
+    A time may come 0.6 of a step early or late after the one before it, which rounded times do; a missing
+    sample does more.
+
+    `step` [s].
+    """
+    begin: float | None = None
+    count, drift = 0, 0.0
+    for part in rows:
+        if part.time is not None:
+            begin = float(part.time[0]) if begin is None else begin
+            due = begin + step * np.arange(count, count + part.time.size)
+            # what a clock may drift from the nominal rate counts as no gap; a missing sample does
+            late = part.time - due
+            gap = np.flatnonzero(
+                np.abs(np.diff(late, prepend=late[0] if count == 0 else drift)) > _GAP * step
+            )
+            if gap.size:
+                row = int(gap[0])
+                raise InputError(
+                    f"Samples must follow each other at equal steps, here of {step:.6g} s",
+                    value=f"{part.time[row]:.10g} s for sample {count + row + 1}",
+                    remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
+                )
+            drift = float(late[-1])
+        count += part.command.shape[-1]
+        yield part

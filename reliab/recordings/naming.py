@@ -1,4 +1,7 @@
-"""What the name and the unit of a column say of it."""
+"""What the name and the unit of a column say of it, and how likely a part of the test it is by them.
+
+Ranks are small for the likeliest; None where a column cannot be the part.
+"""
 
 import re
 import unicodedata
@@ -7,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final, TypeVar
 
+from reliab.recordings.behaviour import Likeness
 from reliab.recordings.units import Unit, split_unit, unit_of
 from reliab.recordings.words import (
     ALTERED,
@@ -35,15 +39,29 @@ _LONGEST_NAME: Final = 200
 _SHORTEST_GLUED, _LONGEST_WORD = 5, 40
 _COORDINATES: Final = frozenset("xyzdus")
 
+WITHOUT_ROLE: Final = 8
+"""Rank from which a displacement is one that no word calls measured."""
+
+_WEAK, _ALTERED, _OF_TABLE = 2, 4, 2
+_LEAST_NOISE_RATIO = 3.0
+
 
 def _by_word(words: Mapping[_Meaning, str]) -> dict[str, _Meaning]:
     return {word: meaning for meaning, listed in words.items() for word in listed.split()}
 
 
 _QUANTITY_OF: Final = _by_word(QUANTITIES)
+
+
 _ROLE_OF: Final = _by_word(ROLES)
+
+
 _WEAK_ROLE_OF: Final = _by_word(WEAK_ROLES)
+
+
 _ALTERED: Final = frozenset(ALTERED.split())
+
+
 _AFTER_LETTERS: Final = frozenset(
     {
         *_ROLE_OF,
@@ -51,8 +69,14 @@ _AFTER_LETTERS: Final = frozenset(
         *(word for word in _QUANTITY_OF if _QUANTITY_OF[word] is Quantity.DISPLACEMENT),
     }
 ) - {"in", "pot", "is"}
+
+
 _CALCULATED: Final = frozenset(CALCULATED.split())
+
+
 _KNOWN: Final = frozenset({*_QUANTITY_OF, *_ROLE_OF, *_WEAK_ROLE_OF, *_ALTERED, *NEUTRAL.split()})
+
+
 _PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (mm)" is an error
     *(Quantity.ERROR, Quantity.VALVE, Quantity.VOLTAGE, Quantity.CURRENT, Quantity.VELOCITY),
     *(Quantity.ACCELERATION, Quantity.STRAIN, Quantity.PRESSURE, Quantity.TEMPERATURE, Quantity.ROTATION),
@@ -141,6 +165,8 @@ def _unglued(word: str) -> tuple[str, ...]:
 
 
 _SIGN_WORDS: Final = {sign: word for word, signs in SIGNS.items() for sign in signs.split()}
+
+
 _SIGN: Final = re.compile("|".join(sorted(_SIGN_WORDS, key=len, reverse=True)))
 
 
@@ -230,3 +256,55 @@ def _by_ending(what: Named, named: Mapping[str, Named]) -> Named:
                 unit=None if what.unit and what.unit.text == name[-1] else what.unit,
             )
     return what
+
+
+def votes(likeness: Likeness) -> int:
+    """Which of two histories is measured: 1 the second, -1 the first, 0 undecided.
+
+    The one that follows, if it also carries more noise, or stands second and carries no less.
+    """
+    follows = 1 if likeness.lag > 0.0 else -1
+    noisier = 0
+    if not 1.0 / _LEAST_NOISE_RATIO < likeness.noise_ratio < _LEAST_NOISE_RATIO:
+        noisier = 1 if likeness.noise_ratio > 1.0 else -1
+    return follows if noisier == follows or (noisier == 0 and follows > 0) else 0
+
+
+def _may_be(what: Named, quantity: Quantity) -> bool:
+    return what.quantity in {None, quantity}
+
+
+def _rank(what: Named) -> int:
+    return (what.quantity is None) + _WEAK * what.weak + _ALTERED * what.altered
+
+
+def rank_as_command(what: Named) -> int | None:
+    """Rank a column as the commanded displacement."""
+    if what.role is not Role.COMMAND or not _may_be(what, Quantity.DISPLACEMENT):
+        return None
+    return _rank(what)
+
+
+def rank_as_measured(what: Named) -> int | None:
+    """Rank a column as the measured displacement."""
+    if not _may_be(what, Quantity.DISPLACEMENT):
+        return None
+    if what.role is Role.MEASURED:
+        return _rank(what)
+    if what.quantity is None or what.role is Role.COMMAND:
+        return None
+    return _rank(what) + WITHOUT_ROLE + _OF_TABLE * (what.role is Role.GROUND)
+
+
+def rank_as_ground(what: Named) -> int | None:
+    """Rank a column as the ground acceleration."""
+    if what.role is not Role.GROUND or not _may_be(what, Quantity.ACCELERATION) or what.altered:
+        return None
+    return 0 if what.quantity is Quantity.ACCELERATION else 1
+
+
+def rank_as_force(what: Named) -> int | None:
+    """Rank a column as the force."""
+    if what.quantity is not Quantity.FORCE or what.role is Role.COMMAND or what.altered:
+        return None
+    return 0 if what.role is Role.MEASURED else 1

@@ -10,12 +10,11 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.recordings.behaviour import compare, explained, moves
-from reliab.recordings.channel import DISPLACEMENTS, Channel, Part, Stated
 from reliab.recordings.channels_file import StatedChannels, read_channels_file
 from reliab.recordings.clocks import at_one_clock
 from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import Recording
+from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
 from reliab.significant import significant
 from reliab.stated_value import StatedValue

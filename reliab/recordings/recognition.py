@@ -14,18 +14,20 @@ import numpy as np
 
 from reliab.errors import InputError
 from reliab.recordings.behaviour import Likeness, compare, explained, moves
-from reliab.recordings.channel import DISPLACEMENTS, QUANTITY_OF, Channel, Part, Stated
-from reliab.recordings.naming import Named, describe, plain, words_of
-from reliab.recordings.ranking import (
+from reliab.recordings.naming import (
     WITHOUT_ROLE,
+    Named,
+    describe,
+    plain,
     rank_as_command,
     rank_as_force,
     rank_as_ground,
     rank_as_measured,
     votes,
+    words_of,
 )
 from reliab.recordings.readers import Columns
-from reliab.recordings.recording import LARGEST_READING
+from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, QUANTITY_OF, Channel, Part, Stated
 from reliab.recordings.units import UNITS, Unit, unit_of
 from reliab.recordings.words import Quantity, Role
 from reliab.significant import significant

@@ -3,7 +3,6 @@ from .converter import (
     expected_error as expected_error,
     vary_rounding as vary_rounding,
 )
-from .convolution import convolved as convolved, correlated as correlated
 from .cubic_path import CubicPath as CubicPath
 from .filters import (
     REACH as REACH,
@@ -27,6 +26,8 @@ from .noise import (
 )
 from .spectra import (
     binned as binned,
+    convolved as convolved,
+    correlated as correlated,
     hann as hann,
     periodogram as periodogram,
     taper as taper,

@@ -5,7 +5,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.signals.convolution import convolved
+from reliab.signals.spectra import convolved
 
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 RIPPLE = 60.0

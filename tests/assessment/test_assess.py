@@ -7,9 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment import assess, default_criterion
-from reliab.assessment.findings import LARGEST_PROBABILITY
-from reliab.assessment.improvement import improvement
-from reliab.assessment.own_boundary import OwnBoundary
+from reliab.assessment.findings import LARGEST_PROBABILITY, improvement
+from reliab.assessment.own_motion import OwnBoundary
 from reliab.assessment.placement import carried_limits
 from reliab.criterion import published_criterion
 from reliab.effects.backlash import Backlash

@@ -20,8 +20,8 @@ from reliab.assessment.measured_specimen.hysteresis import (
     SMOOTH_TRAITS,
     STRUT_TRAITS,
 )
+from reliab.assessment.measured_specimen.learned_test import Members
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learned
-from reliab.assessment.measured_specimen.members import Members
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.assessment.rebuilt_error.feedback import delayed
-from reliab.assessment.rebuilt_error.monitor import Monitor
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
+from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Specimen, Structure

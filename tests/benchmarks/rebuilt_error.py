@@ -39,8 +39,8 @@ from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.rebuilt_error import RebuiltError, Tolerances, rebuild  # noqa: E402
 from reliab.assessment.rebuilt_error.identification import identify  # noqa: E402
-from reliab.assessment.rebuilt_error.monitor import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
+from reliab.assessment.rebuilt_error.running_error import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 from reliab.effects import find_effect  # noqa: E402
 from reliab.simulation.hybrid_test import HybridTest  # noqa: E402

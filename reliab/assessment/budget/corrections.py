@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
+from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording
 from reliab.signals import CubicPath, butterworth_delay

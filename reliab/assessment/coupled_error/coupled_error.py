@@ -7,13 +7,11 @@ from functools import cached_property
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
-from reliab.assessment.coupled_error.coupled_parts import CoupledParts, divide
-from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
+from reliab.assessment.coupled_error.coupled_parts import CoupledHistories, CoupledParts, divide
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.significant import percent
 from reliab.structures import Partition

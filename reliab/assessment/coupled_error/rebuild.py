@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError, conclude
-from reliab.assessment.coupled_error.coupled_histories import CoupledHistories
+from reliab.assessment.coupled_error.coupled_parts import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.channels import checked_histories
-from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, examine_start
 from reliab.assessment.rebuilt_error.interval import (
@@ -32,7 +31,7 @@ from reliab.assessment.rebuilt_error.interval import (
     structures_of_draws,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
+from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond, stacked
 from reliab.assessment.rebuilt_error.size import require_fitting
 from reliab.assessment.rebuilt_error.tolerances import Tolerances

@@ -1,41 +1,7 @@
-from .displacement_error import DisplacementError as DisplacementError
-from .feedback import delayed as delayed
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
 from .initial import FEWEST as FEWEST, SIGNIFICANT as SIGNIFICANT, STANDS as STANDS
-from .monitor import Monitor as Monitor
-from .nonlinear_reference import (
-    rebuild_with_specimen as rebuild_with_specimen,
-    tangent_structure as tangent_structure,
-)
-from .parts import Part as Part, Parts as Parts
-from .rebuild import DRAWS as DRAWS, rebuild as rebuild
-from .rebuilt import RebuiltError as RebuiltError
-from .recursion import Recursion as Recursion, run_on as run_on
-from .running_specimen import (
-    CLOSE as CLOSE,
-    FLATTEST as FLATTEST,
-    LONGEST_MEMORY as LONGEST_MEMORY,
-    NOISE_OF_SPEED as NOISE_OF_SPEED,
-    TINY as TINY,
-    TRIES as TRIES,
-)
-from .running_sums import RunningSums as RunningSums
-from .running_test import (
-    CALM as CALM,
-    FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
-    SHRINKS as SHRINKS,
-    Now as Now,
-    RunningTest as RunningTest,
-    require_readings as require_readings,
-)
-from .specimen_check import (
-    FEWEST_PERIODS as FEWEST_PERIODS,
-    SpecimenCheck as SpecimenCheck,
-    examine_specimen as examine_specimen,
-)
-from .spread import HALF_WIDTH as HALF_WIDTH, Estimate as Estimate
-from .stability_indicator import (
+from .loop_energy import (
     FALSE_ALARMS as FALSE_ALARMS,
     FOLLOWS as FOLLOWS,
     GRANTED as GRANTED,
@@ -46,6 +12,39 @@ from .stability_indicator import (
     TURNS as TURNS,
     UNSURE as UNSURE,
 )
+from .nonlinear_reference import (
+    rebuild_with_specimen as rebuild_with_specimen,
+    tangent_structure as tangent_structure,
+)
+from .parts import Part as Part, Parts as Parts
+from .readings import delayed as delayed
+from .rebuild import DRAWS as DRAWS, WholeStructure as WholeStructure, rebuild as rebuild
+from .rebuilt import RebuiltError as RebuiltError
+from .recursion import Recursion as Recursion, run_on as run_on
+from .running_error import Monitor as Monitor
+from .running_specimen import (
+    CLOSE as CLOSE,
+    FLATTEST as FLATTEST,
+    LONGEST_MEMORY as LONGEST_MEMORY,
+    NOISE_OF_SPEED as NOISE_OF_SPEED,
+    TINY as TINY,
+    TRIES as TRIES,
+)
+from .running_test import (
+    CALM as CALM,
+    FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
+    SHRINKS as SHRINKS,
+    Now as Now,
+    RunningSums as RunningSums,
+    RunningTest as RunningTest,
+    require_readings as require_readings,
+)
+from .specimen_check import (
+    FEWEST_PERIODS as FEWEST_PERIODS,
+    SpecimenCheck as SpecimenCheck,
+    examine_specimen as examine_specimen,
+)
+from .spread import HALF_WIDTH as HALF_WIDTH, DisplacementError as DisplacementError, Estimate as Estimate
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
 from .watched_modes import (
@@ -53,5 +52,4 @@ from .watched_modes import (
     WatchedMode as WatchedMode,
     watched_modes as watched_modes,
 )
-from .whole_structure import WholeStructure as WholeStructure
 from .widenings import Widening as Widening

@@ -25,8 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.equation_fit import fit_equation
-from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 from reliab.assessment.rebuilt_error.specimen_spring import fit_spring
 from reliab.errors import InputError
 from reliab.significant import significant

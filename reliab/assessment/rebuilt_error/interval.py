@@ -6,16 +6,16 @@ linearised, and no noise is subtracted from a mean square or a peak.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import sweep_draws
-from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
+from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.assessment.rebuilt_error.recursion import (
     Recursion,
     respond,
@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.recursion import (
 )
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
-from reliab.assessment.rebuilt_error.swept import Swept
+from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import Partition, is_part
 
@@ -40,6 +40,59 @@ _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motio
 
 FEWEST_SWEPT = 4096
 """Number of samples up to which the motion's band, too, is resolved while draws are swept."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swept:
+    """Errors of the draws over a test so far, from which a later stretch of it can go on."""
+
+    steps: int  # Number of steps between its samples
+    # square, peak, ideal: Mean square of x_m − x_I [m²], its peak and that of x_I [m], shape (draws,)
+    square: Array
+    peak: Array
+    ideal: Array
+    # mean, deviation: Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,)
+    mean: Array
+    deviation: Array
+    # State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
+    # shape (draws + 2, 2n)
+    states: Array
+
+    @property
+    def spread(self) -> Spread:
+        """RMS^R and MTE^R of the draws."""
+        return Spread(
+            rms=np.sqrt(self.square) / self.ideal,
+            mte=self.peak / self.ideal,
+            mean=self.mean,
+            deviation=self.deviation,
+        )
+
+    def first(self, draws: int) -> "Swept":
+        """Only the first draws."""
+        return replace(
+            self,
+            square=self.square[:draws],
+            peak=self.peak[:draws],
+            ideal=self.ideal[:draws],
+            states=np.concatenate([self.states[:draws], self.states[-2:]]),
+        )
+
+    def after_rest(self, steps: int) -> "Swept":
+        """Errors of the same test with so many further steps of rest before it."""
+        whole = self.steps + steps
+        return replace(self, steps=whole, square=(self.steps / whole) * self.square)
+
+    def joined(self, later: "Swept") -> "Swept":
+        """Errors over this stretch and a later one, which begins at its last sample."""
+        steps = self.steps + later.steps
+        return replace(
+            later,
+            steps=steps,
+            square=(self.steps / steps) * self.square + (later.steps / steps) * later.square,
+            peak=np.maximum(self.peak, later.peak),
+            ideal=np.maximum(self.ideal, later.ideal),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

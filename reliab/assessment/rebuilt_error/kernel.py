@@ -1,4 +1,8 @@
-"""Smooth kernels that take derivatives of histories without differentiating them."""
+"""Equations of motion seen through smooth kernels, which take derivatives without differentiating.
+
+Their least squares have correlated residuals: standard errors are those of the sandwich of generalised least
+squares, with the residuals' own autocovariance over the kernel's length.
+"""
 
 from dataclasses import dataclass
 
@@ -42,3 +46,27 @@ class Kernel:
     def sum_seen(self, history: Array, weights: tuple[float, float, float]) -> Array:
         """Weighted sum of a history's smoothed derivatives, from none to the second, by one convolution."""
         return convolved(history, np.tensordot(weights, np.array(self.values), 1))[:: self.every]
+
+
+def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
+    """Fit an equation that was seen through a kernel.
+
+    Returns `values, covariance, residual`: coefficients, shape (k,), their covariance, shape (k, k), and what
+    is left over, shape (n,).
+    """
+    scale = np.maximum(np.sqrt((columns**2).mean(axis=1)), np.finfo(float).tiny)
+    rows = columns / scale[:, np.newaxis]
+    normal = rows @ rows.T
+    values = np.linalg.lstsq(normal, rows @ target, rcond=1e-13)[0]
+    residual = target - values @ rows
+    freedom = max(residual.size - rows.shape[0], 1)
+    lags = min(kernel.values[0].size // kernel.every, target.size // 4)
+    meat = normal * float(residual @ residual) / freedom
+    for lag in range(1, lags + 1):
+        common = float(residual[lag:] @ residual[:-lag]) / freedom
+        cross = rows[:, lag:] @ rows[:, :-lag].T
+        meat += common * (cross + cross.T)
+    bread = np.linalg.pinv(normal, rcond=1e-13, hermitian=True)
+    covariance = bread @ meat @ bread
+    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))
+    return values / scale, covariance / np.outer(scale, scale), residual

@@ -1,13 +1,196 @@
-"""The energy of the loop in the modes that are watched, sample by sample while a test runs."""
+"""Net damping ratio of the loop with its actuators while the test runs: below zero the loop gains energy.
+
+An actuator's error puts the restoring force k(x_m − x_c) into the loop. The part in phase with the velocity
+acts as added damping, positive or negative: with x_m − x_c = a x_c + b x_c' one degree of freedom has ::
+
+    s² + 2ξω₀s + ω₀² + αω₀²(a + b s) = 0,    ξ_net = −Re(s)/ω₀ ≈ ξ + αω₀b/2
+
+(for a delay τ it is ξ − αω₀τ/2, whose zero is the stability limit to first order; the balance of energy is
+that of Mosqueda, Stojadinovic and Mahin 2007, J. Struct. Eng. 133, 1). Modes of a frame are watched one by
+one, each in a band around its frequency, through which command and error pass alike, so that a mode that
+grows is not hidden by another one that is damped. The error moves the other modes as well, and through them
+this one: with D_j = s² + 2ξ_jω_js + ω_j² + κ_jj(a + b s) and κ_ij = νᵢᵀK_eνⱼ the pole is that of ::
+
+    D_k(s) − (a + b s)² Σ_j κ_kj κ_jk/D_j(s) = 0,    j ≠ k
+
+a and b are those of least squares over a window that forgets exponentially, so that a wrong gain is not taken
+for damping while the motion grows; an offset does not pass the band.
+
+Play feeds energy in as well, and sets a small motion going; but the error that it causes does not grow with
+the motion, and a large motion does not diverge from it. Play of half width δ takes the damping
+(2α/π)(δ/A)(1 − δ/A) away at an amplitude A (its describing function), at most α/(2π), and its error out of
+phase is (4/π)δ(1 − δ/A). From the smallest error so far of an actuator that followed its command (A > 2δ)
+follows the largest δ that play can have, of which 1.6 times are granted.
+
+The alarm is raised where ξ_net, play granted, lies below zero while the motion of the mode is among its
+largest, by more standard errors than chance gives to one stable test in a hundred. So many are needed as
+there were independent windows: of m modes the k-th window of each is allowed a false alarm with the
+probability 0.01/(m k(k + 1)), and all of them together with 0.01. While an error is so much noise that its
+relation to the command is not known to half of the command, nothing is said.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.stability_indicator import EnergyAlarm, NetDamping, Sums, net_damping
-from reliab.assessment.rebuilt_error.watched_modes import WatchedMode
+from reliab.assessment.rebuilt_error.watched_modes import MEMORY, WatchedMode
 from reliab.compiled import compiled
+
+SETTLED = 1.0
+"""Periods of motion before the indicator is trusted."""
+
+FALSE_ALARMS = 0.01
+"""Probability of a false alarm in a test of any length."""
+
+INDEPENDENT = 8.0  # samples in a period of which the errors count as independent, at least
+_WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
+LARGE_MOTION = 0.5  # of the largest power of the motion so far
+GRANTED = 1.6  # times the play that the smallest error shows
+FOLLOWS = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
+UNSURE = 0.5  # of the command, to which the error must be known
+CRITICAL = 0.25  # share of a mode's damping ratio, below which the loop is near instability
+LIKELY = 1.645  # standard errors by which the net damping must lie below it
+SINGULAR = 1e-12  # determinant of the scaled moments below which they count as singular
+TURNS = 6  # of the iteration for the pole
+SLOWEST = 0.2  # of a mode's circular frequency with which its pole may turn
+
+
+@dataclass(frozen=True, kw_only=True)
+class NetDamping:
+    """Net damping of the loop in a mode."""
+
+    ratio: float  # ratio, deviation: ξ_net and its standard error [-]
+    deviation: float
+    high: float  # ξ_net and as many standard errors as chance gives to one stable test in a hundred [-]
+    large: bool  # Whether the motion is among the largest so far
+    known: bool  # Whether noise leaves the error known to half of the command
+    follows: bool  # Whether the piston follows its command, and does not rest within some play
+    play: float  # Half width of the play that would make the actuator's error [m]
+    amplitude: float  # Of the motion [m]
+    of_play: float  # Damping ratio that play takes away at most [-]
+    near: bool  # Whether the loop has lost most of the mode's damping, also where chance took some
+
+    def granted(self, play: float) -> float:
+        """Damping ratio that play of a half width [m], largely granted, takes away."""
+        share = min(GRANTED * play / self.amplitude, 0.5)
+        return GRANTED * 4.0 * self.of_play * share * (1.0 - share)
+
+
+@dataclass(kw_only=True)
+class EnergyAlarm:
+    """Looks at the net damping of a mode one after the other."""
+
+    smallest: float = np.inf  # Smallest play so far that an actuator shows that follows its command [m]
+    following: int = 0  # Looks since which it has followed its command
+
+    def look(self, net: NetDamping | None) -> bool:
+        """Return whether the loop may diverge."""
+        if net is None:
+            return False
+        self.following = self.following + 1 if net.follows else 0
+        if self.following > 1:  # not while it only begins to move
+            self.smallest = min(self.smallest, net.play)
+        diverges = net.large and net.known and np.isfinite(self.smallest)
+        return bool(diverges and net.high + net.granted(self.smallest) < 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sums:
+    """Forgetting sums of a mode's motion."""
+
+    moments: Array  # Products of x_c, x_c' and x_m − x_c in the band, and of their steps, shape (2, 3, 3)
+    weight: float  # Sum of the weights, a number of samples
+    moved: float  # Samples that moved
+    power: float  # Largest sum of x_c'² so far [m²/s²]
+
+
+def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
+    """Return the net damping in one of so many watched modes; None before enough motion."""
+    power = float(sums.moments[0, 1, 1])
+    if sums.moved < SETTLED * mode.samples or not power > 0.0:
+        return None
+    scale = np.sqrt(np.maximum(np.diag(sums.moments[0]), np.finfo(float).tiny))
+    joint, steps = sums.moments / np.outer(scale, scale)
+    inverse = _inverse(float(joint[0, 1]))
+    residual = np.append(-inverse @ joint[:2, 2], 1.0)
+    rest = max(float(residual @ joint @ residual), 0.0)
+    rough = min(float(residual @ steps @ residual) / rest, _WHITE) if rest > 0.0 else 0.0
+    independent = max(sums.weight * max(rough / (4.0 - rough), INDEPENDENT / mode.samples), 1.0)
+    chance = np.sqrt(inverse[0, 0] * rest / independent)
+    units = scale[2] / scale[:2]
+    ratio, deviation = _pole(mode, -residual[:2] * units, chance * units)
+    window = np.ceil(sums.moved / (MEMORY * mode.samples))
+    needed = -float(scipy.special.ndtri(FALSE_ALARMS / modes / (window * (window + 1.0))))
+    amplitude = float(np.sqrt(2.0 / sums.weight) * scale[0])
+    return NetDamping(
+        ratio=ratio,
+        deviation=deviation,
+        high=ratio + needed * deviation,
+        large=power > LARGE_MOTION * sums.power,
+        known=bool(needed * chance * units[0] < UNSURE),
+        follows=_follows(scale, residual, needed * chance),
+        play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
+        amplitude=amplitude,
+        of_play=mode.stiffness / (2.0 * np.pi * mode.circular_frequency**2),
+        near=bool(ratio + LIKELY * deviation < CRITICAL * mode.ratio),
+    )
+
+
+def _inverse(product: float) -> Array:
+    """Inverse of a matrix of two rows with ones on its diagonal."""
+    determinant = max(1.0 - product**2, SINGULAR)
+    return np.array([[1.0, -product], [-product, 1.0]]) / determinant
+
+
+def _play(error: float, amplitude: float) -> float:
+    """Half width [m] of the play that makes an error out of phase, a share of the amplitude."""
+    return 0.5 * amplitude * (1.0 - float(np.sqrt(max(1.0 - np.pi * error, 0.0))))
+
+
+def _follows(scale: Array, residual: Array, chance: float) -> bool:
+    """Whether the measured motion, as far as it is no chance, is half of the command or more at any phase."""
+    in_phase = max(abs(scale[0] - residual[0] * scale[2]) - chance * scale[2], 0.0)
+    across = max((abs(residual[1]) - chance) * scale[2], 0.0)
+    return bool(np.hypot(in_phase, across) > FOLLOWS * scale[0])
+
+
+def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
+    """Return −Re(s)/ω of the pole under x_m − x_c = a x_c + b x_c', and its standard error.
+
+    `law`: a [-] and b [s]; `chance`: their standard errors.
+    """
+    omega, twice = mode.circular_frequency, 2.0 * mode.ratio * mode.circular_frequency
+    pole = complex(-mode.ratio * omega, omega)
+    for _ in range(TURNS):
+        force = _force(mode, law, pole)[0]
+        slope = force.imag / pole.imag
+        square = omega**2 + force.real - slope * pole.real
+        half = -0.5 * (twice + slope)
+        pole = complex(half, float(np.sqrt(max(square - half**2, (SLOWEST * omega) ** 2))))
+    _, by_law, by_pole = _force(mode, law, pole)
+    moves = -by_law / (2.0 * pole + twice + by_pole + by_law * law[1])
+    deviation = float(np.hypot(moves.real * chance[0], (moves * pole).real * chance[1]))
+    return -pole.real / omega, deviation / omega
+
+
+def _force(mode: WatchedMode, law: Array, pole: complex) -> tuple[complex, complex, complex]:
+    """Return the modal force of the error per displacement, and its derivatives by a + b s and by s."""
+    modes, error = mode.modes, law[0] + law[1] * pole
+    twice, own = 2.0 * modes.ratios * modes.circular_frequencies, np.diag(modes.coupling)
+    dynamic = pole**2 + twice * pole + modes.circular_frequencies**2 + error * own
+    others = np.arange(own.size) != mode.place
+    taking = others & (mode.exchange != 0.0)
+    shares, turned = np.zeros((2, own.size), dtype=np.complex128)
+    shares[taking] = mode.exchange[taking] / dynamic[taking]
+    turned[taking] = error**2 * shares[taking] / dynamic[taking]
+    return (
+        complex(error * mode.stiffness - error**2 * shares.sum()),
+        complex(mode.stiffness - 2.0 * error * shares.sum() + turned @ own),
+        complex(turned @ (2.0 * pole + twice)),
+    )
 
 
 class LoopEnergy:

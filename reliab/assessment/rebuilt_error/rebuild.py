@@ -18,9 +18,9 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
-from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
@@ -31,6 +31,9 @@ from reliab.structures import Partition, Structure, whole_structure
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
+
+WholeStructure = Partition
+"""Former name of :class:`~reliab.structures.Partition`, which ends with version 0.4."""
 
 
 def rebuild(

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.displacement_error import DisplacementError
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import (
     Histories,
@@ -19,7 +18,7 @@ from reliab.assessment.rebuilt_error.interval import (
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.recursion import Recursion, structure_of_draw
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.structures import Partition
 from reliab.vocabulary import Metric

@@ -1,6 +1,6 @@
 """What every test that runs is asked: its error with an interval from time to time, and two alarms.
 
-That of the energy is stated in `stability_indicator`. That of the error compares an error so far with the
+That of the energy is stated in `loop_energy`. That of the error compares an error so far with the
 threshold, though its peak, by which it is divided, may still grow and a quiet end may dilute it. It waits
 until the peak of the response has not doubled for 12 s, and is raised when the low end of the interval is
 above twice the threshold: of the responses of 450 structures (0.4 to 4 Hz, damping ratios of 1 to 6 %) to
@@ -17,11 +17,10 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
-from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
-from reliab.assessment.rebuilt_error.running_sums import RunningSums
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.rebuilt_error.stability_indicator import NetDamping
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
+from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING
 from reliab.structures import Partition
@@ -30,6 +29,71 @@ from reliab.vocabulary import Metric
 CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
 SHRINKS = 0.5  # share of itself to which an error may still fall then
 FALSE_ERROR_ALARMS = 0.01  # share of tests that end below the threshold and have an alarm of the error
+
+
+class RunningSums:
+    """Sums over the error r = x_m − x_I of a test, and over x_I.
+
+    `size`: Samples so far, with those of a rest before that were forgotten.
+    `values`: Σr², half the square of its first value, max|r|, max|x_I|, r of the last sample, max|x_I| when
+    it last doubled, and the number of the sample at which it did, shape (7,).
+    """
+
+    def __init__(self, rest: int = 0) -> None:
+        self.size, self.values = rest, np.zeros(7)
+
+    def add(self, error: Array, ideal: Array) -> None:
+        """Add the next samples of r and x_I [m], shape (k,) each."""
+        _add_all(self.values, error, ideal, self.size)
+        self.size += error.size
+
+    @property
+    def latest(self) -> float:
+        """Error of the last sample [m]."""
+        return float(self.values[4])
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of r over the whole test so far [m²], by the trapezoidal rule."""
+        inner = self.values[0] - self.values[1] - 0.5 * self.values[4] ** 2
+        return max(float(inner), 0.0) / max(self.size - 1, 1)
+
+    @property
+    def rms(self) -> float:
+        """RMS^R so far [-]; zero while nothing moves."""
+        ideal = float(self.values[3])
+        return float(np.sqrt(self.mean_square)) / ideal if ideal > 0.0 else 0.0
+
+    @property
+    def mte(self) -> float:
+        """MTE^R so far [-]; zero while nothing moves."""
+        peak, ideal = self.values[2:4].tolist()
+        return peak / ideal if ideal > 0.0 else 0.0
+
+    @property
+    def calm(self) -> float:
+        """Samples since the peak of x_I last doubled."""
+        return self.size - 1 - float(self.values[6])
+
+
+@compiled
+def _add_all(sums: Array, error: Array, ideal: Array, first: int) -> None:
+    """Add samples to the sums, in place; `first`: number of the first of them."""
+    for i in range(error.size):
+        _add(sums, error[i], ideal[i], first + i)
+
+
+@compiled
+def _add(sums: Array, error: float, ideal: float, number: int) -> None:
+    """Add a sample to the sums, in place."""
+    if number == 0:
+        sums[1] = 0.5 * error * error
+    sums[0] += error * error
+    sums[2] = max(sums[2], abs(error))
+    sums[3] = max(sums[3], abs(ideal))
+    sums[4] = error
+    if sums[3] > 2.0 * sums[5]:
+        sums[5], sums[6] = sums[3], number
 
 
 class ErrorWithInterval(Protocol):

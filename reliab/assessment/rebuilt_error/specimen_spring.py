@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.equation_fit import fit_equation
-from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 
 _CLEAR = 10.0  # standard errors: a stiffness that is less certain is none
 

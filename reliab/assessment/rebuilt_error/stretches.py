@@ -16,24 +16,23 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
-from reliab.assessment.rebuilt_error.entries import EntriesOfStructure
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     FEWEST_SWEPT,
     Histories,
+    Swept,
     Unknown,
     samples_in_step,
     sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import learn_frequency
+from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
+from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.rebuilt_error.swept import Swept
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import Partition
 from reliab.vocabulary import Metric

@@ -1,6 +1,6 @@
 /* The error of a hybrid test while it runs: see reliab_monitor.h. The equations are those of
- * reliab/assessment/rebuilt_error/: recursion.py, running_error.py, running_specimen.py, loop_energy.py,
- * stability_indicator.py, monitor.py, and of ../coupled_error/coupled_recursion.py. */
+ * reliab/assessment/rebuilt_error/: recursion.py, running_error.py, running_specimen.py, loop_energy.py, and
+ * of ../coupled_error/rebuild.py. */
 #include "reliab_monitor.h"
 
 #include <math.h>

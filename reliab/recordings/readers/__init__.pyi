@@ -1,3 +1,2 @@
-from .columns import Columns as Columns
-from .frame import is_frame as is_frame, read_frame as read_frame
+from .columns import Columns as Columns, is_frame as is_frame, read_frame as read_frame
 from .registry import FORMATS as FORMATS, Format as Format, read_tests as read_tests

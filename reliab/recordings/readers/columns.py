@@ -1,11 +1,17 @@
-"""What a file of a test holds, whatever its format: named columns of numbers."""
+"""What a file of a test, or a data frame, holds, whatever its format: named columns of numbers."""
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from typing_extensions import TypeIs
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,3 +50,26 @@ class Columns:
         """Names of the columns, for a sentence."""
         names = [repr(name) for name in self.values]
         return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")  # noqa: PLR2004
+
+
+def is_frame(test: object) -> "TypeIs[pd.DataFrame]":
+    """Tell a data frame from anything else; whoever made one has imported pandas."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(test, pandas.DataFrame)
+
+
+def read_frame(frame: "pd.DataFrame") -> Columns:
+    """Take the columns of numbers of a data frame.
+
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"time_s": [0.0, 0.1], "command_m": [0, 1], "remark": ["", "start"]})
+    >>> list(read_frame(frame).values)
+    ['time_s', 'command_m']
+    """
+    numbers = frame.select_dtypes("number")
+    return Columns(
+        path=Path("the data frame"),
+        values={str(name): numbers[name].to_numpy(dtype=np.float64) for name in numbers},
+        header={str(name).lower(): str(value) for name, value in frame.attrs.items()},
+        named=not all(isinstance(name, int) for name in numbers),
+    )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.recordings.readers.frame import is_frame
+from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.layouts import Series, Tree
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.units import unit_of

@@ -8,12 +8,12 @@ import scipy
 
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.hysteresis import lag_of_reading
+from reliab.assessment.rebuilt_error.force_form import respond_spectrally
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
+from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.assessment.rebuilt_error.sobol import normal_points
-from reliab.assessment.rebuilt_error.spectral import respond_spectrally
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import _for_half, widenings, widenings_of_draws
 from reliab.structures import Partition

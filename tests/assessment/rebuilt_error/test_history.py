@@ -21,8 +21,8 @@ from rebuilt_error.laboratory import (
     synthetic_ground,
 )
 from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.force_form import respond_spectrally
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.rebuilt_error.spectral import respond_spectrally
 from reliab.structures import Partition
 from reliab.structures.structure import Structure
 

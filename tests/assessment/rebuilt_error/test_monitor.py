@@ -7,7 +7,7 @@ import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, noise, run, synthetic_ground
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.rebuilt_error.monitor import Monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.errors import InputError
 from reliab.structures.structure import Structure
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.feedback import delayed
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.size import fits, require_fitting, samples_in_step_of_structure
 from reliab.errors import InputError
 from reliab.signals import binned

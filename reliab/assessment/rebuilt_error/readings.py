@@ -1,8 +1,9 @@
-"""A force that is fed back late: the earlier displacement to which the fed-back force belongs."""
+"""What a force that is fed back late belongs to, and what a sensor with hysteresis reads."""
 
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.compiled import compiled
 from reliab.errors import InputError
 
 _SUPPORT = 3  # samples before the newest that the interpolation uses
@@ -40,3 +41,30 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     padded = np.concatenate([np.full(whole + _SUPPORT, values[0]), values])
     shifted = [padded[k : k + values.size] for k in range(_SUPPORT + 1)]
     return np.asarray(sum(weight * part for weight, part in zip(weights, shifted, strict=True)))
+
+
+def lag_of_reading(motion: Array, width: float) -> Array:
+    """Distance [m] by which a reading lags behind a motion, over the hysteresis [-], shape (n,).
+
+    `motion` [m]; `width` [-] of the loop, over the span of the motion. The lag is that of a play (Prandtl):
+    a hysteresis of h makes a reading h times this smaller than a motion that rises, and larger than one that
+    falls.
+
+    >>> lag_of_reading(np.array([0.0, 1.0, 2.0, 1.9, 0.0]), 0.1).round(3).tolist()
+    [0.0, 1.0, 1.0, 0.0, -1.0]
+    """
+    half = 0.5 * float(np.ptp(motion))
+    radius = width * half
+    if not radius > 0.0:
+        return np.zeros_like(motion)
+    return np.asarray((motion - _play(motion, radius)) * (half / radius))
+
+
+@compiled
+def _play(motion: Array, radius: float) -> Array:
+    held = motion[0]
+    reading = np.empty(motion.size)
+    for k in range(motion.size):
+        held = min(max(held, motion[k] - radius), motion[k] + radius)
+        reading[k] = held
+    return reading
