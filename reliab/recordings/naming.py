@@ -42,7 +42,7 @@ _COORDINATES: Final = frozenset("xyzdus")
 WITHOUT_ROLE: Final = 8
 """Rank from which a displacement is one that no word calls measured."""
 
-_WEAK, _ALTERED, _OF_TABLE = 2, 4, 2
+_WEAK_RANK, _ALTERED_RANK, _TABLE_RANK = 2, 4, 2
 _LEAST_NOISE_RATIO = 3.0
 
 
@@ -275,7 +275,7 @@ def _may_be(what: Named, quantity: Quantity) -> bool:
 
 
 def _rank(what: Named) -> int:
-    return (what.quantity is None) + _WEAK * what.weak + _ALTERED * what.altered
+    return (what.quantity is None) + _WEAK_RANK * what.weak + _ALTERED_RANK * what.altered
 
 
 def rank_as_command(what: Named) -> int | None:
@@ -293,7 +293,7 @@ def rank_as_measured(what: Named) -> int | None:
         return _rank(what)
     if what.quantity is None or what.role is Role.COMMAND:
         return None
-    return _rank(what) + WITHOUT_ROLE + _OF_TABLE * (what.role is Role.GROUND)
+    return _rank(what) + WITHOUT_ROLE + _TABLE_RANK * (what.role is Role.GROUND)
 
 
 def rank_as_ground(what: Named) -> int | None:
