@@ -2,16 +2,14 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from reliab.cli.demand import takes
+from reliab.cli.demand import argument, option, takes
 from reliab.cli.options import (
-    JsonTarget,
+    JSON_TARGET,
     ReadsTests,
 )
-from reliab.cli.output import console, table, write_json
+from reliab.cli.output import console, say, table, write_json
 from reliab.significant import significant
 
 if TYPE_CHECKING:
@@ -23,28 +21,14 @@ if TYPE_CHECKING:
 class CalibrateDemand(ReadsTests):
     """Options of `reliab calibrate`, arguments of `reliab.calibrate`."""
 
-    test: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE",
-            help="One motion on both channels: a sine, a sweep or steps with rests, without a specimen.",
-        ),
-    ]
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="CHANNELS.toml", help="File for --channels of the commands that read tests."
-        ),
-    ] = None
-    actuator_delay: Annotated[
-        str | None,
-        typer.Option(
-            "--actuator-delay",
-            metavar="MS",
-            help="Delay of the actuator in this test [ms], 12±0.5; 0 where both channels record one signal.",
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    test: Path = argument(
+        "FILE", "One motion on both channels: a sine, a sweep or steps with rests, without a specimen."
+    )
+    out: Path | None = option("CHANNELS.toml", "File for --channels of the commands that read tests.")
+    actuator_delay: str | None = option(
+        "MS", "Delay of the actuator in this test [ms], 12±0.5; 0 where both channels record one signal."
+    )
+    json_target: str | None = JSON_TARGET
 
 
 @takes(CalibrateDemand)
@@ -55,8 +39,7 @@ def calibrate(demand: CalibrateDemand) -> None:
     calibration = demand.ask(api.calibrate, "json_target")
     if not write_json(calibration.to_dict(), demand.json_target):
         _show(calibration)
-        for note in calibration.notes:
-            console().print(f"Note: {demand.in_options(note)}", markup=False, highlight=False)
+        say(*(f"Note: {demand.in_options(note)}" for note in calibration.notes))
 
 
 def _show(calibration: "ChannelCalibration") -> None:

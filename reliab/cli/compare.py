@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from reliab.cli.assess import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
-from reliab.cli.demand import takes
-from reliab.cli.options import JsonTarget, ReadsTests, written_as
-from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.cli.demand import argument, option, takes
+from reliab.cli.options import JSON_TARGET, ReadsTests, written_as
+from reliab.cli.output import console, progress_bar, say, table, write_json
 from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT
 
@@ -31,30 +29,17 @@ _COLUMNS = {
 class CompareDemand(JudgesTests, ReadsTests):
     """Options of `reliab compare`: those of a verdict, and where the ranking goes."""
 
-    tests: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="TEST TEST...",
-            autocompletion=samples,
-            help="Tests of one structure and rig, such as one motion with each compensator.",
-        ),
-    ] = None
-    figure: Annotated[
-        Path | None,
-        typer.Option(
-            "--figure",
-            metavar="FILE.svg|png|pdf",
-            callback=written_as(".svg", ".png", ".pdf"),
-            help="Chart of the ranked errors.",
-        ),
-    ] = None
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="FILE.csv", callback=written_as(".csv"), help="Write the ranking as a table."
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    tests: list[Path] | None = argument(
+        "TEST TEST...",
+        "Tests of one structure and rig, such as one motion with each compensator.",
+        default=None,
+        autocompletion=samples,
+    )
+    figure: Path | None = option(
+        "FILE.svg|png|pdf", "Chart of the ranked errors.", callback=written_as(".svg", ".png", ".pdf")
+    )
+    out: Path | None = option("FILE.csv", "Write the ranking as a table.", callback=written_as(".csv"))
+    json_target: str | None = JSON_TARGET
 
 
 @takes(CompareDemand)
@@ -92,8 +77,7 @@ def _show(content: dict[str, Any]) -> None:
     terminal = console()
     terminal.print(shown)
     faults = (f"{file}: {why}" for file, why in content["faults"].items())
-    for sentence in (content["assumed"], *content["notes"], *faults):
-        terminal.print(sentence, highlight=False, markup=False)
+    say(*(content["assumed"], *content["notes"], *faults))
 
 
 def _row(test: dict[str, Any], metric: str) -> list[str]:

@@ -1,10 +1,14 @@
-"""The options of a command, declared once as fields of a dataclass; each is used or refused."""
+"""The options of a command, declared once as fields of a dataclass; each is used or refused.
+
+A field is called as its option is, with underscores for dashes, unless `name` says otherwise; several
+commands may share what `option`, `flag` or `argument` declares.
+"""
 
 import inspect
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import partial, wraps
-from typing import Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 import typer
 
@@ -16,8 +20,48 @@ _Options = TypeVar("_Options", bound="Demand")
 
 
 @dataclass(frozen=True, kw_only=True)
+class _Declared:
+    """How Typer shows an option or argument, and its default; `MISSING` where it must be given."""
+
+    make: Callable[..., Any]
+    name: str
+    default: Any
+    details: Mapping[str, Any]
+
+    def of_typer(self, field_name: str) -> Any:  # noqa: ANN401 - Typer's types are private
+        """Declare it to Typer."""
+        if self.make is typer.Argument:
+            return self.make(**self.details)
+        return self.make(self.name or f"--{field_name.replace('_', '-')}", **self.details)
+
+
+def option(
+    metavar: str,
+    help: str,  # noqa: A002 - Typer's word
+    *,
+    name: str = "",
+    default: Any = None,  # noqa: ANN401 - of any type
+    **details: Any,  # noqa: ANN401 - what else `typer.Option` takes
+) -> Any:  # noqa: ANN401 - the default of a field
+    """Declare an option with a value."""
+    details |= {"metavar": metavar or None, "help": help}
+    return _Declared(make=typer.Option, name=name, default=default, details=details)
+
+
+def flag(help: str, *, name: str = "") -> Any:  # noqa: A002, ANN401 - as above
+    """Declare an option without a value."""
+    return _Declared(make=typer.Option, name=name, default=False, details={"help": help})
+
+
+def argument(metavar: str, help: str, *, default: Any = MISSING, **details: Any) -> Any:  # noqa: A002, ANN401
+    """Declare what stands without a name."""
+    details |= {"metavar": metavar, "help": help}
+    return _Declared(make=typer.Argument, name="", default=default, details=details)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Demand:
-    """Options of a command: each field that a derived class declares, `Annotated` with its `typer.Option`."""
+    """Options of a command: each field that a derived class declares by `option`, `flag` or `argument`."""
 
     given: tuple[str, ...] = ()  # Options that the command line states; the others are defaults
     in_options: Callable[[str], str] = str  # Writes the arguments that a message names as options
@@ -26,6 +70,13 @@ class Demand:
     """By option the one without which it has no meaning."""
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {}
     """By option those that have no meaning beside it; a laboratory's defaults of them are left out."""
+
+    def __init_subclass__(cls) -> None:
+        """Make a field of each declaration; a shared one becomes one of each class."""
+        for name, declared in list(vars(cls).items()):
+            if isinstance(declared, _Declared):
+                option_field = field(default=declared.default, metadata={"declared": declared})
+                setattr(cls, name, option_field)
 
     def ask(
         self,
@@ -82,15 +133,15 @@ def _is_given(context: typer.Context, name: str) -> bool:
 
 def _parameters(options: type[Demand]) -> Iterator[inspect.Parameter]:
     """Options of a class in the order in which its help names them: its own before those that it shares."""
-    declared: dict[str, Field[Any]] = {field.name: field for field in fields(options)}
-    shared = {field.name for field in fields(Demand)}
+    declared: dict[str, Field[Any]] = {item.name: item for item in fields(options)}
+    shared = {item.name for item in fields(Demand)}
     for home in options.__mro__:
         for name in vars(home).get("__annotations__", {}):
             if name in declared and name not in shared:
-                field = declared.pop(name)
+                taken = declared.pop(name)
                 yield inspect.Parameter(
                     name,
                     inspect.Parameter.KEYWORD_ONLY,
-                    annotation=field.type,
-                    default=inspect.Parameter.empty if field.default is MISSING else field.default,
+                    annotation=Annotated[taken.type, taken.metadata["declared"].of_typer(name)],
+                    default=inspect.Parameter.empty if taken.default is MISSING else taken.default,
                 )

@@ -3,13 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
-
-import typer
+from typing import TYPE_CHECKING, ClassVar
 
 from reliab.cli.completion import campaigns
-from reliab.cli.demand import takes
-from reliab.cli.options import OF_REPORT, JsonTarget, Reported
+from reliab.cli.demand import argument, option, takes
+from reliab.cli.options import JSON_TARGET, OF_REPORT, Reported
 from reliab.cli.output import console, progress_bar, table, write_json
 from reliab.significant import percent
 
@@ -31,18 +29,13 @@ _EFFECTS = {"effect": "left", "probability": "right", "parameter": "left", "valu
 class DiagnoseDemand(Reported):
     """Options of `reliab diagnose`, arguments of `reliab.diagnose_campaign`."""
 
-    campaign: Annotated[
-        Path,
-        typer.Argument(
-            metavar="CAMPAIGN_DIR",
-            autocompletion=campaigns,
-            help="Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which ship.",
-        ),
-    ]
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for diagnosis, report and model.")
-    ] = None
-    json_target: JsonTarget = None
+    campaign: Path = argument(
+        "CAMPAIGN_DIR",
+        "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which ship.",
+        autocompletion=campaigns,
+    )
+    out: Path | None = option("DIR", "Folder for diagnosis, report and model.")
+    json_target: str | None = JSON_TARGET
 
     belongs_to: ClassVar[Mapping[str, str]] = dict.fromkeys(OF_REPORT, "out")
 

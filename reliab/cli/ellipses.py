@@ -3,26 +3,24 @@
 import itertools
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, flag, option, takes
 from reliab.cli.options import (
-    DampingRatios,
-    Fractions,
-    Frequencies,
-    JsonTarget,
-    MetricName,
-    ModelFile,
-    Motions,
-    Results,
-    Sets,
-    Thresholds,
-    WindowName,
+    DAMPING_RATIOS,
+    FRACTIONS,
+    FREQUENCIES,
+    JSON_TARGET,
+    METRIC_NAME,
+    MODEL_FILE,
+    MOTIONS,
+    RESULTS,
+    SETS,
+    THRESHOLDS,
+    WINDOW_NAME,
     written_as,
 )
-from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.cli.output import console, progress_bar, say, table, write_json
 
 if TYPE_CHECKING:
     from reliab.api import Boundaries
@@ -50,34 +48,24 @@ _PAGE = 1000  # rows
 class EllipsesDemand(Demand):
     """Options of `reliab ellipses`."""
 
-    motions: Motions = None
-    sets: Sets = None
-    results: Results = None
-    f: Frequencies = None
-    xi: DampingRatios = None
-    threshold: Thresholds = None
-    metric: MetricName = "rms"
-    window: WindowName = "record"
-    alpha: Fractions = None
-    model: ModelFile = None
-    first_order: Annotated[
-        bool,
-        typer.Option(
-            "--first-order",
-            help="Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
-            "at 5 % the simulated b is 16 to 44 % smaller.",
-        ),
-    ] = False
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE.nc",
-            callback=written_as(".nc"),
-            help="Keep the ellipses for `reliab criterion`.",
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    motions: list[str] | None = MOTIONS
+    sets: list[str] | None = SETS
+    results: Path | None = RESULTS
+    f: list[float] | None = FREQUENCIES
+    xi: list[float] | None = DAMPING_RATIOS
+    threshold: list[float] | None = THRESHOLDS
+    metric: str = METRIC_NAME
+    window: str = WINDOW_NAME
+    alpha: list[float] | None = FRACTIONS
+    model: Path | None = MODEL_FILE
+    first_order: bool = flag(
+        "Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
+        "at 5 % the simulated b is 16 to 44 % smaller."
+    )
+    out: Path | None = option(
+        "FILE.nc", "Keep the ellipses for `reliab criterion`.", callback=written_as(".nc")
+    )
+    json_target: str | None = JSON_TARGET
 
 
 @takes(EllipsesDemand)
@@ -90,7 +78,7 @@ def ellipses(demand: EllipsesDemand) -> None:
         return
     _show(traced, demand.metric)
     if traced.caution:
-        console().print(f"Note: {traced.caution}", markup=False, highlight=False)
+        say(f"Note: {traced.caution}")
 
 
 def _show(traced: "Boundaries", metric: str) -> None:

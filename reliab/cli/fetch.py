@@ -1,11 +1,8 @@
 """`reliab fetch`: bring a file that is too large for the wheel to the user's data folder."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
-import typer
-
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, argument, takes
 from reliab.cli.output import write_line
 
 
@@ -13,12 +10,7 @@ from reliab.cli.output import write_line
 class FetchDemand(Demand):
     """Options of `reliab fetch`, arguments of `reliab.api.fetch_dataset`."""
 
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="FILE|https://…", help="The file in the project's sources, or its https address."
-        ),
-    ]
+    source: str = argument("FILE|https://…", "The file in the project's sources, or its https address.")
 
 
 @takes(FetchDemand)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from reliab.cli.demand import Demand, takes
-from reliab.cli.options import JsonTarget
+from reliab.cli.options import JSON_TARGET
 from reliab.cli.output import write_json, write_line
 
 
@@ -11,7 +11,7 @@ from reliab.cli.output import write_json, write_line
 class InfoDemand(Demand):
     """Options of `reliab info`."""
 
-    json_target: JsonTarget = None
+    json_target: str | None = JSON_TARGET
 
 
 @takes(InfoDemand)

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.cli.demand import Demand, takes
-from reliab.cli.options import JsonTarget, Sets
-from reliab.cli.output import console, write_json
+from reliab.cli.demand import MISSING, Demand, argument, option, takes
+from reliab.cli.options import JSON_TARGET, SETS
+from reliab.cli.output import console, say, write_json
 from reliab.cli.printable import printable
 from reliab.significant import significant
 
@@ -19,47 +19,36 @@ if TYPE_CHECKING:
 
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
-Out = Annotated[Path, typer.Option("--out", metavar="FOLDER", help="New or empty folder for the suite.")]
+OUT = option("FOLDER", "New or empty folder for the suite.", default=MISSING)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionsDemand(Demand):
     """Options of `reliab motions list` and `check`, arguments of `reliab.api.list_motions`."""
 
-    sources: Annotated[
-        list[str], typer.Argument(metavar="SOURCE...", help="Files, folders or a built-in suite (synthetic).")
-    ]
-    sets: Sets = None
-    time_step: Annotated[
-        float | None,
-        typer.Option("--time-step", metavar="SECONDS", help="Time step of records that state none."),
-    ] = None
-    units: Annotated[
-        str | None, typer.Option("--units", metavar="g|cm/s2|m/s2", help="Unit of records that state none.")
-    ] = None
-    json_target: JsonTarget = None
+    sources: list[str] = argument("SOURCE...", "Files, folders or a built-in suite (synthetic).")
+    sets: list[str] | None = SETS
+    time_step: float | None = option("SECONDS", "Time step of records that state none.")
+    units: str | None = option("g|cm/s2|m/s2", "Unit of records that state none.")
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImportDemand(MotionsDemand):
     """Options of `reliab motions import`, arguments of `reliab.api.import_motions`."""
 
-    out: Out
-    event: Annotated[
-        str | None, typer.Option("--event", help="The one earthquake of all imported motions.")
-    ] = None
+    out: Path = OUT
+    event: str | None = option("", "The one earthquake of all imported motions.")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SynthesizeDemand(Demand):
     """Options of `reliab motions synthesize`, arguments of `reliab.api.synthesize_motions`."""
 
-    out: Out
-    count: Annotated[int, typer.Option("--count", min=2, help="Number of components.")] = 100
-    seed: Annotated[
-        int | None, typer.Option("--seed", min=0, help="Seed of another suite than the built-in one.")
-    ] = None
-    json_target: JsonTarget = None
+    out: Path = OUT
+    count: int = option("", "Number of components.", default=100, min=2)
+    seed: int | None = option("", "Seed of another suite than the built-in one.", min=0)
+    json_target: str | None = JSON_TARGET
 
 
 @app.command("list")
@@ -109,7 +98,7 @@ def _say_written(written: "WrittenSuite", json_target: str | None) -> None:
     if not write_json(written.to_dict(), json_target):
         folder = written.catalogue.parent
         text = f"{len(written.motions)} motions from {written.events} events written to {folder}"
-        console().print(text, markup=False, highlight=False, soft_wrap=True)
+        say(text, soft_wrap=True)
 
 
 def _show_motions(rows: list[dict[str, Any]]) -> None:
@@ -162,7 +151,7 @@ def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]
 def _show_notes(notes: "Sequence[Fault]", sources: Sequence[str]) -> None:
     for note in notes:
         text = f"Note: {_within(note.file, sources)}: {note.value}. {note.remedy}."
-        console().print(text, markup=False, highlight=False, soft_wrap=True)
+        say(text, soft_wrap=True)
 
 
 def _within(file: str, sources: Sequence[str]) -> str:

@@ -4,34 +4,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from reliab.cli.completion import metrics, papers, results, suites
-from reliab.cli.demand import Demand
+from reliab.cli.demand import Demand, flag, option
 from reliab.files import require_ending
 
 if TYPE_CHECKING:
     from reliab.report import Setting
 
-Motions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--motions",
-        autocompletion=suites,
-        metavar="SOURCE...",
-        help="Records, folders or a built-in suite (synthetic).",
-    ),
-]
-Sets = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--sets",
-        metavar="NAME...",
-        help="Sets of a catalogue; the set held_out is left out unless you name it.",
-    ),
-]
+MOTIONS = option("SOURCE...", "Records, folders or a built-in suite (synthetic).", autocompletion=suites)
+SETS = option("NAME...", "Sets of a catalogue; the set held_out is left out unless you name it.")
 
 
 def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
@@ -45,198 +28,81 @@ def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
     return check
 
 
-Results = Annotated[
-    Path | None,
-    typer.Option(
-        "--results",
-        autocompletion=results,
-        metavar="STORE",
-        help="Results that `reliab simulate` stored, or real_suite, shipped.",
-    ),
-]
-Ellipses = Annotated[
-    Path | None,
-    typer.Option(
-        "--ellipses",
-        autocompletion=results,
-        metavar="FILE.csv|FILE.nc",
-        help="Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
-    ),
-]
-Frequencies = Annotated[
-    list[float] | None, typer.Option("--f", metavar="HZ...", help="Natural frequencies [Hz].")
-]
-DampingRatios = Annotated[
-    list[float] | None, typer.Option("--xi", metavar="RATIO...", help="Damping ratios, 0.02 for 2 %.")
-]
-Thresholds = Annotated[
-    list[float] | None, typer.Option("--threshold", metavar="ERROR...", help="Errors, 0.05 for 5 %.")
-]
-MetricName = Annotated[
-    str,
-    typer.Option(
-        "--metric", autocompletion=metrics, metavar="rms|mte", help="Error of the whole test: RMS^R or MTE^R."
-    ),
-]
-WindowName = Annotated[
-    str,
-    typer.Option(
-        "--window",
-        metavar="record|SECONDS|arias",
-        help="Part of the record over which the error is computed.",
-    ),
-]
-WindowIfGiven = Annotated[
-    str | None,
-    typer.Option(
-        "--window",
-        metavar="record|SECONDS|arias",
-        help="Part of the record over which the error is computed; by default that of the source, "
-        "or the whole record.",
-    ),
-]
-Fractions = Annotated[
-    list[float] | None,
-    typer.Option(
-        "--alpha",
-        metavar="SHARE...",
-        help="Shares of the structure's stiffness in the laboratory; by default those of the source, or 1.",
-    ),
-]
-StructureFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--structure",
-        metavar="FRAME.toml",
-        help="A frame with its part in the laboratory (see datasets/frames), in place of --f, --xi, --alpha.",
-    ),
-]
-ModelFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--model",
-        metavar="MODEL.toml",
-        help="Structure and effects of an updated model, as `reliab diagnose --out` writes it.",
-    ),
-]
-StatedDampingRatio = Annotated[
-    str | None,
-    typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002."),
-]
-StatedShare = Annotated[
-    str | None,
-    typer.Option(
-        "--alpha",
-        metavar="SHARE",
-        help="Share of the structure's stiffness in the laboratory, 1 (all of it) by default.",
-    ),
-]
-SensorScale = Annotated[
-    str | None,
-    typer.Option(
-        "--scale",
-        metavar="RATIO",
-        help="Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %.",
-    ),
-]
-FeedbackLag = Annotated[
-    str | None,
-    typer.Option(
-        "--feedback-lag",
-        metavar="MS",
-        help="Time by which the force is fed back late [ms], 0 by default.",
-    ),
-]
-MassOfStructure = Annotated[
-    str | None,
-    typer.Option(
-        "--mass",
-        metavar="KG",
-        help="Mass of the structure; with it the unit of a recorded force is examined, and beside "
-        "a recorded ground acceleration the force is also used to identify the structure.",
-    ),
-]
-ChannelSkew = Annotated[
-    str | None,
-    typer.Option(
-        "--skew",
-        metavar="MS",
-        help="Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
-    ),
-]
-EquipmentFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--equipment",
-        metavar="FILE.toml",
-        help="Accuracy of your equipment where no option states it; ordinary equipment by default.",
-    ),
-]
-SpecimenKnown = Annotated[
-    str | None,
-    typer.Option(
-        "--specimen",
-        metavar="linear|measured",
-        help="How the specimen is known: linear, or measured: learned from its recorded force, which "
-        "needs --mass or --structure. By default linear, but it may have yielded where no force was "
-        "recorded.",
-    ),
-]
-HeldByForce = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--force-channel",
-        metavar="NAME=VALUE",
-        help="What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
-        "friction_n=40±20.",
-    ),
-]
-TakenAsExact = Annotated[
-    bool,
-    typer.Option(
-        "--exact",
-        help="Take channels, and values that are stated without a standard deviation, as exact.",
-    ),
-]
-CriterionFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--criterion", metavar="FILE.json", help="Criterion, as `reliab criterion --out` writes it."
-    ),
-]
-ErrorThreshold = Annotated[
-    float | None,
-    typer.Option("--threshold", metavar="ERROR", help="Error of the whole test, 0.05 for 5 %."),
-]
-JsonTarget = Annotated[
-    str | None,
-    typer.Option(
-        "--json", metavar="FILE|-", help="Write JSON to a file; - prints only JSON to standard output."
-    ),
-]
-Column = Annotated[str | None, typer.Option(metavar="NAME", help="Name of the column, if not recognised.")]
-Units = Annotated[
-    str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
-]
-TimeUnits = Annotated[str | None, typer.Option("--time-units", metavar="s|ms", help="Unit of the time.")]
-Rate = Annotated[
-    float | None, typer.Option("--rate", metavar="HZ", help="Sampling rate, if there is no time column.")
-]
-Delimiter = Annotated[
-    str | None,
-    typer.Option("--delimiter", metavar="SIGN", help="Character between the columns of a text file."),
-]
-TestName = Annotated[
-    str | None, typer.Option("--test", metavar="NAME", help="Which test, if the file holds several.")
-]
-ChannelsFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--channels",
-        metavar="CHANNELS.toml",
-        help="Names, units, signs, zeros and scales of your laboratory's channels.",
-    ),
-]
+RESULTS = option(
+    "STORE", "Results that `reliab simulate` stored, or real_suite, shipped.", autocompletion=results
+)
+ELLIPSES = option(
+    "FILE.csv|FILE.nc",
+    "Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
+    autocompletion=results,
+)
+FREQUENCIES = option("HZ...", "Natural frequencies [Hz].")
+DAMPING_RATIOS = option("RATIO...", "Damping ratios, 0.02 for 2 %.")
+THRESHOLDS = option("ERROR...", "Errors, 0.05 for 5 %.")
+METRIC_NAME = option(
+    "rms|mte", "Error of the whole test: RMS^R or MTE^R.", default="rms", autocompletion=metrics
+)
+WINDOW_NAME = option(
+    "record|SECONDS|arias", "Part of the record over which the error is computed.", default="record"
+)
+WINDOW_IF_GIVEN = option(
+    "record|SECONDS|arias",
+    "Part of the record over which the error is computed; by default that of the source, "
+    "or the whole record.",
+)
+FRACTIONS = option(
+    "SHARE...", "Shares of the structure's stiffness in the laboratory; by default those of the source, or 1."
+)
+STRUCTURE_FILE = option(
+    "FRAME.toml",
+    "A frame with its part in the laboratory (see datasets/frames), in place of --f, --xi, --alpha.",
+)
+MODEL_FILE = option(
+    "MODEL.toml", "Structure and effects of an updated model, as `reliab diagnose --out` writes it."
+)
+STATED_DAMPING_RATIO = option("RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
+STATED_SHARE = option(
+    "SHARE", "Share of the structure's stiffness in the laboratory, 1 (all of it) by default."
+)
+SENSOR_SCALE = option(
+    "RATIO", "Scale of the displacement sensor, 1 by default; 1±0.005 where it may be off by 0.5 %."
+)
+FEEDBACK_LAG = option("MS", "Time by which the force is fed back late [ms], 0 by default.")
+MASS_OF_STRUCTURE = option(
+    "KG",
+    "Mass of the structure; with it the unit of a recorded force is examined, and beside "
+    "a recorded ground acceleration the force is also used to identify the structure.",
+)
+CHANNEL_SKEW = option(
+    "MS", "Time by which the measured displacement was recorded later than the command [ms], 0±0.05."
+)
+EQUIPMENT_FILE = option(
+    "FILE.toml", "Accuracy of your equipment where no option states it; ordinary equipment by default."
+)
+SPECIMEN_KNOWN = option(
+    "linear|measured",
+    "How the specimen is known: linear, or measured: learned from its recorded force, which "
+    "needs --mass or --structure. By default linear, but it may have yielded where no force was "
+    "recorded.",
+)
+HELD_BY_FORCE = option(
+    "NAME=VALUE",
+    "What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
+    "friction_n=40±20.",
+)
+TAKEN_AS_EXACT = flag("Take channels, and values that are stated without a standard deviation, as exact.")
+CRITERION_FILE = option("FILE.json", "Criterion, as `reliab criterion --out` writes it.")
+ERROR_THRESHOLD = option("ERROR", "Error of the whole test, 0.05 for 5 %.")
+JSON_TARGET = option("FILE|-", "Write JSON to a file; - prints only JSON to standard output.", name="--json")
+COLUMN = option("NAME", "Name of the column, if not recognised.")
+UNITS = option("m|mm|in...", "Unit of both displacements.")
+TIME_UNITS = option("s|ms", "Unit of the time.")
+RATE = option("HZ", "Sampling rate, if there is no time column.")
+DELIMITER = option("SIGN", "Character between the columns of a text file.")
+TEST_NAME = option("NAME", "Which test, if the file holds several.", name="--test")
+CHANNELS_FILE = option(
+    "CHANNELS.toml", "Names, units, signs, zeros and scales of your laboratory's channels."
+)
 
 OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 """Options about how a report is set; they need a report."""
@@ -246,40 +112,28 @@ OF_REPORT = ("title", "date", "paper", "laboratory", "logo")
 class ReadsTests(Demand):
     """Options of a command that reads a test of a file: which test, which columns, in what units."""
 
-    channels: ChannelsFile = None
-    test_name: TestName = None
-    command: Column = None
-    measured: Column = None
-    time: Column = None
-    rate: Rate = None
-    units: Units = None
-    time_units: TimeUnits = None
-    delimiter: Delimiter = None
+    channels: Path | None = CHANNELS_FILE
+    test_name: str | None = TEST_NAME
+    command: str | None = COLUMN
+    measured: str | None = COLUMN
+    time: str | None = COLUMN
+    rate: float | None = RATE
+    units: str | None = UNITS
+    time_units: str | None = TIME_UNITS
+    delimiter: str | None = DELIMITER
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reported(Demand):
     """Options of a command that writes a report."""
 
-    title: Annotated[
-        str | None, typer.Option("--title", metavar="TEXT", help="Title of the report, in place of its own.")
-    ] = None
-    date: Annotated[
-        datetime | None,
-        typer.Option(
-            "--date", formats=["%Y-%m-%d"], help="Date on the report, in place of that of the results."
-        ),
-    ] = None
-    paper: Annotated[
-        str, typer.Option("--paper", autocompletion=papers, metavar="a4|letter", help="Paper of the report.")
-    ] = "a4"
-    laboratory: Annotated[
-        str | None, typer.Option("--laboratory", metavar="NAME", help="Name of the laboratory on the report.")
-    ] = None
-    logo: Annotated[
-        Path | None,
-        typer.Option("--logo", metavar="FILE.svg|png|jpg", help="Logo of the laboratory on the report."),
-    ] = None
+    title: str | None = option("TEXT", "Title of the report, in place of its own.")
+    date: datetime | None = option(
+        "", "Date on the report, in place of that of the results.", formats=["%Y-%m-%d"]
+    )
+    paper: str = option("a4|letter", "Paper of the report.", default="a4", autocompletion=papers)
+    laboratory: str | None = option("NAME", "Name of the laboratory on the report.")
+    logo: Path | None = option("FILE.svg|png|jpg", "Logo of the laboratory on the report.")
 
     @property
     def setting(self) -> "Setting":

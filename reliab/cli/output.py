@@ -32,6 +32,13 @@ def console() -> "Console":
     return terminal if terminal.is_terminal else LiteralConsole(width=_WIDTH_OF_PIPES)
 
 
+def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> None:
+    """Print sentences as they are, each from the beginning of a line."""
+    terminal = console()
+    for sentence in sentences:
+        terminal.print(sentence, style=style, highlight=False, soft_wrap=soft_wrap)
+
+
 def write_line(text: str) -> None:
     """Print a line, in characters that the terminal or pipe has; `typer.echo` alone would not ask it."""
     typer.echo(text, file=sys.stdout)

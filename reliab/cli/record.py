@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import typer
 
-from reliab.cli.demand import takes
+from reliab.cli.demand import argument, flag, option, takes
 from reliab.cli.options import (
-    JsonTarget,
+    JSON_TARGET,
     ReadsTests,
 )
-from reliab.cli.output import console, table, write_json
+from reliab.cli.output import console, say, table, write_json
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,39 +25,20 @@ _COLUMNS = {"channel": "left", "column": "left", "unit": "left", "factor to SI":
 class RecordDemand(ReadsTests):
     """Options of `reliab record`, arguments of `reliab.record`."""
 
-    sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="FILE...", help="Files of a laboratory; with --check records."),
-    ]
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="TEST.nc", help="The record; of several files a folder of records."),
-    ] = None
-    csv: Annotated[
-        Path | None,
-        typer.Option("--csv", metavar="TEST.csv", help="The recognised channels as CSV, in SI units."),
-    ] = None
-    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
-    xi: Annotated[str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02.")] = None
-    alpha: Annotated[
-        str | None,
-        typer.Option(
-            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
-        ),
-    ] = None
-    mass: Annotated[str | None, typer.Option("--mass", metavar="KG", help="Mass of the structure.")] = None
-    specimen: Annotated[str, typer.Option("--specimen", metavar="TEXT", help="What was tested.")] = ""
-    rig: Annotated[str, typer.Option("--rig", metavar="TEXT", help="On which rig.")] = ""
-    operator: Annotated[str, typer.Option("--operator", metavar="TEXT", help="By whom.")] = ""
-    date: Annotated[str, typer.Option("--date", metavar="DATE", help="When.")] = ""
-    attribute: Annotated[
-        list[str] | None,
-        typer.Option("--attribute", metavar="NAME=TEXT...", help="Further attributes of the record."),
-    ] = None
-    check: Annotated[
-        bool, typer.Option("--check", help="Examine records; exit with code 1 unless all are sound.")
-    ] = False
-    json_target: JsonTarget = None
+    sources: list[Path] = argument("FILE...", "Files of a laboratory; with --check records.")
+    out: Path | None = option("TEST.nc", "The record; of several files a folder of records.")
+    csv: Path | None = option("TEST.csv", "The recognised channels as CSV, in SI units.")
+    f: str | None = option("HZ", "Natural frequency, 1 or 1±0.01.")
+    xi: str | None = option("RATIO", "Damping ratio, 0.02.")
+    alpha: str | None = option("SHARE", "Share of the structure's stiffness in the laboratory.")
+    mass: str | None = option("KG", "Mass of the structure.")
+    specimen: str = option("TEXT", "What was tested.", default="")
+    rig: str = option("TEXT", "On which rig.", default="")
+    operator: str = option("TEXT", "By whom.", default="")
+    date: str = option("DATE", "When.", default="")
+    attribute: list[str] | None = option("NAME=TEXT...", "Further attributes of the record.")
+    check: bool = flag("Examine records; exit with code 1 unless all are sound.")
+    json_target: str | None = JSON_TARGET
 
     belongs_to: ClassVar[Mapping[str, str]] = {}
 
@@ -112,8 +93,7 @@ def _check(demand: RecordDemand) -> None:
             console().print(
                 f"{file}: {'a sound record' if not sentences else 'not a sound record'}", markup=False
             )
-            for sentence in sentences:
-                console().print(f"  {sentence}", markup=False, highlight=False)
+            say(*(f"  {sentence}" for sentence in sentences))
     if any(faults.values()):
         raise typer.Exit(1)
 
@@ -134,8 +114,6 @@ def _show(record: "Record") -> None:
         )
     screen.print(rows)
     if content["left"]:
-        screen.print(f"Not used: {', '.join(content['left'])}.", markup=False, highlight=False)
-    for note in content["notes"]:
-        screen.print(f"Note: {note}", markup=False, highlight=False)
-    for path in content["files"]:
-        screen.print(f"Written: {path}", markup=False, highlight=False)
+        say(f"Not used: {', '.join(content['left'])}.")
+    say(*(f"Note: {note}" for note in content["notes"]))
+    say(*(f"Written: {path}" for path in content["files"]))

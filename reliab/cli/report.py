@@ -2,21 +2,18 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from reliab.cli.demand import takes
-from reliab.cli.options import OF_REPORT, JsonTarget, Reported
-from reliab.cli.output import console, write_json
+from reliab.cli.demand import argument, takes
+from reliab.cli.options import JSON_TARGET, OF_REPORT, Reported
+from reliab.cli.output import say, write_json
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportDemand(Reported):
     """Options of `reliab report`, arguments of `reliab.report_run`."""
 
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Run folder that `reliab run` wrote.")]
-    json_target: JsonTarget = None
+    folder: Path = argument("DIR", "Run folder that `reliab run` wrote.")
+    json_target: str | None = JSON_TARGET
 
 
 @takes(ReportDemand)
@@ -26,4 +23,4 @@ def report(demand: ReportDemand) -> None:
 
     written = demand.ask(report_run, *OF_REPORT, "json_target")
     if not write_json(written.to_dict(), demand.json_target):
-        console().print(f"Report: {written.report}", highlight=False)
+        say(f"Report: {written.report}")

@@ -2,35 +2,28 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from reliab.cli.completion import studies
-from reliab.cli.demand import takes
-from reliab.cli.options import OF_REPORT, JsonTarget, Motions, Reported, Sets
-from reliab.cli.output import console, progress_bar, table, write_json
+from reliab.cli.demand import argument, flag, option, takes
+from reliab.cli.options import JSON_TARGET, MOTIONS, OF_REPORT, SETS, Reported
+from reliab.cli.output import console, progress_bar, say, table, write_json
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunDemand(Reported):
     """Options of `reliab run`, arguments of `reliab.perform_study`."""
 
-    study: Annotated[
-        str,
-        typer.Argument(
-            metavar="[STUDY]",
-            autocompletion=studies,
-            help="A study's folder or file, or the name of one that ships. The code in a folder is run.",
-        ),
-    ] = "quick"
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Run folder; reliab-run/STUDY by default.")
-    ] = None
-    motions: Motions = None
-    sets: Sets = None
-    list_all: Annotated[bool, typer.Option("--list", help="List the studies that ship.")] = False
-    json_target: JsonTarget = None
+    study: str = argument(
+        "[STUDY]",
+        "A study's folder or file, or the name of one that ships. The code in a folder is run.",
+        default="quick",
+        autocompletion=studies,
+    )
+    out: Path | None = option("DIR", "Run folder; reliab-run/STUDY by default.")
+    motions: list[str] | None = MOTIONS
+    sets: list[str] | None = SETS
+    list_all: bool = flag("List the studies that ship.", name="--list")
+    json_target: str | None = JSON_TARGET
 
 
 @takes(RunDemand)
@@ -49,8 +42,8 @@ def run(demand: RunDemand) -> None:
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
         if demand.json_target != "-":
-            console().print(f"{'done' if done else 'kept':>5}  {name}", highlight=False)
+            say(f"{'done' if done else 'kept':>5}  {name}")
 
     performed = demand.ask(perform_study, *OF_REPORT, "json_target", show=progress_bar, tell=tell)
     if not write_json(performed.to_dict(), demand.json_target):
-        console().print(f"Report: {performed.report}", highlight=False)
+        say(f"Report: {performed.report}")

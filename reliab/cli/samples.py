@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, argument, takes
 from reliab.cli.output import write_line
 
 
@@ -14,9 +11,9 @@ from reliab.cli.output import write_line
 class SamplesDemand(Demand):
     """Options of `reliab samples`, arguments of `reliab.api.copy_samples`."""
 
-    folder: Annotated[
-        Path, typer.Argument(metavar="[FOLDER]", help="Where they are written; `datasets` by default.")
-    ] = Path("datasets")
+    folder: Path = argument(
+        "[FOLDER]", "Where they are written; `datasets` by default.", default=Path("datasets")
+    )
 
 
 @takes(SamplesDemand)

@@ -2,67 +2,46 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import MISSING, Demand, flag, option, takes
 from reliab.cli.options import (
-    DampingRatios,
-    Fractions,
-    Frequencies,
-    JsonTarget,
-    ModelFile,
-    Motions,
-    Sets,
+    DAMPING_RATIOS,
+    FRACTIONS,
+    FREQUENCIES,
+    JSON_TARGET,
+    MODEL_FILE,
+    MOTIONS,
+    SETS,
 )
-from reliab.cli.output import console, progress_bar, write_json
+from reliab.cli.output import progress_bar, say, write_json
 
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateDemand(Demand):
     """Options of `reliab simulate`, arguments of `reliab.simulate_suite`."""
 
-    motions: Motions = None
-    sets: Sets = None
-    f: Frequencies = None
-    xi: DampingRatios = None
-    out: Annotated[Path, typer.Option("--out", metavar="STORE", help="The Zarr store to write.")]
-    grid: Annotated[
-        str,
-        typer.Option(
-            "--grid",
-            metavar="scaled|paper",
-            help="Gains and delays to simulate: scaled to each structure, or the paper's.",
-        ),
-    ] = "scaled"
-    window: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--window",
-            metavar="record|SECONDS|arias...",
-            help="Part of the record over which errors are computed; several may be stored.",
-        ),
-    ] = None
-    alpha: Fractions = None
-    model: ModelFile = None
-    engine: Annotated[
-        str,
-        typer.Option(
-            "--engine", metavar="automatic|pole|delay|spectral", help="How the equation of motion is solved."
-        ),
-    ] = "automatic"
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue a store that an interrupted run has begun.")
-    ] = False
-    workers: Annotated[
-        int | None, typer.Option("--workers", min=1, help="Threads; all processors by default.")
-    ] = None
-    scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="A dask scheduler that solves the motions."),
-    ] = None
-    json_target: JsonTarget = None
+    motions: list[str] | None = MOTIONS
+    sets: list[str] | None = SETS
+    f: list[float] | None = FREQUENCIES
+    xi: list[float] | None = DAMPING_RATIOS
+    out: Path = option("STORE", "The Zarr store to write.", default=MISSING)
+    grid: str = option(
+        "scaled|paper",
+        "Gains and delays to simulate: scaled to each structure, or the paper's.",
+        default="scaled",
+    )
+    window: list[str] | None = option(
+        "record|SECONDS|arias...", "Part of the record over which errors are computed; several may be stored."
+    )
+    alpha: list[float] | None = FRACTIONS
+    model: Path | None = MODEL_FILE
+    engine: str = option(
+        "automatic|pole|delay|spectral", "How the equation of motion is solved.", default="automatic"
+    )
+    resume: bool = flag("Continue a store that an interrupted run has begun.")
+    workers: int | None = option("", "Threads; all processors by default.", min=1)
+    scheduler: str | None = option("ADDRESS", "A dask scheduler that solves the motions.")
+    json_target: str | None = JSON_TARGET
 
 
 @takes(SimulateDemand)
@@ -77,7 +56,4 @@ def simulate(demand: SimulateDemand) -> None:
     simulation = demand.ask(simulate_suite, "json_target", show=progress_bar)
     if not write_json(simulation.to_dict(), demand.json_target):
         structures = len(simulation.request.structures)
-        console().print(
-            f"{simulation.motions} motions × {structures} structures stored in {simulation.store}",
-            highlight=False,
-        )
+        say(f"{simulation.motions} motions × {structures} structures stored in {simulation.store}")

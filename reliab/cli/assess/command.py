@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
 from reliab.cli.assess.judging import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, argument, flag, option, takes
 from reliab.cli.options import (
+    JSON_TARGET,
     OF_REPORT,
-    JsonTarget,
     ReadsTests,
     Reported,
     written_as,
@@ -27,81 +27,46 @@ if TYPE_CHECKING:
 class Answered(Demand):
     """Options of `reliab assess` about what becomes of the verdict."""
 
-    design: Annotated[
-        bool,
-        typer.Option(
-            "--design",
-            help="Before a test: print how much amplitude error and delay the rig may have, for each --f and "
-            "--confidence; both may be given several times.",
-        ),
-    ] = False
-    figure: Annotated[
-        Path | None,
-        typer.Option(
-            "--figure",
-            metavar="FILE.svg|png|pdf",
-            callback=written_as(".svg", ".png", ".pdf"),
-            help="With --design: chart of tolerable errors over f.",
-        ),
-    ] = None
-    corrected: Annotated[
-        Path | None,
-        typer.Option(
-            "--corrected",
-            metavar="FILE.csv|nc",
-            callback=written_as(".csv", ".nc"),
-            help="Write the response that a perfect actuator would have produced, with its band.",
-        ),
-    ] = None
-    same_test: Annotated[
-        bool,
-        typer.Option(
-            "--same-test",
-            help="The tests are runs of one test with different delay or gain of the actuator: their "
-            "responses are extrapolated to no error, which needs neither structure nor specimen.",
-        ),
-    ] = False
-    report: Annotated[
-        Path | None,
-        typer.Option(
-            "--report",
-            metavar="FILE.pdf",
-            callback=written_as(".pdf"),
-            help="Write a report of two pages to file with the test.",
-        ),
-    ] = None
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE.csv",
-            callback=written_as(".csv"),
-            help="Write the verdicts as a table, one row for each test.",
-        ),
-    ] = None
-    details: Annotated[
-        bool,
-        typer.Option("--details", help="Print all that was found, not only what matters most."),
-    ] = False
-    check: Annotated[bool, typer.Option("--check", help="Exit with code 1 unless the test is reliable.")] = (
-        False
+    design: bool = flag(
+        "Before a test: print how much amplitude error and delay the rig may have, for each --f and "
+        "--confidence; both may be given several times."
     )
-    json_target: JsonTarget = None
+    figure: Path | None = option(
+        "FILE.svg|png|pdf",
+        "With --design: chart of tolerable errors over f.",
+        callback=written_as(".svg", ".png", ".pdf"),
+    )
+    corrected: Path | None = option(
+        "FILE.csv|nc",
+        "Write the response that a perfect actuator would have produced, with its band.",
+        callback=written_as(".csv", ".nc"),
+    )
+    same_test: bool = flag(
+        "The tests are runs of one test with different delay or gain of the actuator: their "
+        "responses are extrapolated to no error, which needs neither structure nor specimen."
+    )
+    report: Path | None = option(
+        "FILE.pdf", "Write a report of two pages to file with the test.", callback=written_as(".pdf")
+    )
+    out: Path | None = option(
+        "FILE.csv", "Write the verdicts as a table, one row for each test.", callback=written_as(".csv")
+    )
+    details: bool = flag("Print all that was found, not only what matters most.")
+    check: bool = flag("Exit with code 1 unless the test is reliable.")
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class AssessDemand(JudgesTests, Answered, ReadsTests, Reported):
     """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
 
-    tests: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[TEST]...",
-            autocompletion=samples,
-            help="Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
-            "which ships. Several give a table.",
-        ),
-    ] = None
+    tests: list[Path] | None = argument(
+        "[TEST]...",
+        "Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
+        "which ships. Several give a table.",
+        default=None,
+        autocompletion=samples,
+    )
 
     belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
 
@@ -176,7 +141,7 @@ def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, demand: AssessDemand
 ) -> None:
     from reliab.api import write_corrected, write_verdicts
-    from reliab.cli.output import console, write_json
+    from reliab.cli.output import say, write_json
 
     content = assessment.to_dict()
     if demand.out is not None:
@@ -186,7 +151,7 @@ def _write_one(
         return
     _show_one(assessment, content, details=demand.details)
     if note is not None:
-        console().print(f"{demand.corrected}: {note}", highlight=False)
+        say(f"{demand.corrected}: {note}")
 
 
 def _show_one(

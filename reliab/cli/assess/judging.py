@@ -4,26 +4,24 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from glob import glob
 from pathlib import Path
-from typing import Annotated, ClassVar, TypeVar
-
-import typer
+from typing import ClassVar, TypeVar
 
 from reliab.cli.completion import metrics
-from reliab.cli.demand import Demand
+from reliab.cli.demand import Demand, option
 from reliab.cli.options import (
-    ChannelSkew,
-    CriterionFile,
-    EquipmentFile,
-    ErrorThreshold,
-    FeedbackLag,
-    HeldByForce,
-    MassOfStructure,
-    SensorScale,
-    SpecimenKnown,
-    StatedDampingRatio,
-    StatedShare,
-    StructureFile,
-    TakenAsExact,
+    CHANNEL_SKEW,
+    CRITERION_FILE,
+    EQUIPMENT_FILE,
+    ERROR_THRESHOLD,
+    FEEDBACK_LAG,
+    HELD_BY_FORCE,
+    MASS_OF_STRUCTURE,
+    SENSOR_SCALE,
+    SPECIMEN_KNOWN,
+    STATED_DAMPING_RATIO,
+    STATED_SHARE,
+    STRUCTURE_FILE,
+    TAKEN_AS_EXACT,
 )
 from reliab.errors import InputError
 
@@ -34,86 +32,40 @@ _Value = TypeVar("_Value")
 class JudgesTests(Demand):
     """Options of a command that judges tests; arguments of `reliab.assess`."""
 
-    f: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--f",
-            metavar="HZ",
-            help="Natural frequency, 1 or with its standard deviation 1±0.01.",
-        ),
-    ] = None
-    xi: StatedDampingRatio = None
-    alpha: StatedShare = None
-    scale: SensorScale = None
-    feedback_lag: FeedbackLag = None
-    mass: MassOfStructure = None
-    skew: ChannelSkew = None
-    command_scale: Annotated[
-        str | None, typer.Option("--command-scale", metavar="RATIO", help="Scale of the command, 1±0.001.")
-    ] = None
-    hysteresis: Annotated[
-        str | None,
-        typer.Option(
-            "--hysteresis",
-            metavar="SHARE",
-            help="Hysteresis of the displacement sensor: width of its loop over the span, 0.001±0.0003.",
-        ),
-    ] = None
-    resolution: Annotated[
-        str | None,
-        typer.Option(
-            "--resolution", metavar="MM", help="Step of the converter of the measured displacement [mm]."
-        ),
-    ] = None
-    filter: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--filter",
-            metavar="CHANNEL=HZ",
-            help="Low-pass filters before the converters: measured=200, command=200/4 with the order.",
-        ),
-    ] = None
-    equipment: EquipmentFile = None
-    exact: TakenAsExact = False
-    motion: Annotated[
-        Path | None,
-        typer.Option(
-            "--motion",
-            metavar="FILE",
-            help="Ground motion of the test; the index is then judged by the boundary of this motion, or "
-            "errors of a frame's floors and storeys are stated over their own peaks.",
-        ),
-    ] = None
-    criterion: CriterionFile = None
-    model: Annotated[
-        Path | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL.toml",
-            help="Model of a nonlinear specimen, as `reliab diagnose` writes it.",
-        ),
-    ] = None
-    specimen: SpecimenKnown = None
-    force_channel: HeldByForce = None
-    structure: StructureFile = None
-    threshold: ErrorThreshold = None
-    confidence: Annotated[
-        list[float] | None,
-        typer.Option(
-            "--confidence",
-            metavar="SHARE",
-            help="Share of the population's ground motions, 0.95.",
-        ),
-    ] = None
-    metric: Annotated[
-        str | None,
-        typer.Option(
-            "--metric",
-            autocompletion=metrics,
-            metavar="rms|mte",
-            help="Error of the whole test: RMS^R (default) or MTE^R.",
-        ),
-    ] = None
+    f: list[str] | None = option("HZ", "Natural frequency, 1 or with its standard deviation 1±0.01.")
+    xi: str | None = STATED_DAMPING_RATIO
+    alpha: str | None = STATED_SHARE
+    scale: str | None = SENSOR_SCALE
+    feedback_lag: str | None = FEEDBACK_LAG
+    mass: str | None = MASS_OF_STRUCTURE
+    skew: str | None = CHANNEL_SKEW
+    command_scale: str | None = option("RATIO", "Scale of the command, 1±0.001.")
+    hysteresis: str | None = option(
+        "SHARE", "Hysteresis of the displacement sensor: width of its loop over the span, 0.001±0.0003."
+    )
+    resolution: str | None = option("MM", "Step of the converter of the measured displacement [mm].")
+    filter: list[str] | None = option(
+        "CHANNEL=HZ", "Low-pass filters before the converters: measured=200, command=200/4 with the order."
+    )
+    equipment: Path | None = EQUIPMENT_FILE
+    exact: bool = TAKEN_AS_EXACT
+    motion: Path | None = option(
+        "FILE",
+        "Ground motion of the test; the index is then judged by the boundary of this motion, or "
+        "errors of a frame's floors and storeys are stated over their own peaks.",
+    )
+    criterion: Path | None = CRITERION_FILE
+    model: Path | None = option(
+        "MODEL.toml", "Model of a nonlinear specimen, as `reliab diagnose` writes it."
+    )
+    specimen: str | None = SPECIMEN_KNOWN
+    force_channel: list[str] | None = HELD_BY_FORCE
+    structure: Path | None = STRUCTURE_FILE
+    threshold: float | None = ERROR_THRESHOLD
+    confidence: list[float] | None = option("SHARE", "Share of the population's ground motions, 0.95.")
+    metric: str | None = option(
+        "rms|mte", "Error of the whole test: RMS^R (default) or MTE^R.", autocompletion=metrics
+    )
 
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {
         "criterion": ("threshold", "confidence", "metric"),

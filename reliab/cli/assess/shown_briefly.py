@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import counted, percent, percent_with_interval, significant
 from reliab.vocabulary import Metric
 
@@ -14,8 +14,7 @@ _LARGEST = 3  # entries of the budget
 
 def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
     """Print verdict, error, doubts and remedies; warnings as far as they fit where no details follow."""
-    terminal = console()
-    terminal.print(_headline(content), style=_STYLES[content["verdict"]], highlight=False, markup=False)
+    say(_headline(content), style=_STYLES[content["verdict"]])
     sentences = list(_sentences(content))
     if without_details:
         further = [warning for warning in content["warnings"] if warning not in content["reasons"]]
@@ -24,8 +23,7 @@ def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
         while more and sum(map(_lines, more)) > room:
             more.pop()
         sentences += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
-    for sentence in sentences:
-        terminal.print(sentence, highlight=False, markup=False)
+    say(*sentences)
 
 
 def _lines(sentence: str) -> int:

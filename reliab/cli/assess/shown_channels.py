@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import Any
 
-from reliab.cli.output import console
+from reliab.cli.output import say
 
 
 def show_channels(channels: Sequence[dict[str, Any]]) -> None:
     """Print the columns that were recognised, each with its unit and the reason."""
     if channels:
         read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
-        console().print(f"Channels: {'; '.join(read)}.", markup=False, highlight=False)
+        say(f"Channels: {'; '.join(read)}.")
 
 
 def _column(channel: dict[str, Any]) -> str:

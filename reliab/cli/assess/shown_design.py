@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.criterion import Position, populations_in_words
 from reliab.significant import percent
 from reliab.vocabulary import MILLI
@@ -39,8 +39,7 @@ def show_design(design: "Design") -> None:
             f"{MILLI * delay:.3f}",
         )
     terminal = console()
-    for sentence in populations_in_words((row.promise, row.population) for row in rows):
-        terminal.print(sentence, markup=False, highlight=False)
+    say(*populations_in_words((row.promise, row.population) for row in rows))
     if first.population and first.position != Position.INSIDE:
         terminal.print(f"What it is asked for lies {first.position} of them.", style="yellow")
     terminal.print(shown)

@@ -5,7 +5,7 @@ from typing import Any
 
 from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent, percent_with_interval, significant
 
 
@@ -21,13 +21,10 @@ def show_frame(content: dict[str, Any], *, details: bool) -> None:
     terminal.print(_modes(content["modes"]))
     terminal.print(budget_table(content))
     terminal.print(_responses(content))
-    for sentence in (content["responses"]["in_words"], *_sentences(content)):
-        terminal.print(sentence, markup=False, highlight=False)
-    for warning in content["warnings"]:
-        terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
+    say(*(content["responses"]["in_words"], *_sentences(content)))
+    say(*(f"Warning: {warning}" for warning in content["warnings"]), style="yellow")
     show_channels(content["recording"]["channels"])
-    for note in content["notes"]:
-        terminal.print(f"Note: {note}", markup=False, highlight=False)
+    say(*(f"Note: {note}" for note in content["notes"]))
 
 
 def _degrees(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table

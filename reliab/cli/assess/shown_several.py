@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
@@ -28,8 +28,7 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     terminal = console()
     terminal.print(shown)
     for content in contents:
-        for sentence in _sentences(content):
-            terminal.print(f"{content['file']}: {sentence}", highlight=False, markup=False)
+        say(*(f"{content['file']}: {sentence}" for sentence in _sentences(content)))
 
 
 def show_same_test(content: dict[str, Any]) -> None:
@@ -53,8 +52,7 @@ def show_same_test(content: dict[str, Any]) -> None:
         )
     terminal = console()
     terminal.print(shown)
-    for sentence in content["warnings"]:
-        terminal.print(sentence, highlight=False, markup=False)
+    say(*content["warnings"])
 
 
 def _row(content: dict[str, Any]) -> list[str]:

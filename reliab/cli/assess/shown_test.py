@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.shown_briefly import budget_table
 from reliab.cli.assess.shown_channels import show_channels
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import PERCENT
 
@@ -17,17 +17,14 @@ def show_assessment(assessment: "Assessment") -> None:
     """Print parts of the error, budget, indices, warnings and notes: the details below the verdict."""
     summary = assessment.to_dict()
     terminal = console()
-    terminal.print(_asked(assessment), highlight=False, markup=False)
+    say(_asked(assessment))
     terminal.print(_errors(summary))
     terminal.print(budget_table(summary))
     terminal.print(_indices(assessment, summary))
-    for sentence in _sentences(assessment, summary):
-        terminal.print(sentence, highlight=False, markup=False)
-    for warning in summary["warnings"]:
-        terminal.print(f"Warning: {warning}", style="yellow", markup=False, highlight=False)
+    say(*_sentences(assessment, summary))
+    say(*(f"Warning: {warning}" for warning in summary["warnings"]), style="yellow")
     show_channels(summary["recording"]["channels"])
-    for note in summary["notes"]:
-        terminal.print(f"Note: {note}", markup=False, highlight=False)
+    say(*(f"Note: {note}" for note in summary["notes"]))
 
 
 def _asked(assessment: "Assessment") -> str:

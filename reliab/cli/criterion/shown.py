@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, Final
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.criterion import populations_in_words
 from reliab.significant import percent, significant
 
@@ -57,19 +57,21 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
     terminal = console()
-    for sentence in populations_in_words((row["confidence"], row["population"]) for row in rows):
-        terminal.print(sentence, markup=False, highlight=False)
+    say(*populations_in_words((row["confidence"], row["population"]) for row in rows))
     if first["population"] and first["position"] != "inside":
         terminal.print(f"What it is asked for lies {first['position']} of them.", style="yellow")
     for posterior in posteriors:
         _show_posterior(posterior)
     terminal.print(shown)
     together = "a and b together" if first["joint"] else "a and b each for itself"
-    terminal.print(f"Method: {first['method']}, {together}. Law: {first['law']}.", highlight=False)
-    for sentence in _definitions(rows):
-        terminal.print(sentence, markup=False, highlight=False)
-    for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"]):
-        terminal.print(f"Note: {warning}", markup=False, highlight=False)
+    say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
+    say(*_definitions(rows))
+    say(
+        *(
+            f"Note: {warning}"
+            for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"])
+        )
+    )
 
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
@@ -106,8 +108,7 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
         terminal.print("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
         return
     terminal.print("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
-    for complaint in posterior["complaints"]:
-        terminal.print(complaint, style="red", highlight=False)
+    say(*posterior["complaints"], style="red")
 
 
 def _show_frame(frame: Mapping[str, Any]) -> None:
@@ -118,11 +119,7 @@ def _show_frame(frame: Mapping[str, Any]) -> None:
         if erring == "all alike"
         else f"actuator {erring}; others are perfect"
     )
-    console().print(
-        f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {whose}.",
-        markup=False,
-        highlight=False,
-    )
+    say(f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {whose}.")
 
 
 def _show_coupling(coupling: Mapping[str, Any]) -> None:
@@ -177,16 +174,12 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
         for name in ("a", "b"):
             strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
             if strength is not None:
-                terminal.print(
+                say(
                     f"{name} at {where}: s = {significant(strength)} fits best, off by "
                     f"{percent(deviation, decimals=1)} "
-                    f"at most; by the law s = {significant(fit['white_noise'])}.",
-                    highlight=False,
+                    f"at most; by the law s = {significant(fit['white_noise'])}."
                 )
-    terminal.print(
-        "No law is stated for α below 10 ξ, and no ratio of a where boundaries end where tracing ends.",
-        highlight=False,
-    )
+    say("No law is stated for α below 10 ξ, and no ratio of a where boundaries end where tracing ends.")
 
 
 def _show_comparison(comparison: Mapping[str, Any]) -> None:
@@ -197,7 +190,7 @@ def _show_comparison(comparison: Mapping[str, Any]) -> None:
         )
         where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
         heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
-        console().print(f"{heading} p of lognormality: {tests}.", highlight=False)
+        say(f"{heading} p of lognormality: {tests}.")
         shown = table(
             "",
             {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
@@ -216,7 +209,7 @@ def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
         ("log_score", "held-out log score"),
         ("region_at_f", "accepted region at equal coverage"),
     ):
-        console().print(f"Laws at {error}: {what} by f [Hz].", highlight=False)
+        say(f"Laws at {error}: {what} by f [Hz].")
         shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
         for law in dict.fromkeys(row["law"] for row in rows):
             shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
@@ -249,8 +242,7 @@ def _first_sentence(family: type) -> str:
 def _show_meanings(option: str, meanings: dict[str, str]) -> None:
     terminal = console()
     terminal.print(f"{option}:", style="bold")
-    for name, meaning in meanings.items():
-        terminal.print(f"  {name}: {meaning}", markup=False, highlight=False, soft_wrap=True)
+    say(*(f"  {name}: {meaning}" for name, meaning in meanings.items()), soft_wrap=True)
 
 
 def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:

@@ -5,22 +5,22 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import TextIO
 
 import typer
 
 from reliab.cli.completion import samples
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, argument, option, takes
 from reliab.cli.options import (
-    ChannelsFile,
-    Column,
-    EquipmentFile,
-    HeldByForce,
-    MassOfStructure,
-    MetricName,
-    TakenAsExact,
+    CHANNELS_FILE,
+    COLUMN,
+    EQUIPMENT_FILE,
+    HELD_BY_FORCE,
+    MASS_OF_STRUCTURE,
+    METRIC_NAME,
+    TAKEN_AS_EXACT,
 )
-from reliab.cli.output import console, write_json
+from reliab.cli.output import say, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable
@@ -32,128 +32,69 @@ _ABOVE_THRESHOLD = 1
 class MonitorDemand(Demand):
     """Options of `reliab monitor`, arguments of `reliab.follow_test` and `reliab.export_monitor`."""
 
-    source: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="FILE|-",
-            autocompletion=samples,
-            help="CSV file that is or will be written to, or - to read rows from standard input; or "
-            "sample_test, which ships. None with --export.",
-        ),
-    ] = None
-    f: Annotated[
-        str | None,
-        typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or with its standard deviation 1±0.01."),
-    ] = None
-    xi: Annotated[
-        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
-    ] = None
-    alpha: Annotated[
-        str,
-        typer.Option(
-            "--alpha", metavar="SHARE", help="Share of the structure's stiffness in the laboratory."
-        ),
-    ] = "1"
-    scale: Annotated[
-        str | None,
-        typer.Option(
-            "--scale",
-            metavar="RATIO",
-            help="Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %; by default as "
-            "calibrated in --channels, else 1.",
-        ),
-    ] = None
-    feedback_lag: Annotated[
-        str,
-        typer.Option(
-            "--feedback-lag",
-            metavar="MS",
-            help="Time by which the force is fed back late [ms]; not with --model.",
-        ),
-    ] = "0"
-    equipment: EquipmentFile = None
-    exact: TakenAsExact = False
-    structure: Annotated[
-        Path | None,
-        typer.Option(
-            "--structure",
-            metavar="FRAME.toml",
-            help="Frame with its specimen in the laboratory, which one actuator drives or several, in place "
-            "of --f, --xi and --alpha.",
-        ),
-    ] = None
-    model: Annotated[
-        Path | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL.toml",
-            help="Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha.",
-        ),
-    ] = None
-    specimen: Annotated[
-        str | None,
-        typer.Option(
-            "--specimen",
-            metavar="linear|measured",
-            help="How the specimen is known: linear (default), or measured: learned while the test runs from "
-            "its recorded force, which needs --mass or --structure.",
-        ),
-    ] = None
-    mass: MassOfStructure = None
-    force_channel: HeldByForce = None
-    threshold: Annotated[
-        float,
-        typer.Option("--threshold", metavar="ERROR", help="Largest error of a good test, 0.05 for 5 %."),
-    ] = 0.05
-    metric: MetricName = "rms"
-    command: Column = None
-    measured: Column = None
-    time: Column = None
-    rate: Annotated[
-        float | None,
-        typer.Option("--rate", metavar="HZ", help="Sampling rate; by default read from the times."),
-    ] = None
-    units: Annotated[
-        str | None, typer.Option("--units", metavar="m|mm|in...", help="Unit of both displacements.")
-    ] = None
-    channels: ChannelsFile = None
-    every: Annotated[
-        float, typer.Option("--every", metavar="SECONDS", help="Time of the test between two messages.")
-    ] = 0.5
-    wait: Annotated[
-        float,
-        typer.Option(
-            "--wait",
-            metavar="SECONDS",
-            help="Time without new rows after which the test counts as finished; longer than any pause of "
-            "the test.",
-        ),
-    ] = 10.0
-    start_within: Annotated[
-        float,
-        typer.Option(
-            "--start-within",
-            metavar="SECONDS",
-            help="Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
-        ),
-    ] = 600.0
-    export: Annotated[
-        tuple[str, str] | None,
-        typer.Option(
-            "--export",
-            metavar="c DIR|fmu FILE|fmu3 FILE",
-            help="Write the monitor for the loop itself, as C sources or as an FMU of FMI 2.0 or 3.0; "
-            "needs --rate.",
-        ),
-    ] = None
-    json_target: Annotated[
-        str | None,
-        typer.Option(
-            "--json",
-            metavar="FILE|-",
-            help="One JSON object in a line for each message; '-' prints only these to standard output.",
-        ),
-    ] = None
+    source: str | None = argument(
+        "FILE|-",
+        "CSV file that is or will be written to, or - to read rows from standard input; or "
+        "sample_test, which ships. None with --export.",
+        default=None,
+        autocompletion=samples,
+    )
+    f: str | None = option("HZ", "Natural frequency, 1 or with its standard deviation 1±0.01.")
+    xi: str | None = option("RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
+    alpha: str = option("SHARE", "Share of the structure's stiffness in the laboratory.", default="1")
+    scale: str | None = option(
+        "RATIO",
+        "Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %; by default as "
+        "calibrated in --channels, else 1.",
+    )
+    feedback_lag: str = option(
+        "MS", "Time by which the force is fed back late [ms]; not with --model.", default="0"
+    )
+    equipment: Path | None = EQUIPMENT_FILE
+    exact: bool = TAKEN_AS_EXACT
+    structure: Path | None = option(
+        "FRAME.toml",
+        "Frame with its specimen in the laboratory, which one actuator drives or several, in place "
+        "of --f, --xi and --alpha.",
+    )
+    model: Path | None = option(
+        "MODEL.toml", "Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha."
+    )
+    specimen: str | None = option(
+        "linear|measured",
+        "How the specimen is known: linear (default), or measured: learned while the test runs from "
+        "its recorded force, which needs --mass or --structure.",
+    )
+    mass: str | None = MASS_OF_STRUCTURE
+    force_channel: list[str] | None = HELD_BY_FORCE
+    threshold: float = option("ERROR", "Largest error of a good test, 0.05 for 5 %.", default=0.05)
+    metric: str = METRIC_NAME
+    command: str | None = COLUMN
+    measured: str | None = COLUMN
+    time: str | None = COLUMN
+    rate: float | None = option("HZ", "Sampling rate; by default read from the times.")
+    units: str | None = option("m|mm|in...", "Unit of both displacements.")
+    channels: Path | None = CHANNELS_FILE
+    every: float = option("SECONDS", "Time of the test between two messages.", default=0.5)
+    wait: float = option(
+        "SECONDS",
+        "Time without new rows after which the test counts as finished; longer than any pause of the test.",
+        default=10.0,
+    )
+    start_within: float = option(
+        "SECONDS",
+        "Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
+        default=600.0,
+    )
+    export: tuple[str, str] | None = option(
+        "c DIR|fmu FILE|fmu3 FILE",
+        "Write the monitor for the loop itself, as C sources or as an FMU of FMI 2.0 or 3.0; needs --rate.",
+    )
+    json_target: str | None = option(
+        "FILE|-",
+        "One JSON object in a line for each message; '-' prints only these to standard output.",
+        name="--json",
+    )
 
 
 @takes(MonitorDemand)
@@ -183,7 +124,7 @@ def _export(demand: MonitorDemand) -> None:
     if demand.json_target is not None:
         write_json(written.to_dict(), demand.json_target)
     if demand.json_target != "-":
-        console().print(f"Written to {written.path}: {', '.join(written.files)}", highlight=False)
+        say(f"Written to {written.path}: {', '.join(written.files)}")
 
 
 def _follow(demand: MonitorDemand) -> None:
@@ -206,10 +147,9 @@ def _follow(demand: MonitorDemand) -> None:
             screen.show(message)
             above = message.to_dict().get("above_threshold") or False
     if demand.source != "-" and not quiet:
-        console().print(
+        say(
             f"No new row came for {demand.wait:g} s: the test counts as finished. A new call reads the file "
-            "from its beginning, without rows of a file that has been replaced since.",
-            highlight=False,
+            "from its beginning, without rows of a file that has been replaced since."
         )
     if above:
         raise typer.Exit(_ABOVE_THRESHOLD)

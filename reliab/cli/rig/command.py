@@ -3,27 +3,27 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import typer
 
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import MISSING, Demand, argument, option, takes
 from reliab.cli.options import (
+    CHANNEL_SKEW,
+    CRITERION_FILE,
+    EQUIPMENT_FILE,
+    ERROR_THRESHOLD,
+    FEEDBACK_LAG,
+    JSON_TARGET,
+    MASS_OF_STRUCTURE,
     OF_REPORT,
-    ChannelSkew,
-    CriterionFile,
-    EquipmentFile,
-    ErrorThreshold,
-    FeedbackLag,
-    JsonTarget,
-    MassOfStructure,
+    SENSOR_SCALE,
+    STATED_DAMPING_RATIO,
+    STATED_SHARE,
+    STRUCTURE_FILE,
+    TAKEN_AS_EXACT,
     ReadsTests,
     Reported,
-    SensorScale,
-    StatedDampingRatio,
-    StatedShare,
-    StructureFile,
-    TakenAsExact,
     written_as,
 )
 from reliab.cli.output import write_json
@@ -33,47 +33,35 @@ app = typer.Typer(
     no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
 )
 
-Rig = Annotated[Path, typer.Argument(metavar="RIG", help="Folder of the rig.")]
+RIG = argument("RIG", "Folder of the rig.")
 
 
 @dataclass(frozen=True, kw_only=True)
 class AddDemand(ReadsTests):
     """Options of `reliab rig add`, arguments of `reliab.api.add_to_rig`."""
 
-    rig: Annotated[Path, typer.Argument(metavar="RIG", help="Folder of the rig, made where there is none.")]
-    tests: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Tests, in any format that `reliab assess` reads.")
-    ]
-    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency, 1 or 1±0.01.")] = None
-    xi: StatedDampingRatio = None
-    alpha: StatedShare = None
-    scale: SensorScale = None
-    feedback_lag: FeedbackLag = None
-    mass: MassOfStructure = None
-    skew: ChannelSkew = None
-    equipment: EquipmentFile = None
-    exact: TakenAsExact = False
-    criterion: CriterionFile = None
-    structure: StructureFile = None
-    threshold: ErrorThreshold = None
-    date: Annotated[
-        str | None,
-        typer.Option("--date", metavar="DATE", help="When they were performed, 2026-03-01 or with a time."),
-    ] = None
-    event: Annotated[
-        str | None, typer.Option("--event", metavar="TEXT", help="Earthquake of their ground motion.")
-    ] = None
-    specimen: Annotated[str | None, typer.Option("--specimen", metavar="TEXT", help="What was tested.")] = (
-        None
+    rig: Path = argument("RIG", "Folder of the rig, made where there is none.")
+    tests: list[Path] = argument("FILE...", "Tests, in any format that `reliab assess` reads.")
+    f: str | None = option("HZ", "Natural frequency, 1 or 1±0.01.")
+    xi: str | None = STATED_DAMPING_RATIO
+    alpha: str | None = STATED_SHARE
+    scale: str | None = SENSOR_SCALE
+    feedback_lag: str | None = FEEDBACK_LAG
+    mass: str | None = MASS_OF_STRUCTURE
+    skew: str | None = CHANNEL_SKEW
+    equipment: Path | None = EQUIPMENT_FILE
+    exact: bool = TAKEN_AS_EXACT
+    criterion: Path | None = CRITERION_FILE
+    structure: Path | None = STRUCTURE_FILE
+    threshold: float | None = ERROR_THRESHOLD
+    date: str | None = option("DATE", "When they were performed, 2026-03-01 or with a time.")
+    event: str | None = option("TEXT", "Earthquake of their ground motion.")
+    specimen: str | None = option("TEXT", "What was tested.")
+    note: str | None = option("TEXT", "Anything else.")
+    covariate: list[str] | None = option(
+        "NAME=NUMBER...", "Numbers on which the rig may depend, current=0.4."
     )
-    note: Annotated[str | None, typer.Option("--note", metavar="TEXT", help="Anything else.")] = None
-    covariate: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--covariate", metavar="NAME=NUMBER...", help="Numbers on which the rig may depend, current=0.4."
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    json_target: str | None = JSON_TARGET
 
     idle_beside: ClassVar[Mapping[str, Any]] = {"structure": ("f", "xi", "alpha", "mass")}
 
@@ -82,41 +70,35 @@ class AddDemand(ReadsTests):
 class ListDemand(Demand):
     """Options of `reliab rig list`, arguments of `reliab.api.list_rig`."""
 
-    rig: Rig
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShowDemand(Demand):
     """Options of `reliab rig show`, arguments of `reliab.api.show_rig_test`."""
 
-    rig: Rig
-    test: Annotated[
-        str, typer.Argument(metavar="TEST", help="Name of the test, or first digits of its checksum.")
-    ]
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    test: str = argument("TEST", "Name of the test, or first digits of its checksum.")
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class RemoveDemand(Demand):
     """Options of `reliab rig remove`, arguments of `reliab.api.remove_from_rig`."""
 
-    rig: Rig
-    tests: Annotated[
-        list[str], typer.Argument(metavar="TEST...", help="Names, or first digits of checksums.")
-    ]
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    tests: list[str] = argument("TEST...", "Names, or first digits of checksums.")
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportDemand(Demand):
     """Options of `reliab rig export`, arguments of `reliab.api.export_rig`."""
 
-    rig: Rig
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FILE.csv", callback=written_as(".csv"), help="The table as CSV.")
-    ]
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    out: Path = option("FILE.csv", "The table as CSV.", default=MISSING, callback=written_as(".csv"))
+    json_target: str | None = JSON_TARGET
 
 
 @app.command("add")
@@ -194,48 +176,24 @@ def export(demand: ExportDemand) -> None:
 class OfNextTest(Demand):
     """Options about the structure of the next test, and the error that it may have."""
 
-    f: Annotated[str | None, typer.Option("--f", metavar="HZ", help="Natural frequency.")] = None
-    xi: Annotated[
-        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio, 0.02 by default.")
-    ] = None
-    alpha: Annotated[
-        str | None,
-        typer.Option("--alpha", metavar="SHARE", help="Share of the stiffness in the laboratory, 1."),
-    ] = None
-    threshold: ErrorThreshold = None
+    f: str | None = option("HZ", "Natural frequency.")
+    xi: str | None = option("RATIO", "Damping ratio, 0.02 by default.")
+    alpha: str | None = option("SHARE", "Share of the stiffness in the laboratory, 1.")
+    threshold: float | None = ERROR_THRESHOLD
 
 
 @dataclass(frozen=True, kw_only=True)
 class PredictDemand(OfNextTest):
     """Options of `reliab rig predict`, arguments of `reliab.api.predict_rig`."""
 
-    rig: Rig
-    structure: StructureFile = None
-    motion: Annotated[
-        Path | None,
-        typer.Option(
-            "--motion", metavar="FILE", help="Ground motion; the loop is simulated with drawn actuators."
-        ),
-    ] = None
-    suite: Annotated[
-        str | None,
-        typer.Option(
-            "--suite", metavar="NAME", help="Any motion of a suite: real_suite, synthetic, or a folder."
-        ),
-    ] = None
-    date: Annotated[
-        str | None, typer.Option("--date", metavar="DATE", help="When; after the last test by default.")
-    ] = None
-    specimen: Annotated[
-        str | None, typer.Option("--specimen", metavar="TEXT", help="On what; the last one by default.")
-    ] = None
-    covariate: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--covariate", metavar="NAME=NUMBER...", help="Numbers that all tests have, peak_mm=40 too."
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    structure: Path | None = STRUCTURE_FILE
+    motion: Path | None = option("FILE", "Ground motion; the loop is simulated with drawn actuators.")
+    suite: str | None = option("NAME", "Any motion of a suite: real_suite, synthetic, or a folder.")
+    date: str | None = option("DATE", "When; after the last test by default.")
+    specimen: str | None = option("TEXT", "On what; the last one by default.")
+    covariate: list[str] | None = option("NAME=NUMBER...", "Numbers that all tests have, peak_mm=40 too.")
+    json_target: str | None = JSON_TARGET
 
 
 @app.command("predict")
@@ -254,26 +212,19 @@ def predict(demand: PredictDemand) -> None:
 class PlanDemand(OfNextTest):
     """Options of `reliab rig plan`, arguments of `reliab.api.plan_rig`."""
 
-    rig: Rig
-    share: Annotated[
-        float, typer.Option("--share", metavar="SHARE", help="Share of coming tests that shall be good.")
-    ] = 0.95
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    share: float = option("SHARE", "Share of coming tests that shall be good.", default=0.95)
+    json_target: str | None = JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
 class CompareDemand(Demand):
     """Options of `reliab rig compare`, arguments of `reliab.api.compare_rigs`."""
 
-    rig: Rig
-    other: Annotated[
-        Path | None, typer.Argument(metavar="[OTHER]", help="Folder of the rig to compare with.")
-    ] = None
-    since: Annotated[
-        str | None,
-        typer.Option("--since", metavar="DATE", help="Date of a change of the same rig, in its place."),
-    ] = None
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    other: Path | None = argument("[OTHER]", "Folder of the rig to compare with.", default=None)
+    since: str | None = option("DATE", "Date of a change of the same rig, in its place.")
+    json_target: str | None = JSON_TARGET
 
 
 @app.command("plan")
@@ -304,25 +255,13 @@ def compare(demand: CompareDemand) -> None:
 class RigReportDemand(Reported):
     """Options of `reliab rig report`, arguments of `reliab.api.report_rig`."""
 
-    rig: Rig
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FILE.pdf", callback=written_as(".pdf"), help="The report.")
-    ]
-    f: Annotated[
-        str | None, typer.Option("--f", metavar="HZ", help="Natural frequency; that of the last test.")
-    ] = None
-    xi: Annotated[
-        str | None, typer.Option("--xi", metavar="RATIO", help="Damping ratio; that of the last test.")
-    ] = None
-    alpha: Annotated[
-        str | None,
-        typer.Option("--alpha", metavar="SHARE", help="Share in the laboratory; that of the last."),
-    ] = None
-    threshold: Annotated[
-        float | None,
-        typer.Option("--threshold", metavar="ERROR", help="Error of the whole test; that of the last test."),
-    ] = None
-    json_target: JsonTarget = None
+    rig: Path = RIG
+    out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=written_as(".pdf"))
+    f: str | None = option("HZ", "Natural frequency; that of the last test.")
+    xi: str | None = option("RATIO", "Damping ratio; that of the last test.")
+    alpha: str | None = option("SHARE", "Share in the laboratory; that of the last.")
+    threshold: float | None = option("ERROR", "Error of the whole test; that of the last test.")
+    json_target: str | None = JSON_TARGET
 
 
 @app.command("report")

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent, significant
 
 
@@ -78,4 +78,4 @@ def show_comparison(content: Mapping[str, Any]) -> None:
 
 
 def _say(text: str) -> None:
-    console().print(text, markup=False, highlight=False, soft_wrap=True)
+    say(text, soft_wrap=True)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent, significant
 
 _LAST = 40
@@ -71,4 +71,4 @@ def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
 
 
 def _say(text: str) -> None:
-    console().print(text, markup=False, highlight=False, soft_wrap=True)
+    say(text, soft_wrap=True)

@@ -3,23 +3,21 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
-
-import typer
+from typing import Any, ClassVar
 
 from reliab.cli.completion import laws, methods
-from reliab.cli.demand import Demand, takes
+from reliab.cli.demand import Demand, flag, option, takes
 from reliab.cli.options import (
-    DampingRatios,
-    Ellipses,
-    Fractions,
-    Frequencies,
-    JsonTarget,
-    MetricName,
-    Motions,
-    Results,
-    Sets,
-    WindowIfGiven,
+    DAMPING_RATIOS,
+    ELLIPSES,
+    FRACTIONS,
+    FREQUENCIES,
+    JSON_TARGET,
+    METRIC_NAME,
+    MOTIONS,
+    RESULTS,
+    SETS,
+    WINDOW_IF_GIVEN,
 )
 from reliab.cli.output import progress_bar, write_json
 
@@ -28,135 +26,65 @@ from reliab.cli.output import progress_bar, write_json
 class ValidateDemand(Demand):
     """Options of `reliab validate`; each way of judging is a function that takes some of them."""
 
-    motions: Motions = None
-    sets: Sets = None
-    results: Results = None
-    ellipses: Ellipses = None
-    f: Frequencies = None
-    xi: DampingRatios = None
-    threshold: Annotated[
-        float | None, typer.Option("--threshold", metavar="ERROR", help="Error, 0.05 for 5 %, the default.")
-    ] = None
-    metric: MetricName = "rms"
-    window: WindowIfGiven = None
-    alpha: Fractions = None
-    scheme: Annotated[
-        str | None,
-        typer.Option(
-            "--scheme",
-            metavar="NAME",
-            help="How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
-            "earthquakes; region, magnitude or length: each class of them left out.",
-        ),
-    ] = None
-    leave_out: Annotated[
-        str | None,
-        typer.Option(
-            "--leave-out", metavar="f|xi", help="Also leave out each frequency or damping ratio in turn."
-        ),
-    ] = None
-    learn: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--learn",
-            metavar="SET...",
-            help="Sets of --motions to learn from, or real_suite: the shipped results of 100 real motions.",
-        ),
-    ] = None
-    judge: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--judge",
-            metavar="SET...",
-            help="Sets of --motions to judge; all of them with --learn real_suite.",
-        ),
-    ] = None
-    method: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--method",
-            autocompletion=methods,
-            metavar="NAME...",
-            help="What the confidence means, one or several methods; dirichlet by default.",
-        ),
-    ] = None
-    joint: Annotated[
-        bool | None,
-        typer.Option(
-            "--joint/--each",
-            help="Whether the confidence holds for a and b together or for each of them separately; by "
-            "default as the method defines it.",
-        ),
-    ] = None
-    law: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--law",
-            autocompletion=laws,
-            metavar="NAME...",
-            help="Fitted or printed laws; table and printed by default.",
-        ),
-    ] = None
-    confidence: Annotated[
-        list[float] | None,
-        typer.Option("--confidence", metavar="SHARE...", help="Stated shares of the motions."),
-    ] = None
-    trials: Annotated[
-        int | None,
-        typer.Option(
-            "--trials",
-            min=1,
-            help="Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of "
-            "each kind of actuator and specimen, 6 by default.",
-        ),
-    ] = None
-    calibration: Annotated[
-        bool,
-        typer.Option(
-            "--calibration",
-            help="Compare the stated probabilities with the shares of tests that are good.",
-        ),
-    ] = False
-    case: Annotated[
-        str | None,
-        typer.Option(
-            "--case", metavar="MOTION", help="Run the paper's four cases under this motion instead."
-        ),
-    ] = None
-    integrator: Annotated[
-        str | None,
-        typer.Option(
-            "--integrator",
-            metavar="NAME",
-            help="For --case: chen_ricles (the paper's), central_difference, operator_splitting or exact.",
-        ),
-    ] = None
-    compensator: Annotated[
-        str | None,
-        typer.Option(
-            "--compensator",
-            metavar="NAME",
-            help="For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none.",
-        ),
-    ] = None
-    rebuilt_error: Annotated[
-        bool,
-        typer.Option(
-            "--rebuilt-error",
-            help="Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the "
-            "test's motion.",
-        ),
-    ] = False
-    tests: Annotated[
-        Path | None,
-        typer.Option(
-            "--tests",
-            metavar="FILE.csv",
-            help="For --rebuilt-error: file of all tests and verdicts, from which an interrupted run "
-            "resumes.",
-        ),
-    ] = None
-    json_target: JsonTarget = None
+    motions: list[str] | None = MOTIONS
+    sets: list[str] | None = SETS
+    results: Path | None = RESULTS
+    ellipses: Path | None = ELLIPSES
+    f: list[float] | None = FREQUENCIES
+    xi: list[float] | None = DAMPING_RATIOS
+    threshold: float | None = option("ERROR", "Error, 0.05 for 5 %, the default.")
+    metric: str = METRIC_NAME
+    window: str | None = WINDOW_IF_GIVEN
+    alpha: list[float] | None = FRACTIONS
+    scheme: str | None = option(
+        "NAME",
+        "How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
+        "earthquakes; region, magnitude or length: each class of them left out.",
+    )
+    leave_out: str | None = option("f|xi", "Also leave out each frequency or damping ratio in turn.")
+    learn: list[str] | None = option(
+        "SET...", "Sets of --motions to learn from, or real_suite: the shipped results of 100 real motions."
+    )
+    judge: list[str] | None = option(
+        "SET...", "Sets of --motions to judge; all of them with --learn real_suite."
+    )
+    method: list[str] | None = option(
+        "NAME...",
+        "What the confidence means, one or several methods; dirichlet by default.",
+        autocompletion=methods,
+    )
+    joint: bool | None = option(
+        "",
+        "Whether the confidence holds for a and b together or for each of them separately; by "
+        "default as the method defines it.",
+        name="--joint/--each",
+    )
+    law: list[str] | None = option(
+        "NAME...", "Fitted or printed laws; table and printed by default.", autocompletion=laws
+    )
+    confidence: list[float] | None = option("SHARE...", "Stated shares of the motions.")
+    trials: int | None = option(
+        "",
+        "Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of "
+        "each kind of actuator and specimen, 6 by default.",
+        min=1,
+    )
+    calibration: bool = flag("Compare the stated probabilities with the shares of tests that are good.")
+    case: str | None = option("MOTION", "Run the paper's four cases under this motion instead.")
+    integrator: str | None = option(
+        "NAME", "For --case: chen_ricles (the paper's), central_difference, operator_splitting or exact."
+    )
+    compensator: str | None = option(
+        "NAME", "For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none."
+    )
+    rebuilt_error: bool = flag(
+        "Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the test's motion."
+    )
+    tests: Path | None = option(
+        "FILE.csv",
+        "For --rebuilt-error: file of all tests and verdicts, from which an interrupted run resumes.",
+    )
+    json_target: str | None = JSON_TARGET
 
     belongs_to: ClassVar[Mapping[str, str]] = {
         "integrator": "case",

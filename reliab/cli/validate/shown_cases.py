@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import significant
 
 _HEADINGS = (
@@ -25,9 +25,8 @@ def show_cases(content: Mapping[str, Any]) -> None:
     console().print(shown)
     event = content["held_out"]
     motions = f"without {event}" if event else "from all shipped motions"
-    console().print(
+    say(
         "RMS^R is the RMS of measured minus exact displacement over the peak of the exact one, in the first "
         f"{content['window']} s of the record. Integrator: {content['integrator']}; compensator: "
-        f"{content['compensator']}. The recommended criterion was learned {motions}.",
-        highlight=False,
+        f"{content['compensator']}. The recommended criterion was learned {motions}."
     )

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent
 
 if TYPE_CHECKING:
@@ -38,27 +38,25 @@ def show_criteria(content: dict[str, Any]) -> None:
     terminal.print(_table(title, content["rows"]))
     if content["rows_lead"]:
         terminal.print(_table("The same for actuators that are early (leads)", content["rows_lead"]))
-    terminal.print(f"Judged on {content['judged_on']}:", highlight=False)
-    for sentence in [*content["outside"], *content["sentences"]]:
-        terminal.print(sentence, highlight=False)
+    say(f"Judged on {content['judged_on']}:")
+    say(*[*content["outside"], *content["sentences"]])
     if content["n_of_learned_earthquakes"]:
-        terminal.print(
+        say(
             f"{content['n_of_learned_earthquakes']} of the motions are of earthquakes that the suite holds; "
-            "each was judged by what was learned from the other earthquakes.",
-            highlight=False,
+            "each was judged by what was learned from the other earthquakes."
         )
-    for missing in content["not_carried"]:
-        terminal.print(
+    say(
+        *(
             f"{missing['candidate']} at {percent(missing['confidence'], decimals=0)} is not judged: "
             "there are too few "
-            f"motions or earthquakes for it.",
-            highlight=False,
+            f"motions or earthquakes for it."
+            for missing in content["not_carried"]
         )
+    )
     if content["unresolved"]:
-        terminal.print(
+        say(
             f"Not judged, because a criterion reaches beyond the stored results: {content['unresolved']} "
-            "times.",
-            highlight=False,
+            "times."
         )
     if content["truth"] == "ellipse":
         terminal.print(_ELLIPSE_NOTE)

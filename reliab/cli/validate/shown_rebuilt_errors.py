@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from reliab.cli.output import console, table
+from reliab.cli.output import console, say, table
 from reliab.significant import percent, significant
 
 _JUDGES = {
@@ -26,12 +26,13 @@ def show_rebuilt_errors(content: dict[str, Any]) -> None:
     terminal.print(_table("The rebuilt error by sensor and by what is stated wrongly", named, "label"))
     specimens = [{**row, "label": f"{row['specimen']}: {row['judge']}"} for row in content["specimens"]]
     terminal.print(_table("Nonlinear specimens", specimens, "label"))
-    for row in content["looks"]:
-        terminal.print(
+    say(
+        *(
             f"Specimen “{row['specimen']}” ({row['sensor']}): looks nonlinear in "
-            f"{percent(row['looks_nonlinear'], decimals=0)} of {row['tests']} tests.",
-            highlight=False,
+            f"{percent(row['looks_nonlinear'], decimals=0)} of {row['tests']} tests."
+            for row in content["looks"]
         )
+    )
 
 
 def _condition(row: dict[str, Any]) -> str:
