@@ -1,4 +1,4 @@
-"""The command line `reliab`: one command per file.
+"""The command line `reliab`: one file for each command, or for those of one subject.
 
 Only Typer is imported here and at the top of the commands; numerics, and Rich for tables and bars,
 are imported when a command needs them, so that `reliab --help` answers at once.
@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -22,23 +22,18 @@ from reliab.cli import (
     diagnose,
     ellipses,
     explore,
-    fetch,
-    info,
+    installation,
     monitor,
     motions,
     record,
-    report,
     rig,
-    run as run_command,
-    samples,
     simulate,
+    studies,
     validate,
 )
 from reliab.cli.defaults import read_defaults
-from reliab.cli.examples import example_of
+from reliab.cli.demand import as_options
 from reliab.cli.interruption import interruption, noticed_interruption
-from reliab.cli.literal_help import take_help_literally
-from reliab.cli.option_names import as_options
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable, substituted
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
@@ -48,6 +43,26 @@ from reliab.version import __version__
 _BAD_INPUT = 2
 _INCOMPLETE = 3
 
+EXAMPLES: Final = {
+    "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
+    "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
+    "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
+    "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
+    "compare": "reliab compare none.csv adaptive.csv --f 1 --xi 0.02 --figure ranking.svg",
+    "record": "reliab record sample_test --out test.nc",
+    "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
+    "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
+    "explore": "reliab explore --out criterion.html",
+    "validate": "reliab validate --rebuilt-error --f 1 --xi 0.02 --trials 1",
+    "diagnose": "reliab diagnose rig_a --out diagnosis",
+    "run": "reliab run --list",
+    "report": "reliab report runs/quick",
+    "fetch": "reliab fetch datasets/real_suite/results.nc",
+    "samples": "reliab samples datasets",
+    "info": "reliab info --json -",
+}
+"""One example for the help of each command."""
+
 app = typer.Typer(
     name="reliab",
     no_args_is_help=True,
@@ -55,22 +70,26 @@ app = typer.Typer(
 )
 app.add_typer(motions.app, name="motions")
 app.add_typer(rig.app, name="rig")
-app.command("simulate", epilog=example_of("simulate"))(simulate.simulate)
-app.command("ellipses", epilog=example_of("ellipses"))(ellipses.ellipses)
-app.command("criterion", epilog=example_of("criterion"))(criterion.criterion)
-app.command("assess", epilog=example_of("assess"))(assess.assess)
-app.command("compare", epilog=example_of("compare"))(compare.compare)
-app.command("record", epilog=example_of("record"))(record.record)
-app.command("calibrate", epilog=example_of("calibrate"))(calibrate.calibrate)
-app.command("monitor", epilog=example_of("monitor"))(monitor.monitor)
-app.command("explore", epilog=example_of("explore"))(explore.explore)
-app.command("fetch", epilog=example_of("fetch"))(fetch.fetch)
-app.command("samples", epilog=example_of("samples"))(samples.samples)
-app.command("validate", epilog=example_of("validate"))(validate.validate)
-app.command("diagnose", epilog=example_of("diagnose"))(diagnose.diagnose)
-app.command("run", epilog=example_of("run"))(run_command.run)
-app.command("info", epilog=example_of("info"))(info.info)
-app.command("report", epilog=example_of("report"))(report.report)
+for _command_function in (
+    simulate.simulate,
+    ellipses.ellipses,
+    criterion.criterion,
+    assess.assess,
+    compare.compare,
+    record.record,
+    calibrate.calibrate,
+    monitor.monitor,
+    explore.explore,
+    installation.fetch,
+    installation.samples,
+    validate.validate,
+    diagnose.diagnose,
+    studies.run,
+    installation.info,
+    studies.report,
+):
+    _name = _command_function.__name__
+    app.command(_name, epilog=f"Example: {EXAMPLES[_name]}")(_command_function)
 
 
 _ONE_THREAD = dict.fromkeys(
@@ -110,6 +129,18 @@ def _command(*, with_help: bool) -> Any:  # noqa: ANN401 - Typer hides its type
     if with_help:
         take_help_literally(command)
     return command
+
+
+def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its type
+    """Escape a command's help and that of all below it, once: a unit in brackets is no markup of Rich."""
+    from rich.markup import escape
+
+    for shown in (command, *command.params):
+        for name in ("help", "epilog"):
+            if text := getattr(shown, name, None):
+                setattr(shown, name, escape(text))
+    for inner in getattr(command, "commands", {}).values():
+        take_help_literally(inner)
 
 
 def main() -> None:

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.cli.assess import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
 from reliab.cli.demand import argument, option, takes
-from reliab.cli.options import JSON_TARGET, ReadsTests, written_as
+from reliab.cli.options import JSON_TARGET, JudgesTests, ReadsTests, files_of, only_value, written_as
 from reliab.cli.output import console, progress_bar, say, table, write_json
 from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT

@@ -5,6 +5,7 @@ commands may share what `option`, `flag` or `argument` declares.
 """
 
 import inspect
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import partial, wraps
@@ -13,7 +14,6 @@ from typing import Annotated, Any, ClassVar, TypeVar
 import typer
 
 from reliab.api import unused
-from reliab.cli.option_names import as_options
 
 _Answer = TypeVar("_Answer")
 _Options = TypeVar("_Options", bound="Demand")
@@ -145,3 +145,37 @@ def _parameters(options: type[Demand]) -> Iterator[inspect.Parameter]:
                     annotation=Annotated[taken.type, taken.metadata["declared"].of_typer(name)],
                     default=inspect.Parameter.empty if taken.default is MISSING else taken.default,
                 )
+
+
+_ARGUMENT = re.compile(r"`([a-z]\w*)(?:=([^`]+))?`")
+
+
+def as_options(message: str, command: Any) -> str:  # noqa: ANN401 - Typer hides its type
+    """Write the arguments that a message names as options of the command line.
+
+    `` `time_units="ms"` `` as ``--time-units ms``; what names no option stays as it is.
+
+    >>> import typer
+    >>> from reliab.cli import app
+    >>> command = typer.main.get_command(app)
+    >>> as_options('Give `xi` or `time_units="ms"`, as `reliab info` says of `this`', command)
+    'Give --xi or --time-units ms, as `reliab info` says of `this`'
+    """
+    flags = dict(_flags(command))
+
+    def option(argument: re.Match[str]) -> str:
+        name, value = argument.groups()
+        if name not in flags:
+            return argument.group()
+        return flags[name] if value is None else f"{flags[name]} {value.strip(chr(34))}"
+
+    return _ARGUMENT.sub(option, message)
+
+
+def _flags(command: Any) -> Iterator[tuple[str, str]]:  # noqa: ANN401
+    """Options of all commands by their names in Python; one name means one thing everywhere."""
+    for parameter in command.params:
+        if parameter.opts[0].startswith("--"):
+            yield parameter.name, parameter.opts[0]
+    for subcommand in getattr(command, "commands", {}).values():
+        yield from _flags(subcommand)

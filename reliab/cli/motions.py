@@ -1,13 +1,13 @@
 """``reliab motions``: list, check, import and synthesize ground motions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.cli.demand import MISSING, Demand, argument, option, takes
+from reliab.cli.demand import Demand, argument, option, takes
 from reliab.cli.options import JSON_TARGET, SETS
 from reliab.cli.output import console, say, write_json
 from reliab.cli.printable import printable

@@ -1,9 +1,9 @@
 """`reliab simulate`: simulate once and store the results for all later questions."""
 
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 
-from reliab.cli.demand import MISSING, Demand, flag, option, takes
+from reliab.cli.demand import Demand, flag, option, takes
 from reliab.cli.options import (
     DAMPING_RATIOS,
     FRACTIONS,

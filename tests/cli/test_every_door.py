@@ -13,7 +13,7 @@ import typer
 import reliab
 from reliab import api, cli
 from reliab.api import derived_criteria, explorer, simulation, sources, studies, validation
-from reliab.cli.option_names import as_options
+from reliab.cli.demand import as_options
 from reliab.criterion import read_ellipses
 from reliab.report import Setting
 from reliab.shipped import shipped

@@ -5,11 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from reliab.assessment.design import Tolerance
-from reliab.cli import calibrate, ellipses, output
+from reliab.cli import calibrate, ellipses, output, validate
 from reliab.cli.assess.shown_design import show_design
 from reliab.cli.assess.shown_several import show_several
-from reliab.cli.criterion.shown import show_criteria
-from reliab.cli.validate import shown_cases, shown_rates, shown_rebuilt_errors
+from reliab.cli.criterion import show_criteria
 from reliab.stated_value import StatedValue
 
 
@@ -24,7 +23,7 @@ def drawn(monkeypatch):
         return shown
 
     for module in (
-        *(calibrate, ellipses, shown_cases, shown_rates, shown_rebuilt_errors),
+        *(calibrate, ellipses, validate),
         *(
             __import__(each.__module__, fromlist=["table"])
             for each in (show_design, show_several, show_criteria)
@@ -201,7 +200,7 @@ def test_judges_of_simulated_tests_stand_below_their_headings(drawn, capsys):
         "covered": 0.91,
     }
     wrong = {**row, "sensor": "40 dB", "stated": "f +5 %", "ratio_50": None, "covered": None}
-    shown_rebuilt_errors.show_rebuilt_errors(
+    validate.show_rebuilt_errors(
         {
             "metric": "rms",
             "threshold": 0.05,
@@ -238,7 +237,7 @@ def test_judges_of_simulated_tests_stand_below_their_headings(drawn, capsys):
 
 
 def test_probabilities_and_cases_stand_below_their_headings(drawn):
-    shown_rates.show_probabilities(
+    validate.show_probabilities(
         {
             "scheme": "leave_out",
             "truth": "ellipse",
@@ -265,7 +264,7 @@ def test_probabilities_and_cases_stand_below_their_headings(drawn):
         "rms": 0.0312,
         "good": False,
     }
-    shown_cases.show_cases(
+    validate.show_cases(
         {
             "motion": "RSN1",
             "held_out": None,

@@ -11,8 +11,7 @@ import pytest
 import typer
 
 import reliab
-from reliab.cli import app, run, spread
-from reliab.cli.examples import EXAMPLES
+from reliab.cli import EXAMPLES, app, run, spread
 
 COMMANDS = typer.main.get_group(app).commands
 

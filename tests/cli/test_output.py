@@ -14,8 +14,7 @@ import pytest
 from parsed import nodes
 
 import reliab
-from reliab.cli import main
-from reliab.cli.literal_help import take_help_literally
+from reliab.cli import main, take_help_literally
 from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable
 from reliab.version import __version__

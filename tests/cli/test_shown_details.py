@@ -7,12 +7,12 @@ import pytest
 
 from reliab.cli.assess.shown_briefly import show_briefly
 from reliab.cli.assess.shown_frame import show_frame
-from reliab.cli.criterion.shown import _show_own_boundary
+from reliab.cli.criterion import _show_own_boundary
 from reliab.cli.diagnose import _show
-from reliab.cli.monitor.command import _export
+from reliab.cli.monitor import _export
 from reliab.cli.record import _check
-from reliab.cli.rig.shown_tests import show_added
-from reliab.cli.validate.shown_rates import show_criteria as show_rates
+from reliab.cli.rig import show_added
+from reliab.cli.validate import show_criteria as show_rates
 
 
 @pytest.fixture(autouse=True)

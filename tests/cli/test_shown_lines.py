@@ -5,7 +5,7 @@ import re
 import pytest
 
 from reliab.cli.calibrate import _cells
-from reliab.cli.criterion.shown import show_criteria
+from reliab.cli.criterion import show_criteria
 from reliab.cli.motions import _show_faults, _show_notes, _within
 from reliab.motions.faults import Fault
 from reliab.stated_value import StatedValue

@@ -8,9 +8,9 @@ from rich.console import Console
 
 from reliab.api import Message
 from reliab.assessment.rebuilt_error import Monitor
+from reliab.cli import validate
 from reliab.cli.diagnose import _show_effects
-from reliab.cli.monitor.shown import _table
-from reliab.cli.validate import shown_cases, shown_rates
+from reliab.cli.monitor import _table
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.structures.structure import Structure
 from reliab.vocabulary import Metric
@@ -23,7 +23,7 @@ def words_of(text):
 @pytest.mark.parametrize(("truth", "noted"), [("ellipse", True), ("simulation", False)])
 def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, capsys):
     row = {"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}
-    shown_rates.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
+    validate.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
     shown = words_of(capsys.readouterr().out)
     for part in ("leave one event out", "90.0 %", "85", "43"):
         assert part in shown
@@ -39,7 +39,7 @@ def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
          "accepted": False, "probability": 0.125, "rms": 0.09, "good": False},
     ]  # fmt: skip
     content = {"motion": "RSN1", "held_out": event, "window": "40", "integrator": "i", "compensator": "c"}
-    shown_cases.show_cases({**content, "cases": rows})
+    validate.show_cases({**content, "cases": rows})
     shown = words_of(capsys.readouterr().out)
     for part in ("0.9876", "1.234", "3.12", "0.125", "9.00", "yes", "no", "first 40 s"):
         assert part in shown

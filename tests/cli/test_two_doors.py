@@ -15,7 +15,7 @@ from parsed import nodes
 import reliab
 from reliab import cli
 from reliab.api import assessment
-from reliab.cli.option_names import as_options
+from reliab.cli.demand import as_options
 from reliab.criterion import Criterion
 from reliab.motions import read_motion
 from reliab.simulation.frames.frame_file import read_frame

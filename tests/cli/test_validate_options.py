@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.cli.run import run as run_command
+from reliab.cli.studies import run as run_command
 from reliab.cli.validate import validate
 from reliab.errors import InputError
 from reliab.shipped import shipped

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
-from reliab.cli.assess.judging import JudgesTests, files_of, only_value
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, argument, flag, option, takes
 from reliab.cli.options import (
     JSON_TARGET,
     OF_REPORT,
+    JudgesTests,
     ReadsTests,
     Reported,
+    files_of,
+    only_value,
     written_as,
 )
 from reliab.errors import InputError

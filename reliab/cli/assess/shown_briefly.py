@@ -136,3 +136,17 @@ def _hidden(warnings: int, notes: int) -> str:
         counted(count, word) for count, word in ((warnings, "further warning"), (notes, "note")) if count
     ]
     return f"For all results{', with ' if counts else ''}{' and '.join(counts)}, add --details."
+
+
+def show_remarks(content: dict[str, Any]) -> None:
+    """Print warnings, the columns that were recognised, each with its unit and the reason, and notes."""
+    say(*(f"Warning: {warning}" for warning in content["warnings"]), style="yellow")
+    if channels := content["recording"]["channels"]:
+        read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
+        say(f"Channels: {'; '.join(read)}.")
+    say(*(f"Note: {note}" for note in content["notes"]))
+
+
+def _column(channel: dict[str, Any]) -> str:
+    unit = channel["unit"] or "no unit"
+    return f"{channel['column']!r} ({unit}; {channel['reason']})"

@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from reliab.cli.assess.shown_briefly import budget_table
-from reliab.cli.assess.shown_channels import show_channels
+from reliab.cli.assess.shown_briefly import budget_table, show_remarks
 from reliab.cli.output import console, say, table
 from reliab.significant import percent, percent_with_interval, significant
 
@@ -22,9 +21,7 @@ def show_frame(content: dict[str, Any], *, details: bool) -> None:
     terminal.print(budget_table(content))
     terminal.print(_responses(content))
     say(*(content["responses"]["in_words"], *_sentences(content)))
-    say(*(f"Warning: {warning}" for warning in content["warnings"]), style="yellow")
-    show_channels(content["recording"]["channels"])
-    say(*(f"Note: {note}" for note in content["notes"]))
+    show_remarks(content)
 
 
 def _degrees(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table

@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.assess.shown_briefly import budget_table
-from reliab.cli.assess.shown_channels import show_channels
+from reliab.cli.assess.shown_briefly import budget_table, show_remarks
 from reliab.cli.output import console, say, table
 from reliab.significant import percent, share_in_words, significant
 from reliab.vocabulary import PERCENT
@@ -22,9 +21,7 @@ def show_assessment(assessment: "Assessment") -> None:
     terminal.print(budget_table(summary))
     terminal.print(_indices(assessment, summary))
     say(*_sentences(assessment, summary))
-    say(*(f"Warning: {warning}" for warning in summary["warnings"]), style="yellow")
-    show_channels(summary["recording"]["channels"])
-    say(*(f"Note: {note}" for note in summary["notes"]))
+    show_remarks(summary)
 
 
 def _asked(assessment: "Assessment") -> str:

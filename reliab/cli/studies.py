@@ -1,4 +1,4 @@
-"""`reliab run`: a study from its motions to the report."""
+"""`reliab run` and `report`: a study from its motions to the report, and its report again."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,3 +47,21 @@ def run(demand: RunDemand) -> None:
     performed = demand.ask(perform_study, *OF_REPORT, "json_target", show=progress_bar, tell=tell)
     if not write_json(performed.to_dict(), demand.json_target):
         say(f"Report: {performed.report}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportDemand(Reported):
+    """Options of `reliab report`, arguments of `reliab.report_run`."""
+
+    folder: Path = argument("DIR", "Run folder that `reliab run` wrote.")
+    json_target: str | None = JSON_TARGET
+
+
+@takes(ReportDemand)
+def report(demand: ReportDemand) -> None:
+    """Write the PDF of a finished run again, from its folder alone."""
+    from reliab.api import report_run
+
+    written = demand.ask(report_run, *OF_REPORT, "json_target")
+    if not write_json(written.to_dict(), demand.json_target):
+        say(f"Report: {written.report}")

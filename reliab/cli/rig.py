@@ -1,13 +1,13 @@
 """`reliab rig`: the tests of a rig come, are listed, shown and removed; what they teach is asked."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 import typer
 
-from reliab.cli.demand import MISSING, Demand, argument, option, takes
+from reliab.cli.demand import Demand, argument, option, takes
 from reliab.cli.options import (
     CHANNEL_SKEW,
     CRITERION_FILE,
@@ -26,8 +26,9 @@ from reliab.cli.options import (
     Reported,
     written_as,
 )
-from reliab.cli.output import write_json
+from reliab.cli.output import console, progress_bar, say, table, write_json, write_line
 from reliab.errors import InputError
+from reliab.significant import percent, significant
 
 app = typer.Typer(
     no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
@@ -106,8 +107,6 @@ class ExportDemand(Demand):
 def add(demand: AddDemand) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab import api
-    from reliab.cli.output import progress_bar
-    from reliab.cli.rig.shown_tests import show_added
 
     with progress_bar("tests") as progress:
         outcome = demand.ask(api.add_to_rig, "json_target", show=progress)
@@ -128,7 +127,6 @@ def add(demand: AddDemand) -> None:
 def list_tests(demand: ListDemand) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.api import list_rig
-    from reliab.cli.rig.shown_tests import show_list
 
     listed = demand.ask(list_rig, "json_target")
     content = listed.to_dict()
@@ -141,7 +139,6 @@ def list_tests(demand: ListDemand) -> None:
 def show(demand: ShowDemand) -> None:
     """Show all that is kept of a test."""
     from reliab.api import show_rig_test
-    from reliab.cli.rig.shown_tests import show_test
 
     content = demand.ask(show_rig_test, "json_target")
     if not write_json(content, demand.json_target):
@@ -153,7 +150,6 @@ def show(demand: ShowDemand) -> None:
 def remove(demand: RemoveDemand) -> None:
     """Remove tests from a rig."""
     from reliab.api import remove_from_rig
-    from reliab.cli.output import write_line
 
     removed = demand.ask(remove_from_rig, "json_target")
     if not write_json({"removed": list(removed)}, demand.json_target):
@@ -165,7 +161,6 @@ def remove(demand: RemoveDemand) -> None:
 def export(demand: ExportDemand) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.api import export_rig
-    from reliab.cli.output import write_line
 
     tests = demand.ask(export_rig, "json_target")
     if not write_json({"out": str(demand.out), "tests": tests}, demand.json_target):
@@ -201,7 +196,6 @@ class PredictDemand(OfNextTest):
 def predict(demand: PredictDemand) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.api import predict_rig
-    from reliab.cli.rig.shown_answers import show_prediction
 
     content = demand.ask(predict_rig, "json_target").to_dict()
     if not write_json(content, demand.json_target):
@@ -232,7 +226,6 @@ class CompareDemand(Demand):
 def plan(demand: PlanDemand) -> None:
     """Say what to change so that nearly all coming tests are good."""
     from reliab.api import plan_rig
-    from reliab.cli.rig.shown_answers import show_plan
 
     content = demand.ask(plan_rig, "json_target").to_dict()
     if not write_json(content, demand.json_target):
@@ -244,7 +237,6 @@ def plan(demand: PlanDemand) -> None:
 def compare(demand: CompareDemand) -> None:
     """Say whether a rig became better, or another is better."""
     from reliab.api import compare_rigs
-    from reliab.cli.rig.shown_answers import show_comparison
 
     content = demand.ask(compare_rigs, "json_target").to_dict()
     if not write_json(content, demand.json_target):
@@ -269,8 +261,145 @@ class RigReportDemand(Reported):
 def report(demand: RigReportDemand) -> None:
     """Write two pages on what the rig does, what to expect and what to change, and an appendix."""
     from reliab.api import report_rig
-    from reliab.cli.output import write_line
 
     written = demand.ask(report_rig, *OF_REPORT, "json_target", setting=demand.setting)
     if not write_json({"report": str(written)}, demand.json_target):
         write_line(f"Report: {written}")
+
+
+_LAST = 40
+_HEADINGS = {
+    "test": "left",
+    "SHA-256": "left",
+    "date": "left",
+    "event": "left",
+    "A": "right",
+    "d [ms]": "right",
+    "remainder": "right",
+    "error": "right",
+    "verdict": "left",
+    "change": "left",
+}
+
+
+def show_added(content: Mapping[str, Any]) -> None:
+    """Say what became of the files."""
+    _show_rows(f"Tests added to {content['rig']}: {len(content['added'])}", content["added"])
+    _say(f"Tests in the rig: {content['tests']}.")
+    if content["present"]:
+        _say(f"There already: {', '.join(content['present'])}.")
+    for file, fault in content["faults"].items():
+        _say(f"Not judged: {file}: {fault}")
+
+
+def show_list(content: Mapping[str, Any]) -> None:
+    """Print the last tests; JSON and the exported table hold all."""
+    rows = content["tests"]
+    last = rows[-_LAST:]
+    title = f"Tests of {content['rig']}: {len(rows)}"
+    _show_rows(title if len(last) == len(rows) else f"{title}, the last {len(last)}", last)
+    for file, fault in content["faults"].items():
+        _say(f"Left out: {file}: {fault}")
+
+
+def show_test(content: Mapping[str, Any]) -> None:
+    """Print a test with what was stated and found."""
+    test = content["test"]
+    _show_rows(test["name"], [test])
+    stated = ", ".join(f"{name} {text}" for name, text in content["terms"].items())
+    _say(f"Stated: {stated or 'nothing'}.")
+    for reason in content["assessment"].get("reasons", []):
+        _say(reason)
+    _say(f"Record: {content['record']}")
+
+
+def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
+    from rich.text import Text
+
+    if not rows:
+        _say(f"{title}.")
+        return
+    shown_rows = table(title, _HEADINGS)
+    for row in rows:
+        error = "" if row["rms"] is None else percent(row["rms"])
+        cells = (
+            *(row["name"], row["sha256"][:8], row["date"][:10], row["event"]),
+            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"]), error),
+            *(row["verdict"].replace("_", " "), row.get("change") or ""),
+        )
+        shown_rows.add_row(*(Text(cell) for cell in cells))
+    console().print(shown_rows)
+
+
+def show_prediction(content: Mapping[str, Any]) -> None:
+    """Print what is predicted of the next test."""
+    from_what = f"{content['tests']} tests of {content['earthquakes']} earthquakes"
+    rows = table(
+        f"The next test of {content['rig']}, from {from_what}",
+        {"": "left", "5 %": "right", "median": "right", "95 %": "right"},
+    )
+    ends = ("low", "median", "high")
+    rows.add_row("A", *(f"{content['A'][end]:.4f}" for end in ends))
+    rows.add_row("d [ms]", *(f"{content['d_ms'][end]:.2f}" for end in ends))
+    rows.add_row("remainder", *(percent(content["remainder"][end]) for end in ends))
+    rows.add_row("error RMS^R", *(percent(content["rms"][end]) for end in ends))
+    console().print(rows)
+    shares = ", ".join(f"{name} {percent(share, 2)}" for name, share in content["drivers"].items())
+    _say(
+        f"Probability {content['probability']:.2f} that the error stays below "
+        f"{percent(content['threshold'])}. "
+        f"Its square comes from: {shares}."
+    )
+    _say(f"By {content['basis']}.")
+    scores = ", ".join(
+        f"{name} {'unknown' if score is None else significant(score)}"
+        for name, score in content["log_scores"].items()
+    )
+    _say(f"Log scores on earthquakes left out: {scores}. Best: {content['better']}.")
+    worst = max(item["r_hat"] for item in content["sampling"].values())
+    least = min(item["effective_size"] for item in content["sampling"].values())
+    _say(f"Posterior of the variances: R-hat at most {worst:.3f}, at least {least:.0f} independent draws.")
+    for note in content["notes"]:
+        _say(f"Note: {note}")
+
+
+def show_plan(content: Mapping[str, Any]) -> None:
+    """Print each remedy in a sentence, and what the error depends on."""
+    _say(
+        f"{percent(content['share_now'])} of the coming tests would have an error below "
+        f"{percent(content['threshold'])}; {percent(content['share'])} are wanted. Each remedy alone:"
+    )
+    for remedy in content["remedies"]:
+        _say(f"- {remedy['sentence']}")
+    rows = table(
+        "Sobol indices of the error's logarithm", {"": "left", "first order": "right", "total": "right"}
+    )
+    for name, indices in content["sobol"].items():
+        rows.add_row(name, f"{indices['first_order']:.2f}", f"{indices['total']:.2f}")
+    console().print(rows)
+
+
+def show_comparison(content: Mapping[str, Any]) -> None:
+    """Print both sides, and the probability that each quantity became smaller."""
+    first, second = content["tests"]
+    rows = table(
+        f"{first} tests against {second}",
+        {"": "left", "first": "right", "second": "right", "P(better)": "right", "next test": "right"},
+    )
+    for name, label in (
+        ("amplitude_error", "|A - 1|"),
+        ("delay_ms", "|d| [ms]"),
+        ("remainder", "remainder"),
+        ("rms", "error RMS^R"),
+    ):
+        contrast = content[name]
+        rows.add_row(
+            label,
+            *(significant(contrast[side]) for side in ("before", "after")),
+            *(f"{contrast[key]:.2f}" for key in ("probability_better", "next_test_better")),
+        )
+    console().print(rows)
+
+
+def _say(text: str) -> None:
+    say(text, soft_wrap=True)
