@@ -82,8 +82,8 @@ def criterion() -> bool:
 
 def measured_specimen() -> bool:
     """Report the judged tests of the table, as the study reports its own."""
-    from reliab_studies.measured_specimen.pages import measured_specimen_report
-    from reliab_studies.measured_specimen.summary import summarise
+    from reliab_studies.measured_specimen.judging import summarise
+    from reliab_studies.measured_specimen.report import measured_specimen_report
 
     tests = pd.read_csv(HERE / "measured_specimen.csv")
     document = measured_specimen_report(

@@ -27,7 +27,7 @@ def stages(study: Study, show: Show) -> Sequence[Stage]:
 
 def report(study: Study, folder: Path) -> Document:
     """Report the figures of every run."""
-    from .pages import blind_evaluation_report
+    from .report import blind_evaluation_report
 
     return blind_evaluation_report(
         title=study.title,

@@ -122,7 +122,7 @@ def _check(study: DuctilityStudy, limits: pd.DataFrame) -> None:
 
 def report(study: DuctilityStudy, folder: Path) -> Document:
     """Report tolerances against those of linear tests."""
-    from .pages import ductility_report
+    from .report import ductility_report
 
     return ductility_report(
         title=study.title,

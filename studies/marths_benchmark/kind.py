@@ -65,7 +65,7 @@ def stages(study: MultiAxialStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: MultiAxialStudy, folder: Path) -> Document:
     """Report the benchmark."""
-    from .pages import marths_report
+    from .report import marths_report
 
     return marths_report(
         title=study.title,

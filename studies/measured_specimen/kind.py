@@ -59,8 +59,7 @@ def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
     records, table = Records(study), study.specimens
 
     def work(folder: Path) -> None:
-        from .judging import judge_tests
-        from .summary import summarise
+        from .judging import judge_tests, summarise
 
         with show("Judging tests of nonlinear specimens") as progress:
             tests = judge_tests(
@@ -81,7 +80,7 @@ def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
     """Report how near the computed errors come to the true ones."""
-    from .pages import measured_specimen_report
+    from .report import measured_specimen_report
 
     return measured_specimen_report(
         title=study.title,

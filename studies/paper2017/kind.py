@@ -48,7 +48,7 @@ def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: SimulatedStudy, folder: Path) -> Document:
     """Report the reproduction."""
-    from .pages import paper_report
+    from .pages.report import paper_report
 
     return paper_report(
         title=study.title,

@@ -49,7 +49,7 @@ def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: PartitionedStudy, folder: Path) -> Document:
     """Report predictions against simulated errors."""
-    from .pages import partitioned_structures_report
+    from .report import partitioned_structures_report
 
     return partitioned_structures_report(
         title=study.title,

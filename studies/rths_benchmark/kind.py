@@ -117,7 +117,7 @@ def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: BenchmarkStudy, folder: Path) -> Document:
     """Report the benchmark."""
-    from .pages import rths_benchmark_report
+    from .report import rths_benchmark_report
 
     published = pd.read_csv(folder / PUBLISHED)
     return rths_benchmark_report(

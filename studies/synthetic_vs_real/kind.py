@@ -67,7 +67,7 @@ def report(study: SuitesStudy, folder: Path) -> Document:
     """Compare the suites."""
     from reliab.report.sections import rates_table
 
-    from .pages import suites_report
+    from .report import suites_report
 
     real, compared = _reference(study), open_ellipses(folder / ELLIPSES)
     names = (_NAME, (study.motions.sources or (SYNTHETIC,))[0])

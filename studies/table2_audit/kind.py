@@ -40,7 +40,7 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: RecordsStudy, folder: Path) -> Document:
     """Report the rows."""
-    from .pages import table_audit_report
+    from .report import table_audit_report
 
     return table_audit_report(
         title=study.title,

@@ -79,7 +79,7 @@ def report(study: ValidationStudy, folder: Path) -> Document:
     from reliab.report.sections import rates_table
     from reliab.validation.cross_validation import tabulate
 
-    from .pages import validation_report
+    from .report import validation_report
 
     validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)
     title = study.titled(Material(study, results=study.motions.results).population)

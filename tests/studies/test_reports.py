@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
-from reliab_studies.synthetic_vs_real.pages import suites_report
-from reliab_studies.validation.pages import validation_report
+from reliab_studies.synthetic_vs_real.report import suites_report
+from reliab_studies.validation.report import validation_report
 
 from reliab.motions import Motion
 from reliab.report.document import Table

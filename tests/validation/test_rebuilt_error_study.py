@@ -170,7 +170,7 @@ def text_of_section():
     def told(tests):
         from reliab.report.prose import plain_text
 
-        pages = pytest.importorskip("reliab_studies.validation.pages.rebuilt_error")
+        pages = pytest.importorskip("reliab_studies.validation.rebuilt_error")
         section = pages.rebuilt_error_section(tests, 0.05)
         parts = [section.title]
         for block in section.blocks:

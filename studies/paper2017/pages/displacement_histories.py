@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 
 from reliab.report import (
@@ -19,6 +20,8 @@ from reliab.report import (
     PALE,
     TIME,
     VERMILION,
+    Figure,
+    Prose,
     legend_below,
     letters,
     mark,
@@ -26,7 +29,7 @@ from reliab.report import (
     plain,
     styled,
 )
-from reliab.vocabulary import MILLI
+from reliab.vocabulary import MILLI, PERCENT
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45
@@ -50,7 +53,7 @@ class HistoryPanel:
 
 
 @styled
-def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
+def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Drawing:
     """Draw exact response and measured displacement of several tests on one scale of time.
 
     Displacement [mm] over time [s].
@@ -114,3 +117,18 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     axes.set_ylabel(DISPLACEMENT)
     if history.note:
         mark(axes, plain(history.note), (0.985, 0.95), ha="right")
+
+
+def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: bool = False) -> Figure:
+    """Draw the exact response and the measured displacement of each case."""
+    panels = [
+        HistoryPanel(
+            title=f"case {number}",
+            times=cases["time"].values,
+            ideal=cases["ideal"].sel(case=number).values,
+            measured=cases["measured"].sel(case=number).values,
+            note=f"RMS error {PERCENT * float(cases['rms'].sel(case=number)):.2f} %" if errors else "",
+        )
+        for number in cases["case"].values.tolist()
+    ]
+    return Figure(drawing=displacement_histories(panels), caption=caption, label=label)

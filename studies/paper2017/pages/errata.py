@@ -8,7 +8,7 @@ import pandas as pd
 from reliab.report import Paragraph, Points, Prose, Section
 from reliab.report.prose import prose
 
-from ..pages.counting import number
+from ..item import CLOSE
 from ..text import SLIPS
 
 _ALWAYS: Final[tuple[Prose, ...]] = (
@@ -67,3 +67,27 @@ def _of_records(numbers: pd.DataFrame) -> tuple[Prose, ...]:
         errors,
         prose("The peak of KOBE/KJM000 is {found:.3f} g in the record, 0.707 g in the text.", found=peak),
     )
+
+
+def of_row(numbers: pd.DataFrame) -> pd.Series:
+    """Tell which numbers are those of a row of Table 2."""
+    return (numbers["item"] == "Table 2") & numbers["quantity"].str.contains(" of ")
+
+
+def count(numbers: pd.DataFrame) -> tuple[int, int]:
+    """How many printed numbers outside the rows of Table 2 come back, of how many that can be recomputed."""
+    compared = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
+    return int((compared["difference"].abs() <= CLOSE).sum()), len(compared)
+
+
+def rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
+    """Rows of Table 2 that come back in a and b, those that do in the fitting error, and all rows."""
+    both, errors = "rows within 10 % in a and b", "rows within 10 % in the fitting error"
+    rows = int(number(numbers, "Table 2", both, "printed"))
+    return int(number(numbers, "Table 2", both)), int(number(numbers, "Table 2", errors)), rows
+
+
+def number(numbers: pd.DataFrame, item: str, quantity: str, column: str = "from_records") -> float:
+    """Take one number of the table."""
+    rows = (numbers["item"] == item) & (numbers["quantity"] == quantity)
+    return float(numbers.loc[rows, column].to_numpy(dtype=np.float64)[0])

@@ -25,16 +25,12 @@ from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 
 from ..fits import exponential
-from ..pages.block_diagram import block_diagram
-from ..pages.case_histories import case_histories
-from ..pages.curve_fits import curve_fits
 from ..pages.displacement_histories import HistoryPanel, displacement_histories
-from ..pages.error_contours import error_contours
-from ..pages.error_curves import error_curves
-from ..pages.error_maps import error_maps
-from ..pages.frame import frame
 from ..printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, SHARE, TWO_PERCENT, PrintedTables
 from ..records import Records, contour_with_ends
+from .displacement_histories import case_histories
+from .drawings import block_diagram, frame
+from .error_figures import curve_fits, error_contours, error_curves, error_maps
 
 _METRICS = (Metric.MTE, Metric.RMS)
 _FINE = 101

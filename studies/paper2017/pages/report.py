@@ -29,17 +29,16 @@ from reliab.vocabulary import PERCENT
 
 from ..audit import items_of, tabulate
 from ..containment import LAWS, containment
-from ..pages.counting import count, of_row, rows_that_agree
-from ..pages.errata import errata_section
-from ..pages.figures import (
+from ..printed import EXAMPLE, PrintedTables
+from ..records import Records
+from .errata import count, errata_section, of_row, rows_that_agree
+from .figures import (
     boundary_section,
     cases_section,
     loop_section,
     motions_section,
     structures_section,
 )
-from ..printed import EXAMPLE, PrintedTables
-from ..records import Records
 
 _SHORT = {"^Equation": "Eq.", "^Figure": "Fig.", "^Text.*": "Text"}
 _UNITS = {"1": "-", "ms2": "ms²", "ms4": "ms⁴", "N m2": "N m²"}

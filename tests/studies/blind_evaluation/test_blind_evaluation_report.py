@@ -3,8 +3,11 @@
 import json
 
 import pandas as pd
-from reliab_studies.blind_evaluation.pages import blind_evaluation_report
-from reliab_studies.blind_evaluation.pages.confusions import discrepancy_confusion, discrepancy_reliability
+from reliab_studies.blind_evaluation.report import (
+    blind_evaluation_report,
+    discrepancy_confusion,
+    discrepancy_reliability,
+)
 
 from reliab.report.content import CONTENT_FILE, files_of
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from reliab_studies.measured_specimen.judging import compare_with_stated, summarise
 from reliab_studies.measured_specimen.kind import KIND, RATES, TESTS
 from reliab_studies.measured_specimen.simulated_tests import Actuator, Loop
 from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STATES, resist
-from reliab_studies.measured_specimen.summary import compare_with_stated, summarise
 
 from reliab.errors import InputError
 from reliab.progress import quietly

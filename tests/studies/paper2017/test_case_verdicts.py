@@ -1,7 +1,7 @@
 """Verdicts on the paper's four cases."""
 
 import pytest
-from reliab_studies.paper2017.case_verdicts import case_verdicts
+from reliab_studies.paper2017.cases import case_verdicts
 
 from reliab.criterion import published_criterion
 from reliab.motions import load_motions

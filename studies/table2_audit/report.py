@@ -4,10 +4,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure as Drawing
 from reliab_studies.paper2017.item import CLOSE
 
 from reliab.report import (
+    BLUE,
+    GREY,
+    INK,
     SOURCES,
+    VERMILION,
     Column,
     Document,
     Figure,
@@ -18,15 +23,20 @@ from reliab.report import (
     Section,
     Significant,
     Table,
+    label_logarithmic,
+    legend_below,
+    letters,
+    name_axes,
+    panels,
     provenance_of,
+    styled,
 )
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
 from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
-from ..audit import LARGEST_CHANCE, NONE_FOUND
-from ..pages.table_rows import table_rows
+from .audit import LARGEST_CHANCE, NONE_FOUND
 
 
 def table_audit_report(
@@ -170,3 +180,34 @@ def _all(rows: pd.DataFrame) -> Section:
 def _root_mean_square(gaps: pd.Series) -> float:
     finite = gaps[np.isfinite(gaps)]
     return float(np.sqrt(np.mean(np.square(finite)))) if len(finite) else 0.0
+
+
+@styled
+def table_rows(rows: pd.DataFrame) -> Drawing:
+    """Draw simulated over printed ellipse parameters, row by row.
+
+    Panels before and after; b over a, each as a ratio.
+    """
+    figure, axes = panels(1, 2, height=78.0, share_x=True, share_y=True)
+    letters(axes, ("as simulated", "with the differences that were named"))
+    explained = ~rows["agrees"] & rows["difference"].isin(["time step", "duration", "component"])
+    groups = (
+        ("row that agrees", rows["agrees"], {"color": GREY, "marker": "o", "fillstyle": "none"}),
+        ("difference named", explained, {"color": BLUE, "marker": "s"}),
+        ("none found", ~rows["agrees"] & ~explained, {"color": VERMILION, "marker": "x"}),
+    )
+    for place, ending in zip(axes[0], ("", "_after"), strict=True):
+        for label, selection, style in groups:
+            points = rows[selection]
+            ratios = [points[f"{name}{ending}"] / points[f"{name}_printed"] for name in ("a", "b")]
+            place.plot(*ratios, linestyle="", markersize=3.6, label=label, **style)
+        place.axhline(1.0, color=INK, linewidth=0.5)
+        place.axvline(1.0, color=INK, linewidth=0.5)
+        place.set_xscale("log")
+        place.set_yscale("log")
+        label_logarithmic(place.xaxis)
+        label_logarithmic(place.yaxis)
+        name_axes(place, "$a$, simulated over printed [-]", "")
+    axes[0, 0].set_ylabel("$b$, simulated over printed [-]")
+    legend_below(figure, axes[0, 0])
+    return figure

@@ -3,7 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure as Drawing
 
 from reliab.report import (
     Block,
@@ -16,15 +18,21 @@ from reliab.report import (
     Section,
     Table,
     Whole,
+    label_logarithmic,
+    legend_below,
+    line,
+    name_axes,
+    panels,
+    plain,
     provenance_of,
     spelled_out,
+    styled,
 )
 from reliab.report.prose import prose
 from reliab.significant import counted, percent
 from reliab.vocabulary import PERCENT
 
-from ..outcomes import NOMINAL, summary
-from ..pages.errors_by_compensator import benchmark_spread
+from .outcomes import NOMINAL, summary
 
 _CRITERIA = tuple(f"J{number}" for number in range(1, 10))
 _NAMES = {
@@ -232,3 +240,30 @@ def _errors(judged: pd.DataFrame, threshold: float) -> Section:
         blocks=(Table(frame=judged, columns=columns, caption=caption, label="tab:errors"),),
         appendix=True,
     )
+
+
+_HEIGHT = 80.0
+_WIDTH = 120.0
+_SPREAD = 0.16
+
+
+@styled
+def benchmark_spread(tests: pd.DataFrame) -> Drawing:
+    """Draw J4 of every test over the case, one mark for each compensator.
+
+    `tests`: columns `name`, `case` and `J4` [%], one row a test. Result: J4 [%] on a logarithmic scale.
+    """
+    figure, axes = panels(height=_HEIGHT, width=_WIDTH)
+    place = axes[0, 0]
+    groups = list(tests.groupby("name", sort=False))
+    for rank, (name, errors) in enumerate(groups):
+        shift = _SPREAD * (rank - 0.5 * (len(groups) - 1))
+        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+        place.plot(errors["case"] + shift, errors["J4"].astype(float), label=plain(str(name)), **look)
+    cases = np.unique(tests["case"])
+    values = tests["J4"].astype(float)
+    place.set(xticks=cases, yscale="log", ylim=(0.8 * values.min(), 1.25 * values.max()))
+    label_logarithmic(place.yaxis)
+    name_axes(place, "Case of the benchmark [-]", "Error of the first floor, J4 [%]")
+    legend_below(figure, place, columns=2)
+    return figure

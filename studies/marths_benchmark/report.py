@@ -21,9 +21,9 @@ from reliab.report.prose import prose
 from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
-from ..controllers import PERFECT
-from ..outcomes import DEGREES
-from ..plant import NOMINAL
+from .controllers import PERFECT
+from .outcomes import DEGREES
+from .plant import NOMINAL
 
 _NAMES = {
     PERFECT: "perfect actuators",

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 import pandas as pd
-from reliab_studies.validation.pages.actuators_beyond_the_model import error_beyond_the_model
+from reliab_studies.validation.report import error_beyond_the_model
 
 from reliab.report import Column, Document, Figure, Fixed, Prose, Section, Table, Whole, provenance_of
 from reliab.report.prose import prose
 from reliab.vocabulary import PERCENT
 
-from .. import PREDICTIONS, ratios
+from . import PREDICTIONS, ratios
 
 _NAMES = {
     "law_18": "equation (18)",
