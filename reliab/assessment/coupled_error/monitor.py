@@ -16,12 +16,12 @@ from reliab.assessment.coupled_error.rebuild import DRAWS, rebuild_coupled
 from reliab.assessment.rebuilt_error import (
     Now,
     Recursion,
+    RunningResponse,
     RunningSums,
     RunningTest,
     Tolerances,
-    delayed,
+    delayed_on,
     require_readings,
-    run_on,
 )
 from reliab.errors import InputError
 from reliab.structures import Partition
@@ -75,9 +75,8 @@ class CoupledMonitor(RunningTest):
         """Begin at the first sample with offsets of the sensors and a standing x_c − x_m at each [m]."""
         self._offsets = offsets[:, np.newaxis]
         stands = standing.any()  # else it needs no stiffness that holds it
-        self._state = (
-            self._recursion.static @ (self._carry @ standing) if stands else np.zeros(self._recursion.order)
-        )
+        state = self._recursion.static @ (self._carry @ standing) if stands else None
+        self._response = RunningResponse(self._recursion, state)
         self._sums = {name: RunningSums() for name in self._partition.names}
         self._latest = np.zeros((2, offsets.size, 0))
 
@@ -103,19 +102,11 @@ class CoupledMonitor(RunningTest):
         before = self._latest.shape[2]
         rows = np.concatenate([self._latest, np.stack([command, measured - self._offsets])], axis=2)
         self._latest = rows[:, :, -(int(self._lag / self.time_step) + _BEFORE) :]
-        felt = rows[1] if self._lag == 0.0 else self._felt(rows[1])
-        inputs = np.ascontiguousarray((self._carry @ (rows[0] - felt))[:, max(before - 1, 0) :])
-        response = run_on(self._recursion, inputs, self._state)[:, min(before, 1) :]
-        ideal = self._carry @ command - response
+        felt = np.stack([delayed_on(row, before, self._lag, self.time_step) for row in rows[1]])
+        ideal = self._carry @ command - self._response.follow(self._carry @ (command - felt))
         errors = self._carry @ rows[1, :, before:] - ideal
         for sums, error, exact in zip(self._sums.values(), errors, ideal, strict=True):
             sums.add(np.ascontiguousarray(error), np.ascontiguousarray(exact))
-
-    def _felt(self, measured: Array) -> Array:
-        """Displacements whose force was fed back, after enough samples before [m]."""
-        context = int(self._lag / self.time_step) + _BEFORE
-        padded = np.pad(measured, ((0, 0), (context, 0)), mode="edge")
-        return np.stack([delayed(row, self._lag, self.time_step) for row in padded])[:, context:]
 
     @property
     def degrees(self) -> Mapping[str, Now]:

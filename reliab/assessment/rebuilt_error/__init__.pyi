@@ -17,10 +17,10 @@ from .nonlinear_reference import (
     tangent_structure as tangent_structure,
 )
 from .parts import Part as Part, Parts as Parts
-from .readings import delayed as delayed
+from .readings import delayed as delayed, delayed_on as delayed_on
 from .rebuild import DRAWS as DRAWS, WholeStructure as WholeStructure, rebuild as rebuild
 from .rebuilt import RebuiltError as RebuiltError
-from .recursion import Recursion as Recursion, run_on as run_on
+from .recursion import Recursion as Recursion
 from .running_error import Monitor as Monitor
 from .running_specimen import (
     CLOSE as CLOSE,
@@ -35,6 +35,7 @@ from .running_test import (
     FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
     SHRINKS as SHRINKS,
     Now as Now,
+    RunningResponse as RunningResponse,
     RunningSums as RunningSums,
     RunningTest as RunningTest,
     require_readings as require_readings,

@@ -43,6 +43,14 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     return np.asarray(sum(weight * part for weight, part in zip(weights, shifted, strict=True)))
 
 
+def delayed_on(values: Array, first: int, lag: float, time_step: float) -> Array:
+    """History at t − lag from its `first` sample on; no more of those before are looked at than it needs."""
+    context = int(lag / time_step) + _SUPPORT + 1
+    known = min(first, context)
+    padded = np.pad(values[first - known :], (context - known, 0), mode="edge")
+    return delayed(padded, lag, time_step)[context:]
+
+
 def lag_of_reading(motion: Array, width: float) -> Array:
     """Distance [m] by which a reading lags behind a motion, over the hysteresis [-], shape (n,).
 

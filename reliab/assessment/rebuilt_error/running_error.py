@@ -22,12 +22,18 @@ from reliab.assessment.rebuilt_error.nonlinear_reference import (
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delayed_on
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
 from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
-from reliab.assessment.rebuilt_error.recursion import Recursion, advance
+from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
-from reliab.assessment.rebuilt_error.running_test import Now, RunningSums, RunningTest, require_readings
+from reliab.assessment.rebuilt_error.running_test import (
+    Now,
+    RunningResponse,
+    RunningSums,
+    RunningTest,
+    require_readings,
+)
 from reliab.assessment.rebuilt_error.stretches import (
     ErrorSoFar,
     Stated,
@@ -35,7 +41,6 @@ from reliab.assessment.rebuilt_error.stretches import (
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
 from reliab.structures import Partition, Structure, whole_structure
@@ -68,7 +73,9 @@ class RunningError:
         self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
         self.sums = RunningSums()
-        self._recursion = Recursion.of_displacement(structure, time_step)
+        recursion = Recursion.of_displacement(structure, time_step)
+        self._responses = RunningResponse(recursion), RunningResponse(recursion)  # to the test, to a constant
+        self._decay = RunningResponse(recursion, recursion.static[:, 0])
         self._step, self._lag = time_step, feedback_lag
         self._specimen = None
         if test is not None:
@@ -76,9 +83,6 @@ class RunningError:
             by_force = Recursion.of_force(structure, time_step)
             self._specimen = RunningSpecimen(test, by_force, slowest, time_step)
         self._table = np.zeros((_ROWS, _CAPACITY))
-        self._states = np.zeros((3, self._recursion.order))
-        self._states[2] = self._recursion.static[:, 0]
-        self._inputs = np.zeros((3, 1, 2))
 
     @property
     def kept(self) -> int:
@@ -113,19 +117,11 @@ class RunningError:
         self._reserve(last)
         self._table[0, first:last], self._table[1, first:last] = command, measured
         self.size += command.size
-        _follow(
-            self._recursion.transition,
-            self._recursion.early,
-            self._recursion.late,
-            self._recursion.output[0],
-            self._recursion.feed_through[0, 0],
-            self._table,
-            self._fed_back(first, last),
-            first,
-            last,
-            self._states,
-            self._inputs,
-        )
+        to_test, to_constant = self._responses
+        answer = to_test.follow(self._fed_back(first, last)[np.newaxis])[0]
+        self._table[2, first:last] = answer - (command - measured)
+        self._table[3, first:last] = to_constant.follow(np.ones((1, command.size)))[0] - 1.0
+        self._table[4, first:last] = self._decay.follow(np.zeros((1, command.size)))[0]
         self._conclude(first, last)
 
     def _conclude(self, first: int, last: int) -> None:
@@ -163,10 +159,7 @@ class RunningError:
 
     def _fed_back(self, first: int, last: int) -> Array:
         """x_c minus the displacement whose force was fed back, for the new samples."""
-        context = int(self._lag / self._step) + 4
-        known = min(first, context)
-        measured = np.pad(self._table[1, first - known : last], (context - known, 0), mode="edge")
-        felt = delayed(measured, self._lag, self._step)[context:]
+        felt = delayed_on(self._table[1, :last], first, self._lag, self._step)
         return np.asarray(self._table[0, first:last] - felt)
 
     def _reserve(self, size: int) -> None:
@@ -174,41 +167,6 @@ class RunningError:
             larger = np.zeros((_ROWS, max(2 * self._table.shape[1], size)))
             larger[:, : self._table.shape[1]] = self._table
             self._table = larger
-
-
-@compiled
-def _follow(
-    transition: Array,
-    early: Array,
-    late: Array,
-    output: Array,
-    feed_through: float,
-    table: Array,
-    fed_back: Array,
-    first: int,
-    last: int,
-    states: Array,
-    inputs: Array,
-) -> None:
-    """Advance the error, the response to a constant and the decay from equilibrium, in place.
-
-    `inputs`: of each at the sample before and at this one.
-    """
-    scratch = np.empty(states.shape[1])
-    inputs[1, 0, 1] = 1.0
-    for i in range(first, last):
-        inputs[0, 0, 1] = fed_back[i - first]
-        difference = table[0, i] - table[1, i]
-        for row in range(3):
-            if i > 0:
-                advance((0,), transition, early, late, inputs[row], 1, states[row], scratch)
-            inputs[row, 0, 0] = inputs[row, 0, 1]
-            response = feed_through * inputs[row, 0, 1]
-            for column in range(states.shape[1]):
-                response += output[column] * states[row, column]
-            table[2 + row, i] = response
-        table[2, i] -= difference
-        table[3, i] -= 1.0
 
 
 class Monitor(RunningTest):

@@ -18,6 +18,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping
+from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.compiled import compiled
@@ -94,6 +95,22 @@ def _add(sums: Array, error: float, ideal: float, number: int) -> None:
     sums[4] = error
     if sums[3] > 2.0 * sums[5]:
         sums[5], sums[6] = sums[3], number
+
+
+class RunningResponse:
+    """Outputs of a recursion to inputs that come in pieces; `state`: at the first, at rest by default."""
+
+    def __init__(self, recursion: Recursion, state: Array | None = None) -> None:
+        self._recursion = recursion
+        self._state = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
+        self._last = np.zeros((recursion.early.shape[1], 0))
+
+    def follow(self, inputs: Array) -> Array:
+        """Return outputs to the next inputs, shape (p, k), shape (outputs, k)."""
+        before = self._last.shape[1]
+        inputs = np.concatenate([self._last, inputs], axis=1)
+        self._last = inputs[:, -1:]
+        return run_on(self._recursion, inputs, self._state)[:, before:]
 
 
 class ErrorWithInterval(Protocol):
