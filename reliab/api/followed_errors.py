@@ -23,7 +23,7 @@ def degrees_so_far(monitor: RunningTest) -> dict[str, Any]:
                 "mte": now.mte,
                 "judged": name in monitor.judged,
             }
-            for name, now in monitor.degrees.items()
+            for name, now in monitor.displacements.items()
         },
     }
 
@@ -38,7 +38,7 @@ def errors_with_intervals(
         by_degree = {
             "governing": None if governing is None else governing.name,
             "degrees_of_freedom": {
-                degree.name: _of_degree(degree, sizes, threshold, metric) for degree in asked.degrees
+                degree.name: _of_degree(degree, sizes, threshold, metric) for degree in asked.displacements
             },
         }
     return {

@@ -225,7 +225,7 @@ class _Keeper:
         if isinstance(assessment, CoupledAssessment):
             raise InputError(
                 "A rig keeps tests of one actuator",
-                value=f"{len(assessment.error.degrees)}",
+                value=f"{len(assessment.error.displacements)}",
                 remedy="Judge this one with `reliab assess`",
                 where=str(path),
             )

@@ -146,14 +146,9 @@ class ErrorOfSeveral(ErrorWithThreshold):
     rebuilt: "CoupledError"
 
     @property
-    def degrees(self) -> "tuple[DegreeError, ...]":
+    def displacements(self) -> "tuple[DegreeError, ...]":
         """Errors of the interface displacements, in their order."""
-        return self.rebuilt.degrees
-
-    @property
-    def displacements(self) -> "tuple[DisplacementError, ...]":
-        """Errors of the interface displacements, in their order."""
-        return self.degrees
+        return self.rebuilt.displacements
 
     @property
     def governing(self) -> "DegreeError | None":
@@ -174,7 +169,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
 
     def parts_of(self, degree: "DegreeError") -> Parts:
         """Parts of the error of one displacement."""
-        parts = self.rebuilt.division.of_degree(self.degrees.index(degree))
+        parts = self.rebuilt.division.of_degree(self.displacements.index(degree))
         return parts.without_noise(degree.rms.value)
 
     @property
@@ -185,12 +180,12 @@ class ErrorOfSeveral(ErrorWithThreshold):
     @property
     def not_judged(self) -> tuple[str, ...]:
         """Why the errors of some displacements are not judged, in sentences."""
-        return tuple(degree.why_not_judged for degree in self.degrees if not degree.judged)
+        return tuple(degree.why_not_judged for degree in self.displacements if not degree.judged)
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values, the governing displacement first."""
         governing = self.governing
-        ordered = sorted(self.degrees, key=lambda degree: degree is not governing)
+        ordered = sorted(self.displacements, key=lambda degree: degree is not governing)
         return {
             "degrees_of_freedom": {degree.name: self._of_degree(degree) for degree in ordered},
             "governing": None if governing is None else governing.name,

@@ -82,7 +82,7 @@ def _judged(case: _Case, *, ideal: dict[str, tuple[MultiAxialRun, Array]]) -> di
         return {**row, "error": _errors(run, perfect, _FEW_DRAWS)}
     ordinary = rebuilt_error(run.target, run.measured, _DRAWS, ordinary=True)
     errors = _errors(run, perfect, _DRAWS)
-    for name, degree in zip(DEGREES, ordinary.degrees, strict=True):
+    for name, degree in zip(DEGREES, ordinary.displacements, strict=True):
         errors[name] |= {"ordinary_low": degree.rms.low, "ordinary_high": degree.rms.high}
     return {**row, "error": errors}
 
@@ -124,5 +124,5 @@ def _errors(run: MultiAxialRun, perfect: MultiAxialRun, draws: int) -> dict[str,
             "low": degree.rms.low,
             "high": degree.rms.high,
         }
-        for name, value, degree in zip(DEGREES, true, rebuilt.degrees, strict=True)
+        for name, value, degree in zip(DEGREES, true, rebuilt.displacements, strict=True)
     }

@@ -92,7 +92,7 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
     exact, by_matrix = (
-        [degree.rms.value for degree in assess_frame(recording, one).error.degrees]
+        [degree.rms.value for degree in assess_frame(recording, one).error.displacements]
         for one in (replace(frame, geometry=geometry), frame)
     )
     assert exact == pytest.approx(true, rel=2e-3)
@@ -109,7 +109,7 @@ def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed,
     command, measured = (frame.to_interface @ history for history in at_actuators)
     recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
     found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
-    for one, another in zip(found.error.degrees, assessed.error.degrees, strict=True):  # type: ignore[attr-defined]  # typed as that of one actuator
+    for one, another in zip(found.error.displacements, assessed.error.displacements, strict=True):  # type: ignore[attr-defined]  # typed as that of one actuator
         assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
 
 
@@ -211,7 +211,7 @@ def play(motion, width=0.01):
     ],
 )
 def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recorded, seen, stated):
-    spoiled = reliab.assess(with_sensors(recorded[0], seen), recorded[1], **stated).error.degrees
+    spoiled = reliab.assess(with_sensors(recorded[0], seen), recorded[1], **stated).error.displacements
     assert [degree.rms.value for degree in spoiled] == pytest.approx(recorded[2], rel=0.02)
 
 
@@ -245,14 +245,14 @@ def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recorded, assessed, tm
     header.write_text("# skew_ms: 3\n# scale: 1.02\n" + table.to_csv(index=False), encoding="utf-8")
     channels.write_text("[calibration]\nskew_ms = -5.0\nscale = 0.9\n", encoding="utf-8")
     spoiled, by_header, by_options = (
-        {degree.name: degree.rms.value for degree in found.error.degrees}
+        {degree.name: degree.rms.value for degree in found.error.displacements}
         for found in (
             reliab.assess(table, path),
             reliab.assess(header, path, channels=channels),
             reliab.assess(table, path, skew=3, scale=1.02),
         )
     )
-    sound = {degree.name: degree.rms.value for degree in assessed.error.degrees}
+    sound = {degree.name: degree.rms.value for degree in assessed.error.displacements}
     assert by_header == by_options
     assert by_header == pytest.approx(sound, rel=0.05)
     assert spoiled != pytest.approx(sound, rel=0.5)
@@ -273,7 +273,7 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
         "sensor_noise",
         *(f"sensor_offset_{number}" for number in (1, 2)),
     }
-    for found, known in zip(assessed.error.degrees, exact.error.degrees, strict=True):
+    for found, known in zip(assessed.error.displacements, exact.error.displacements, strict=True):
         assert found.rms.value == pytest.approx(known.rms.value, rel=1e-6)
         assert found.rms.high - found.rms.low > known.rms.high - known.rms.low
     assert 0.01 <= assessed.probability <= 0.99

@@ -148,7 +148,7 @@ def test_several_actuators_have_the_same_tolerances(case):
             tolerances=TolerancesTable(**stated),
         ),
     )
-    size = found.error.degrees[0].rms
+    size = found.error.displacements[0].rms
     assert size.low <= true <= size.high
     assert names <= {item["name"] for item in found.to_dict()["budget"]}
     quantities = {item["quantity"] for item in found.to_dict()["budget"]}

@@ -119,7 +119,7 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
         found = assess_frame(recording, frame, equipment=ordinary_equipment())
-        sizes, of = [degree.rms for degree in found.error.degrees], found.responses
+        sizes, of = [degree.rms for degree in found.error.displacements], found.responses
     else:
         alone = assess_frame(
             Recording(

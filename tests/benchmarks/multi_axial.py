@@ -53,7 +53,7 @@ def judged(
             run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS, ordinary=ordinary
         )
         clean = rebuilding.rebuilt_error(run.target, run.true, FEW_DRAWS)
-        for found, exact, error in zip(noisy.degrees, clean.degrees, true, strict=True):
+        for found, exact, error in zip(noisy.displacements, clean.displacements, true, strict=True):
             yield {
                 "plant": plant.name,
                 "controller": name,

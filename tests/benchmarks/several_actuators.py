@@ -115,8 +115,10 @@ def tests(
         shown = compare_with_ground(error.histories, error.reduced, ground)
         lowest = tested.natural_frequencies[0] / partition.natural_frequencies[0]
         probability = error.probability(THRESHOLD)
-        bad = max(true[place] for place, degree in enumerate(error.degrees) if degree.judged) > THRESHOLD
-        for place, degree in enumerate(error.degrees):
+        bad = (
+            max(true[place] for place, degree in enumerate(error.displacements) if degree.judged) > THRESHOLD
+        )
+        for place, degree in enumerate(error.displacements):
             yield {
                 "structure": name,
                 "decibels": level,

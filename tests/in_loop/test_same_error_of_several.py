@@ -42,7 +42,7 @@ def test_a_simulated_test_of_the_shipped_frame_is_followed(tmp_path):
     assessed = rebuild_coupled(
         command, measured, 1.0 / rate, frame.partition, to_interface=frame.to_interface, draws=8
     )
-    errors = [degree.rms.value for degree in assessed.degrees]
+    errors = [degree.rms.value for degree in assessed.displacements]
     assert ours.rms[:, -1] == pytest.approx(errors, rel=0.02)
     assert ours.governing[-1] == np.argmax(errors)
     assert not (ours.status.astype(int) & (UNSTABLE | FAULT)).any()

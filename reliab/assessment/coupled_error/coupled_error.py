@@ -49,7 +49,7 @@ class CoupledError:
     """Error of a test with several actuators."""
 
     time_step: float  # s
-    degrees: tuple[DegreeError, ...]  # In the order of the interface displacements
+    displacements: tuple[DegreeError, ...]  # In the order of the interface displacements
     structure: Partition  # As stated
     reduced: Partition  # With which it was rebuilt: no modes far above the motion
     noises: tuple[SensorNoise, ...]  # Of each sensor
@@ -69,7 +69,7 @@ class CoupledError:
     @property
     def judged(self) -> tuple[DegreeError, ...]:
         """Displacements that move enough for their noise."""
-        return tuple(degree for degree in self.degrees if degree.judged)
+        return tuple(degree for degree in self.displacements if degree.judged)
 
     def governing(self, metric: Metric) -> DegreeError | None:
         """Return the displacement with the largest error; None where all are lost in noise."""
@@ -107,33 +107,28 @@ class CoupledError:
         return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 
-def conclude(
-    *,
-    structure: Partition,
-    reduced: Partition,
+def errors_of_displacements(
+    names: tuple[str, ...],
     histories: CoupledHistories,
-    noises: tuple[SensorNoise, ...],
-    starts: tuple[Start, ...],
-    unknown: Unknown,
-    drawn: Mapping[str, Array],
+    raw: Array,
+    *,
     as_stated: tuple[Array, Array],
     swept: tuple[Array, Array],
-    raw: Array,
     loose: Array,
     every: int,
-    exact: Callable[[], Iterator[tuple[Partition, Array]]],
-) -> CoupledError:
-    """Combine histories and draws into errors of every interface displacement."""
+) -> tuple[DegreeError, ...]:
+    """Combine histories and draws, of noise `as_stated`, into the error of every interface displacement.
+
+    `raw`: x_m as read [m], shape (p, n); `loose`: deviation that noise leaves x_c − x_m [m], shape (p,).
+    """
     reference = histories.carry @ histories.command - histories.response
     strayed, smooth = (histories.carry @ read - reference for read in (raw, histories.measured))
-    at = np.arange(reference.shape[1]) / every
-    degrees = []
-    for place, name in enumerate(structure.names):
-        peak = float(np.abs(reference[place]).max())
-        largest = float(np.abs(reference).max())
-        moves = peak > np.finfo(float).eps * largest
+    at, peaks = np.arange(reference.shape[1]) / every, np.abs(reference).max(axis=1)
+    moves = peaks > np.finfo(float).eps * peaks.max()
+    errors = []
+    for place, name in enumerate(names):
         of_noise, spread = _spread(as_stated, place, at), _spread(swept, place, at)
-        degrees.append(
+        errors.append(
             DegreeError(
                 name=name,
                 error=strayed[place],
@@ -143,22 +138,10 @@ def conclude(
                 of_noise=of_noise,
                 rms=_estimate(Metric.RMS, of_noise, spread),
                 mte=_estimate(Metric.MTE, of_noise, spread),
-                noise=float(loose[place] / peak) if moves else np.inf,
+                noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,
             )
         )
-    return CoupledError(
-        time_step=histories.time_step,
-        degrees=tuple(degrees),
-        structure=structure,
-        reduced=reduced,
-        noises=noises,
-        starts=starts,
-        unknown=unknown,
-        drawn=drawn,
-        histories=histories,
-        every=every,
-        exact=exact,
-    )
+    return tuple(errors)
 
 
 def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:

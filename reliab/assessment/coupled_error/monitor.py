@@ -109,7 +109,7 @@ class CoupledMonitor(RunningTest):
             sums.add(np.ascontiguousarray(error), np.ascontiguousarray(exact))
 
     @property
-    def degrees(self) -> Mapping[str, Now]:
+    def displacements(self) -> Mapping[str, Now]:
         """What is known of each interface displacement at the last sample, by name."""
         return MappingProxyType({name: self._now(sums) for name, sums in self._sums.items()})
 
@@ -122,7 +122,7 @@ class CoupledMonitor(RunningTest):
     def governing(self) -> str:
         """Name of the displacement with the largest error so far."""
         names = self._judged or self._partition.names
-        sizes = self.degrees
+        sizes = self.displacements
         return max(names, key=lambda name: sizes[name].size(self._metric) or 0.0)
 
     @property
@@ -130,7 +130,7 @@ class CoupledMonitor(RunningTest):
         """What is known of the governing displacement at the last sample."""
         if self.samples == 0:
             raise InputError("A running test must have a sample", remedy="Pass a sample first")
-        return self.degrees[self.governing]
+        return self.displacements[self.governing]
 
     @property
     def _calm(self) -> float:
@@ -171,7 +171,7 @@ class CoupledMonitor(RunningTest):
 
     def _conclude_degrees(self, error: CoupledError) -> None:
         self._conclude(error.governing(self._metric))
-        so_far = self.degrees
+        so_far = self.displacements
         self._lows = {
             degree.name: {
                 metric: degree.estimate(metric).low / (so_far[degree.name].size(metric) or np.inf)

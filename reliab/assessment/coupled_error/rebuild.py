@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_error import CoupledError, conclude
+from reliab.assessment.coupled_error.coupled_error import CoupledError, errors_of_displacements
 from reliab.assessment.coupled_error.coupled_parts import CoupledHistories
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.channels import checked_histories
@@ -69,34 +69,6 @@ class Channels:
         rows = zip(self.noises, self.command, self.measured, strict=True)
         return np.stack([command - noise.smooth(command - read) for noise, command, read in rows])
 
-    @property
-    def standing(self) -> Array:
-        """x_c − x_m [m] under which each actuator stood still before the first sample, shape (p,)."""
-        return np.array([-start.standing for start in self.starts])
-
-    def with_offsets(self, measured: Array, offsets: Array) -> "Channels":
-        """Return the sensors with stated offsets [m], NaN for none, shape (p,); `measured` as read [m]."""
-        starts = tuple(
-            start if np.isnan(offset) else replace(start, offset=float(offset), offset_deviation=0.0)
-            for start, offset in zip(self.starts, offsets, strict=True)
-        )
-        taken = np.array([start.offset for start in starts])
-        return replace(self, measured=measured - taken[:, np.newaxis], starts=starts)
-
-    def histories(
-        self, carry: Array, feedback_lag: float, time_step: float, recursion: Recursion
-    ) -> CoupledHistories:
-        """Histories from which the error is rebuilt; `feedback_lag`, `time_step` [s]."""
-        return CoupledHistories(
-            command=self.command,
-            measured=self.smoothed,
-            carry=carry,
-            feedback_lag=feedback_lag,
-            time_step=time_step,
-            standing=carry @ self.standing,
-            recursion=recursion,
-        )
-
 
 def rebuild_coupled(
     command: Array,
@@ -126,21 +98,27 @@ def rebuild_coupled(
     ...                              interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
     >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
     >>> error = rebuild_coupled(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
-    >>> round(error.degrees[0].rms.value, 2), error.degrees[1].rms.value < 1e-6
+    >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-6
     (0.07, True)
     """
     command, measured = checked_histories(command, measured, time_step, partition, several=True)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
-    channels = _examined(command, measured, time_step, partition, carry)
-    channels = channels if sensor_offsets is None else channels.with_offsets(measured, sensor_offsets)
+    channels = _examined(command, measured, time_step, partition, carry, sensor_offsets)
     band = channels.noises[0].band
     highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
     structure = partition.below(highest)
     every = _samples_in_step(structure, band, time_step, command.shape[1])
     require_fitting(command.size, every, time_step / len(command))
     differences = _draw(channels, structure, every, draws, seed)
-    recursion = recursion or Recursion.of_displacement(structure, time_step, smooth=True)
-    histories = channels.histories(carry, feedback_lag, time_step, recursion)
+    histories = CoupledHistories(
+        command=command,
+        measured=channels.smoothed,
+        carry=carry,
+        feedback_lag=feedback_lag,
+        time_step=time_step,
+        standing=carry @ np.array([-start.standing for start in channels.starts]),
+        recursion=recursion or Recursion.of_displacement(structure, time_step, smooth=True),
+    )
     unknown = _what_is_unknown(channels, histories, partition, structure, tolerances or Tolerances())
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
@@ -150,18 +128,24 @@ def rebuild_coupled(
     as_stated, _ = sweep.errors(exact, differences[::2])
     accuracy = _OF_EXACT if unknown.own_frequency is None else ACCURACY
     swept, drawn = sweep.errors(unknown, differences, accuracy=accuracy)
-    return conclude(
+    return CoupledError(
+        time_step=time_step,
+        displacements=errors_of_displacements(
+            partition.names,
+            histories,
+            channels.measured,
+            as_stated=as_stated,
+            swept=swept,
+            loose=_looseness(channels, differences, carry),
+            every=every,
+        ),
         structure=partition,
         reduced=structure,
-        histories=histories,
         noises=channels.noises,
         starts=channels.starts,
         unknown=unknown,
         drawn=drawn,
-        as_stated=as_stated,
-        swept=swept,
-        raw=channels.measured,
-        loose=_looseness(channels, differences, carry),
+        histories=histories,
         every=every,
         exact=partial(sweep.exact, unknown, differences[:_EXACT_DRAWS].copy()),
     )
@@ -314,8 +298,15 @@ def _statistics(strayed: Array, ideal: Array) -> Array:
     return np.stack([np.array(squares), np.abs(strayed).max(axis=1), np.abs(ideal).max(axis=1)])
 
 
-def _examined(command: Array, measured: Array, step: float, partition: Partition, carry: Array) -> Channels:
-    """Estimate noise and offset of each sensor; the offsets are taken away."""
+def _examined(
+    command: Array,
+    measured: Array,
+    step: float,
+    partition: Partition,
+    carry: Array,
+    offsets: Array | None,
+) -> Channels:
+    """Estimate noise and offset of each sensor, but for stated `offsets` [m]; they are taken away."""
     shares = partition.shares_at_sensors(carry)
     lowest = float(partition.natural_frequencies[0])
     moves = _moves(command, measured)
@@ -329,6 +320,8 @@ def _examined(command: Array, measured: Array, step: float, partition: Partition
             noises.append(estimate_noise(c, m, step, others))
             own = float(shares[place])
             starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
+        if offsets is not None and not np.isnan(offsets[place]):
+            starts[-1] = replace(starts[-1], offset=float(offsets[place]), offset_deviation=0.0)
         read.append(m - starts[-1].offset)
     band = _band(noises, measured, partition)
     return Channels(

@@ -44,8 +44,8 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
         sensor_offsets=np.zeros(partition.degrees),
         draws=2,
     )
-    for degree in whole.degrees:
-        now, peak = monitor.degrees[degree.name], np.abs(degree.reference).max()
+    for degree in whole.displacements:
+        now, peak = monitor.displacements[degree.name], np.abs(degree.reference).max()
         # the end of the whole test is smoothed by its filter
         assert now.mte == pytest.approx(np.abs(degree.error).max() / peak, rel=2e-2)
         assert now.rms == pytest.approx(np.sqrt(np.mean(degree.error**2)) / peak, rel=2e-3)
@@ -72,9 +72,9 @@ def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
         if monitor.due:
             monitor.ask()
     at_end, afterwards = monitor.ask(at_end=True), rebuild_coupled(command, measured, 1.0 / RATE, partition)
-    for now, then in zip(at_end.degrees, afterwards.degrees, strict=True):
+    for now, then in zip(at_end.displacements, afterwards.displacements, strict=True):
         assert (now.name, now.rms, now.mte) == (then.name, then.rms, then.mte)
-        assert monitor.degrees[now.name].rms == pytest.approx(then.rms.value, rel=0.05)
+        assert monitor.displacements[now.name].rms == pytest.approx(then.rms.value, rel=0.05)
     governing = afterwards.governing(Metric.RMS)
     assert monitor.governing == governing.name
     assert monitor.result.estimate(Metric.RMS) == governing.rms

@@ -57,8 +57,8 @@ def rebuilt(frame, run, noise=0.0, seed=0, draws=32, **options):
 def test_without_noise_it_is_the_true_error(frame, run):
     error = rebuilt(frame, run, draws=4)
     rms, mte = true_errors(run)
-    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=5e-5)
-    np.testing.assert_allclose([degree.mte.value for degree in error.degrees], mte, rtol=1e-4)
+    np.testing.assert_allclose([degree.rms.value for degree in error.displacements], rms, rtol=5e-5)
+    np.testing.assert_allclose([degree.mte.value for degree in error.displacements], mte, rtol=1e-4)
 
 
 def test_parts_of_actuators_and_causes_add_up(frame, run):
@@ -75,14 +75,14 @@ def test_with_noise_it_stays_near_the_true_error(frame, run):
     """Over histories of the noise the ratio scatters by 1 %."""
     error = rebuilt(frame, run, noise=0.01)
     rms, _ = true_errors(run)
-    np.testing.assert_allclose([degree.rms.value for degree in error.degrees], rms, rtol=0.03)
+    np.testing.assert_allclose([degree.rms.value for degree in error.displacements], rms, rtol=0.03)
 
 
 def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(frame, run):
     """An offset that is drawn can only add to an error, so that its draws alone leave out sensors of none."""
     unknown = Tolerances(sensor_offset=0.5 * float(np.abs(run.measured[0]).max()))
     exact, found = (rebuilt(frame, run, noise=0.01, tolerances=one) for one in (Tolerances(), unknown))
-    for least, degree in zip(exact.degrees, found.degrees, strict=True):
+    for least, degree in zip(exact.displacements, found.displacements, strict=True):
         assert degree.draws.interval(Metric.RMS)[0] > least.rms.value
         assert degree.rms.low < 0.5 * (least.rms.low + least.rms.value)
         assert degree.rms.high > least.rms.high
@@ -93,7 +93,7 @@ def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
     shifted = replace(run, measured=run.measured + np.linalg.solve(frame.kinematics, offsets)[:, np.newaxis])
     exact, stated = rebuilt(frame, run, draws=4), rebuilt(frame, shifted, draws=4, sensor_offsets=offsets)
     assert not any(stated.unknown.deviations().values())
-    found, expected = ([degree.rms.value for degree in one.degrees] for one in (stated, exact))
+    found, expected = ([degree.rms.value for degree in one.displacements] for one in (stated, exact))
     assert found == pytest.approx(expected, rel=1e-6)
 
 
@@ -105,7 +105,7 @@ def test_a_test_that_begins_in_motion_is_judged_with_an_uncertain_structure(fram
         for deviation in (0.0, 0.02)
     )
     assert found.unknown.deviations()["initial_state_1"] > 0.0
-    for certain, uncertain in zip(exact.degrees, found.degrees, strict=True):
+    for certain, uncertain in zip(exact.displacements, found.displacements, strict=True):
         assert uncertain.rms.high - uncertain.rms.low > certain.rms.high - certain.rms.low
 
 
@@ -116,7 +116,7 @@ def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
     kick = 10.0 * np.sin(150.0 * time) * np.exp(-(((time - 4.0) / 0.2) ** 2))
     actuators = ActuatorMatrix(kinematics=frame.kinematics, transfer=lags)
     run = coupled_response(frame.partition, actuators, ground(1) + kick, STEP)
-    theta = rebuilt(frame, run, noise=0.0316, seed=1).degrees[1].rms
+    theta = rebuilt(frame, run, noise=0.0316, seed=1).displacements[1].rms
     true = true_errors(run)[0][1]
     assert theta.value == pytest.approx(true, rel=0.1)
     assert theta.low <= true <= theta.high
@@ -132,13 +132,13 @@ def test_noise_that_both_sensors_share_is_none_of_their_difference(frame, run):
         error = rebuild_coupled(
             command, measured + noise, STEP, frame.partition, to_interface=frame.to_interface, draws=8
         )
-        left.append(error.degrees[1].noise)
+        left.append(error.displacements[1].noise)
     assert left[1] < 0.2 * left[0]
 
 
 def test_stated_tolerances_widen_the_interval(frame, run):
     widths = [
-        rebuilt(frame, run, noise=0.01, tolerances=tolerances).degrees[0].rms
+        rebuilt(frame, run, noise=0.01, tolerances=tolerances).displacements[0].rms
         for tolerances in (Tolerances(), Tolerances(frequency=0.02))
     ]
     assert widths[1].high - widths[1].low > 2.0 * (widths[0].high - widths[0].low)
@@ -157,7 +157,7 @@ def test_a_degree_that_does_not_move_is_not_judged(run):
         names=("x", "theta"),
     )
     error = rebuild_coupled(command, measured, STEP, partition, draws=8)
-    assert [degree.judged for degree in error.degrees] == [True, False]
+    assert [degree.judged for degree in error.displacements] == [True, False]
     assert error.governing(Metric.RMS).name == "x"
 
 
@@ -169,8 +169,8 @@ def test_one_interface_displacement_is_the_case_of_one_actuator():
     measured = np.interp(time - 0.003, time, 0.99 * command)
     coupled = rebuild_coupled(command[np.newaxis], measured[np.newaxis], STEP, partition, draws=32)
     scalar = rebuild(command, measured, STEP, structure, draws=32)
-    assert coupled.degrees[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
-    assert coupled.degrees[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
+    assert coupled.displacements[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
+    assert coupled.displacements[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
 
 
 @pytest.mark.slow
@@ -180,7 +180,7 @@ def test_intervals_hold_the_true_error_in_most_tests(frame):
     for seed in range(100, 160):
         run = coupled_response(frame.partition, frame.transfer_system, ground(seed), STEP)
         error = rebuilt(frame, run, noise=0.01, seed=seed, draws=128)
-        for degree, true in zip(error.degrees, true_errors(run)[0], strict=True):
+        for degree, true in zip(error.displacements, true_errors(run)[0], strict=True):
             ratios.append(degree.rms.value / true)
             held.append(degree.rms.low <= true <= degree.rms.high)
     assert np.mean((np.array(ratios) > 0.98) & (np.array(ratios) < 1.02)) >= 0.87

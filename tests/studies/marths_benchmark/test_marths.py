@@ -113,7 +113,7 @@ def test_the_error_follows_from_the_displacements_to_rounding():
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_without_noise_the_rebuilt_error_is_the_true_one(ground, name):
     run, strayed, peak = errors_of_uncertain_plant(ground, name)
-    found = [degree.rms.value for degree in rebuilt_error(run.target, run.true, 2).degrees]
+    found = [degree.rms.value for degree in rebuilt_error(run.target, run.true, 2).displacements]
     np.testing.assert_allclose(found, np.sqrt(np.mean(strayed**2, axis=1)) / peak, rtol=1e-4)
 
 

@@ -262,7 +262,7 @@ def _stability(assessment: CoupledAssessment) -> str:
 
 def _errors(assessment: CoupledAssessment) -> Table:
     rows: list[tuple[str, ...]] = []
-    for degree in assessment.error.degrees:
+    for degree in assessment.error.displacements:
         if not degree.judged:
             rows.append((degree.name, "not judged", "", "", "", ""))
             continue
@@ -287,7 +287,9 @@ def _errors(assessment: CoupledAssessment) -> Table:
 
 
 def _parts(error: ErrorOfSeveral) -> Table:
-    by_degree = {degree.name: error.parts_of(degree).by_name for degree in error.degrees if degree.judged}
+    by_degree = {
+        degree.name: error.parts_of(degree).by_name for degree in error.displacements if degree.judged
+    }
     rows = [
         (
             part_in_words(cause),
