@@ -108,10 +108,9 @@ class CoupledError:
 
 
 def errors_of_displacements(
-    names: tuple[str, ...],
     histories: CoupledHistories,
     raw: Array,
-    *,
+    names: tuple[str, ...],
     as_stated: tuple[Array, Array],
     swept: tuple[Array, Array],
     loose: Array,

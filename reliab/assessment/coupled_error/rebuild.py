@@ -108,7 +108,6 @@ def rebuild_coupled(
     highest = _ABOVE_BAND * max(band, float(partition.natural_frequencies[0]))
     structure = partition.below(highest)
     every = _samples_in_step(structure, band, time_step, command.shape[1])
-    require_fitting(command.size, every, time_step / len(command))
     differences = _draw(channels, structure, every, draws, seed)
     histories = CoupledHistories(
         command=command,
@@ -123,22 +122,15 @@ def rebuild_coupled(
     sweep = _Sweep(
         histories=histories, partition=partition, structure=structure, highest=highest, every=every, seed=seed
     )
-    none = np.zeros(partition.degrees)
-    exact = Unknown(tolerances=Tolerances(), offset=none, error_at_start=none)
-    as_stated, _ = sweep.errors(exact, differences[::2])
     accuracy = _OF_EXACT if unknown.own_frequency is None else ACCURACY
     swept, drawn = sweep.errors(unknown, differences, accuracy=accuracy)
+    as_stated, loose = sweep.as_stated(differences[::2]), _looseness(channels, differences, carry)
+    errors = errors_of_displacements(
+        histories, channels.measured, partition.names, as_stated, swept, loose, every
+    )
     return CoupledError(
         time_step=time_step,
-        displacements=errors_of_displacements(
-            partition.names,
-            histories,
-            channels.measured,
-            as_stated=as_stated,
-            swept=swept,
-            loose=_looseness(channels, differences, carry),
-            every=every,
-        ),
+        displacements=errors,
         structure=partition,
         reduced=structure,
         noises=channels.noises,
@@ -208,6 +200,12 @@ class _Sweep:
         mean = band[0] / draws
         deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
         return (statistics, np.stack([mean, deviation])), drawn
+
+    def as_stated(self, differences: Array) -> tuple[Array, Array]:
+        """Return the same where nothing but noise is open."""
+        none = np.zeros(self.partition.degrees)
+        exact = Unknown(tolerances=Tolerances(), offset=none, error_at_start=none)
+        return self.errors(exact, differences)[0]
 
     def _structures(
         self, drawn: dict[str, Array], draws: int
@@ -370,6 +368,8 @@ def _of_starts(channels: Channels, structure: Partition, carry: Array) -> Array:
 
 def _draw(channels: Channels, structure: Partition, every: int, draws: int, seed: int) -> Array:
     """Draw histories of x_c − x_m at the sensors that the noise leaves open [m], shape (draws, p, m)."""
+    actuators, samples = channels.command.shape
+    require_fitting(actuators * samples, every, channels.noises[0].time_step / actuators)
     moves = _moves(channels.command, channels.measured)
     smooth = channels.command - channels.smoothed
     drawn = np.tile(smooth[:, ::every], (draws, 1, 1))
