@@ -105,7 +105,7 @@ def _verdicts(motion: Motion, integrator: str, compensator: str) -> tuple[str | 
     printed = published_criterion("guo_2017_18")
     learned = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
     (event,) = earthquakes_among([motion.event], [motion.checksum], learned)
-    verdicts = study_module("paper2017", "case_verdicts").case_verdicts(
+    verdicts = study_module("paper2017", "cases").case_verdicts(
         motion,
         {
             "guo_2017_18": lambda f, xi: printed,  # noqa: ARG005 - one law for all structures
