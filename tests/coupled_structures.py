@@ -1,9 +1,19 @@
 """Structures and actuators of coupled tests that are nobody's benchmark, for tests and measurements."""
 
-import numpy as np
+from dataclasses import dataclass
 
+import numpy as np
+import scipy
+
+from reliab.arrays import Array, Spectrum
+from reliab.errors import InputError
+from reliab.simulation.frames import ideal_response
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
-from reliab.structures import Partition
+from reliab.structures import Partition, Specimen
+from reliab.structures.frames import exact_step, follow_load
+
+_WELL_POSED = 1e12
+_ANY = Specimen(stiffness=1.0)  # transfer functions do not depend on it
 
 
 def lag(gain, corner):
@@ -67,3 +77,132 @@ def described(structure):
     )
     actuators = ActuatorMatrix(kinematics=kinematics, transfer=coupled_lags(len(kinematics), 3))
     return partition, actuators
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoupledResponse:
+    """Interface displacements of a hybrid test."""
+
+    command: Array  # command, measured, reference: y_c, y_m and those of the undivided structure [m], (p, n)
+    measured: Array
+    reference: Array
+    time_step: float  # s
+
+
+def coupled_response(
+    partition: Partition, actuators: ActuatorMatrix, ground: Array, time_step: float
+) -> CoupledResponse:
+    """Simulate a test from rest.
+
+    `ground` [m/s²], shape (n,); `time_step` [s]. Raises InputError where the test is unstable or actuators
+    have pure delays.
+    """
+    whole = partition.with_masses
+    dynamics, load, command, measured = hybrid_system(whole, actuators)
+    fastest = np.linalg.eigvals(dynamics).real.max()
+    if fastest > 0.0:
+        raise InputError(
+            "The hybrid test must be stable", value=f"a pole at {fastest:.4g} 1/s to the right of the axis"
+        )
+    moved = _followed(dynamics, load, np.vstack([command, measured]), ground, time_step)
+    return CoupledResponse(
+        command=moved[: whole.degrees],
+        measured=moved[whole.degrees :],
+        reference=ideal_response(whole, ground, time_step),
+        time_step=time_step,
+    )
+
+
+def responses_over_frequency(
+    partition: Partition, actuators: ActuatorMatrix, s: Spectrum
+) -> tuple[Spectrum, Spectrum]:
+    """Command and measured displacement per ground acceleration at s [rad/s], shape (…, p) each [s²]."""
+    gamma = partition.interface
+    mass, damping, stiffness = (
+        partition.numerical_mass,
+        partition.numerical_damping,
+        partition.numerical_stiffness,
+    )
+    square = np.asarray(s, dtype=np.complex128)[..., np.newaxis, np.newaxis]
+    actuator = actuators.at_interface(s)
+    force = gamma @ (partition.impedance(s) @ actuator) @ gamma.T
+    dynamic = square**2 * mass + square * damping + stiffness + force
+    load = -(partition.mass @ partition.influence).astype(complex)
+    moved = np.linalg.solve(dynamic, np.broadcast_to(load[:, np.newaxis], (*dynamic.shape[:-1], 1)))
+    command = gamma.T @ moved
+    return command[..., 0], (actuator @ command)[..., 0]
+
+
+def hybrid_system(partition: Partition, actuators: ActuatorMatrix) -> tuple[Array, Array, Array, Array]:
+    """Dynamics, load of a unit ground acceleration, and rows of command and measured displacement."""
+    a, b, c, d = state_space(actuators)
+    gamma, size, order = partition.interface, partition.size, a.shape[0]
+    k, damping, m = partition.specimen_stiffness, partition.specimen_damping, partition.specimen_mass
+    viscous, stiffness = partition.numerical_damping, partition.numerical_stiffness
+    # y_m = C z + D y, y_m' = CA z + CB y + D y', y_m'' = CA² z + CAB y + CB y' + D y''
+    of_state = k @ c + damping @ c @ a + m @ c @ a @ a
+    of_size = k @ d + damping @ c @ b + m @ c @ a @ b
+    of_rate = damping @ d + m @ c @ b
+    inertia = partition.numerical_mass + gamma @ (m @ d) @ gamma.T
+    if not np.linalg.cond(inertia) < _WELL_POSED:
+        raise InputError(
+            "The test must have a mass at every degree of freedom",
+            value="actuators that jump with the command before a specimen with all of the mass",
+            remedy="Leave mass to the computer, or add the poles of the actuators",
+        )
+    inverse = np.linalg.inv(inertia)
+    dynamics = np.zeros((2 * size + order, 2 * size + order))
+    dynamics[:size, size : 2 * size] = np.eye(size)
+    dynamics[size : 2 * size, :size] = -inverse @ (stiffness + gamma @ of_size @ gamma.T)
+    dynamics[size : 2 * size, size : 2 * size] = -inverse @ (viscous + gamma @ of_rate @ gamma.T)
+    dynamics[size : 2 * size, 2 * size :] = -inverse @ gamma @ of_state
+    dynamics[2 * size :, :size] = b @ gamma.T
+    dynamics[2 * size :, 2 * size :] = a
+    load = np.zeros(2 * size + order)
+    load[size : 2 * size] = -inverse @ partition.mass @ partition.influence
+    command = np.hstack([gamma.T, np.zeros((gamma.shape[1], size + order))])
+    measured = np.hstack([d @ gamma.T, np.zeros((gamma.shape[1], size)), c])
+    return dynamics, load, command, measured
+
+
+def state_space(actuators: ActuatorMatrix) -> tuple[Array, Array, Array, Array]:
+    """Return A, B, C and D from commanded to measured interface displacements, without pure delays."""
+    if any(entry is not None and entry.delay > 0.0 for row in actuators.transfer for entry in row):
+        raise InputError(
+            "Actuators with pure delays have no finite state", remedy="Solve them over frequency"
+        )
+    size = len(actuators.transfer)
+    blocks, commands, outputs = [], [], []
+    direct = np.zeros((size, size))
+    for i, row in enumerate(actuators.transfer):
+        for j, entry in enumerate(row):
+            if entry is None:
+                continue
+            plant = entry.plant(_ANY)
+            blocks.append(plant.dynamics)
+            commands.append(np.outer(plant.command, np.eye(size)[j]))
+            outputs.append(np.outer(np.eye(size)[i], plant.displacement))
+            direct[i, j] = plant.displacement_of_command
+    order = sum(block.shape[0] for block in blocks)
+    a = scipy.linalg.block_diag(*blocks) if order else np.zeros((0, 0))
+    b = np.vstack([np.zeros((0, size)), *commands]) @ actuators.kinematics
+    c = np.linalg.solve(actuators.kinematics, np.hstack([np.zeros((size, 0)), *outputs]))
+    at_interface = np.linalg.solve(actuators.kinematics, direct @ actuators.kinematics)
+    return (
+        np.asarray(a, dtype=np.float64),
+        np.asarray(b),
+        np.asarray(c, dtype=np.float64),
+        np.asarray(at_interface, dtype=np.float64),
+    )
+
+
+def _followed(dynamics: Array, load: Array, rows: Array, ground: Array, step: float) -> Array:
+    transition, early, late = exact_step(dynamics, load[:, np.newaxis], step)
+    states = follow_load(
+        transition,
+        early[:, 0].copy(),
+        late[:, 0].copy(),
+        np.ascontiguousarray(ground, dtype=np.float64),
+        load.size,
+    )
+    return np.asarray(rows @ states)

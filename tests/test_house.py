@@ -76,7 +76,7 @@ MORE_VAGUE_NAMES = {
 
 LONG_FUNCTIONS = {
     "assessment/measured_specimen/elements.py:_advance": "compiled: one branch for each kind of element",
-    "simulation/hybrid_test/marching.py:march": "one compiled loop",
+    "simulation/hybrid_test/closed_loop.py:march": "one compiled loop",
     "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
     "simulation/laboratory/march.py:march": "one compiled loop",
     "simulation/linear_loop/drive_stepping.py:_track_lanes": "one compiled loop",

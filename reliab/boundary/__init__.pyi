@@ -1,8 +1,12 @@
 from .contour import (
     AMPLITUDE_STEP as AMPLITUDE_STEP,
+    DELAY_SCALE as DELAY_SCALE,
+    GAIN_SCALE as GAIN_SCALE,
     REACH as REACH,
     Contour as Contour,
+    ErrorSurfaces as ErrorSurfaces,
     furthest_lead as furthest_lead,
+    stretched as stretched,
     trace_contours as trace_contours,
 )
 from .curves import (
@@ -27,10 +31,4 @@ from .suite_boundary import (
     SolvedLoop as SolvedLoop,
     motion_contours as motion_contours,
     suite_contours as suite_contours,
-)
-from .surface import (
-    DELAY_SCALE as DELAY_SCALE,
-    GAIN_SCALE as GAIN_SCALE,
-    ErrorSurfaces as ErrorSurfaces,
-    stretched as stretched,
 )

@@ -1,15 +1,135 @@
-"""Ellipses from whatever holds them: files that the commands write, names of what ships, pandas, xarray."""
+"""Ellipses from whatever holds them: files that the commands write, names of what ships, pandas, xarray.
 
+A CSV file, such as the paper's Table 2, has columns `a` [-] and `b` [ms²]; where present, `motion` (or
+`record`), `event`, `f` (or `f_hz`) [Hz], `xi`, `alpha`, `threshold` and `metric`. Without `event`, the
+motion's name before the first "/" is its earthquake; without a motion, every row is an earthquake of its own.
+"""
+
+import warnings
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.ellipse_csv import read_table
+from reliab.criterion.laws.checks import LARGEST
+from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
+from reliab.files import decoding
 from reliab.renamed import renamed
 from reliab.shipped import or_shipped
-from reliab.vocabulary import Metric
+from reliab.sweep import at_share
+from reliab.vocabulary import LABELS, Dimension, Metric
+
+_OTHER_NAMES = {"record": "motion", "f_hz": "f"}
+_SHARE = str(Dimension.SHARE)
+_CELL = ("f", "xi", _SHARE, "threshold", "metric")
+
+
+def read_table(
+    source: str | Path | pd.DataFrame,
+    *,
+    frequency: float = 1.0,
+    damping_ratio: float = 0.02,
+    threshold: float = 0.05,
+    metric: str = Metric.RMS,
+) -> xr.Dataset:
+    """Read a table of ellipses.
+
+    `` [Hz, -, -].
+    Returns `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`, and
+    with `alpha` after `xi` where the file has several shares of the stiffness.
+    """
+    path = "the data frame" if isinstance(source, pd.DataFrame) else str(source)
+    table = _named(source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path)
+    given = pd.DataFrame(
+        {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
+        index=table.index,
+    )
+    states_share = _SHARE in table
+    table = table.assign(**({} if states_share else {_SHARE: "1"}))
+    table = table.join(given[[name for name in given if name not in table]])
+    for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
+        table[name] = _positive(table[name], name, path)
+    repeated = table.duplicated(["motion", *_CELL])
+    if repeated.any():
+        raise InputError(
+            "A motion may stand only once for one structure and error",
+            value=table["motion"][repeated].iloc[0],
+            remedy="Rename one, or add the columns f, xi, alpha, threshold that distinguish them",
+            where=f"{path}, line {_line(repeated)}",
+        )
+    cube = _dataset(table)
+    if cube.sizes[_SHARE] > 1:
+        return cube
+    return at_share(cube) if states_share else cube.isel({_SHARE: 0}, drop=True)
+
+
+def _cells(path: Path) -> pd.DataFrame:
+    rule, remedy = "A table of ellipses must be a readable CSV file", "Give a file with the columns a and b"
+    with decoding(rule, remedy=remedy, where=path), warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)  # a row of more cells than the first line
+        return pd.read_csv(
+            path,
+            skipinitialspace=True,
+            dtype=str,
+            keep_default_na=False,
+            index_col=False,
+            encoding=encoding_of_file(path),
+        )
+
+
+def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
+    """Give every column the name that it has here, and the motions names and earthquakes."""
+    table = table.rename(columns=lambda name: str(name).strip().lower())
+    table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
+    missing = [name for name in ("a", "b") if name not in table]
+    if missing:
+        raise InputError(
+            "A table of ellipses must have the columns a and b",
+            value=f"no column {' or '.join(missing)}",
+            remedy="Name the columns in the first line; a is dimensionless, b in ms²",
+            where=f"{path}, line 1",
+        )
+    if table.empty:
+        raise InputError(
+            "A table of ellipses must have a row for each ground motion", value="no row", where=path
+        )
+    if "motion" not in table:
+        table["motion"] = [f"row {row}" for row in range(1, len(table) + 1)]
+    if "event" not in table:
+        table["event"] = table["motion"].str.split("/").str[0]
+    return table
+
+
+def _positive(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
+    numbers = pd.to_numeric(column, errors="coerce")
+    wrong = ~((numbers > 1.0 / LARGEST) & (numbers < LARGEST))
+    if wrong.any():
+        raise InputError(
+            f"The column {name} must hold positive numbers below {LARGEST:g}",
+            value=repr(column[wrong].iloc[0]),
+            remedy="Correct or remove the row",
+            where=f"{path}, line {_line(wrong)}",
+        )
+    return numbers
+
+
+def _line(wrong: "pd.Series[bool]") -> int:
+    """Line of the first wrong row; the names of the columns are line 1."""
+    return int(np.flatnonzero(wrong)[0]) + 2
+
+
+def _dataset(table: pd.DataFrame) -> xr.Dataset:
+    order = table["motion"].drop_duplicates().to_numpy()
+    events = table.drop_duplicates("motion").set_index("motion")["event"]
+    dimensions = ["motion", *_CELL, "curve", "side"]
+    cube = table.assign(curve="ellipse", side="lag").set_index(dimensions)[["a", "b"]].to_xarray()
+    cube = cube.sel(motion=order).assign_coords(event=("motion", events[order].to_numpy().astype(np.str_)))
+    for name in cube.variables:
+        cube[name].attrs.update(long_name=LABELS[str(name)].long_name, units=LABELS[str(name)].units)
+    return cube
+
 
 EllipseSource = xr.Dataset | pd.DataFrame | str | Path
 """A dataset or a table of ellipses, stored results, the file of one, or the name of what ships."""

@@ -2,7 +2,6 @@ from .checking import check_folder as check_folder, inspect as inspect
 from .faults import Fault as Fault
 from .intensity import arias_times as arias_times, measure as measure
 from .loading import load_motions as load_motions, read_motion as read_motion
-from .motion import Motion as Motion
-from .resampling import resample as resample, truncate as truncate
+from .motion import Motion as Motion, resample as resample, truncate as truncate
 from .suite import MotionSuite as MotionSuite
 from .writing import write_suite as write_suite

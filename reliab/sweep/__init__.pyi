@@ -15,8 +15,7 @@ from .frame_table import (
     trace_frame_ellipses as trace_frame_ellipses,
 )
 from .grid import ExplicitGrid as ExplicitGrid, Grid as Grid, ScaledGrid as ScaledGrid
-from .netcdf import read_netcdf as read_netcdf, write_netcdf as write_netcdf
-from .packing import packed as packed
+from .netcdf import packed as packed, read_netcdf as read_netcdf, write_netcdf as write_netcdf
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,
     Motions as Motions,

@@ -20,8 +20,7 @@ from reliab.files import decoding
 from reliab.shipped import or_shipped, shipped
 from reliab.steps_of_logarithm import STEP
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
-from reliab.sweep.netcdf import read_netcdf, write_netcdf
-from reliab.sweep.packing import numbered, stepped
+from reliab.sweep.netcdf import numbered, read_netcdf, stepped, write_netcdf
 from reliab.sweep.store_layout import (
     MEND,
     SCHEMA_VERSION,

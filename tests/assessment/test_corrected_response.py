@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from coupled_structures import coupled_response
 
 import reliab
 from reliab.assessment import CoupledAssessment, corrected_response
@@ -14,7 +15,7 @@ from reliab.assessment.substructures import Substructures
 from reliab.cli import run
 from reliab.recordings import CoupledRecording
 from reliab.shipped import shipped
-from reliab.simulation.frames import coupled_response, read_structure
+from reliab.simulation.frames import read_structure
 from reliab.structures import Partition
 from reliab.structures.frames import Frame, undivided_response
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from coupled_structures import described, node
+from coupled_structures import coupled_response, described, node
 
 import reliab
 from reliab import cli
@@ -17,7 +17,7 @@ from reliab.motions import Motion
 from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.shipped import shipped
-from reliab.simulation.frames import FrameUnderTest, coupled_response, read_frame, read_structure
+from reliab.simulation.frames import FrameUnderTest, read_frame, read_structure
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction

@@ -30,13 +30,14 @@ from benchmarks.several_actuators import (  # noqa: E402
     off_by_chance,
     read_by_chance,
 )
+from coupled_structures import CoupledResponse, coupled_response  # noqa: E402
 
 from reliab.assessment.budget import ordinary_equipment  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 from reliab.recordings import Recording  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
-from reliab.simulation.frames import CoupledResponse, FrameUnderTest, coupled_response, read_frame  # noqa: E402
+from reliab.simulation.frames import FrameUnderTest, read_frame  # noqa: E402
 from reliab.structures import Partition  # noqa: E402
 from reliab.vocabulary import Metric  # noqa: E402
 

@@ -34,14 +34,20 @@ from scipy.interpolate import CubicSpline
 sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
-from coupled_structures import described, node, plate, two_storeys  # noqa: E402
+from coupled_structures import (  # noqa: E402
+    coupled_response,
+    described,
+    node,
+    plate,
+    two_storeys,
+)
 
 from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of  # noqa: E402
 from reliab.assessment.coupled_error import compare_with_ground, rebuild_coupled  # noqa: E402
 from reliab.assessment.rebuilt_error import Tolerances  # noqa: E402
 from reliab.errors import InputError  # noqa: E402
 from reliab.shipped import shipped  # noqa: E402
-from reliab.simulation.frames import coupled_response, read_structure  # noqa: E402
+from reliab.simulation.frames import read_structure  # noqa: E402
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction  # noqa: E402
 from reliab.structures import Partition, Structure  # noqa: E402
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coupled_structures import coupled_response
 
 import reliab
 from reliab.api import follow_test
@@ -21,7 +22,7 @@ from reliab.cli import run
 from reliab.recordings import chunks_of_text, read_recording, rows_as_written
 from reliab.shipped import shipped
 from reliab.simulation.actuator import Actuator
-from reliab.simulation.frames import coupled_response, read_structure
+from reliab.simulation.frames import read_structure
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.structures.structure import Structure
 

@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from reliab.criterion.carrying import _line_above_zero
-from reliab.criterion.roots import roots_of_increasing
+from reliab.criterion.motion_predictive import roots_of_increasing
 
 
 @pytest.mark.parametrize(

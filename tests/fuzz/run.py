@@ -34,7 +34,7 @@ _READERS = (
     *("reliab.recordings.naming", "reliab.recordings.clocks", "reliab.recordings.record"),
     *("reliab.discrepancy.campaign", "reliab.study.reading", "reliab.study.description", "reliab.files"),
     *(
-        "reliab.criterion.ellipse_csv",
+        "reliab.criterion.ellipse_reading",
         "reliab.criterion.criterion_file",
         "reliab.simulation.frames.frame_file",
     ),

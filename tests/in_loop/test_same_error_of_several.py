@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from compiled_monitor import ERROR, FAULT, UNSTABLE, built, built_of, compare, followed, needs_compiler
+from coupled_structures import coupled_response
 from drawn_tests import by_assess, delayed_loop, of_several_actuators, random_partition, shaken
 
 from reliab.api import export_monitor
 from reliab.assessment.coupled_error import rebuild_coupled
 from reliab.in_loop import LoopMonitor
 from reliab.shipped import shipped
-from reliab.simulation.frames import coupled_response, read_structure
+from reliab.simulation.frames import read_structure
 from reliab.structures import stability_limit
 
 pytestmark = needs_compiler

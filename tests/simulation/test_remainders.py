@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.simulation.frames.mode_recursion import _remainder
-from reliab.simulation.linear_loop.leading_loop import LeadingLoop
+from reliab.simulation.frames.reduced_loop import _remainder
+from reliab.simulation.linear_loop.dominant_pole import LeadingLoop
 from reliab.simulation.linear_loop.pole_recursion import leading_recursion
 
 STEP = 0.02

@@ -5,8 +5,7 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
-from reliab.structures.frames.frame import square_matrix
-from reliab.structures.frames.response import exact_step
+from reliab.structures.frames.frame import exact_step, square_matrix
 
 PUBLISHED = np.array(
     [

@@ -5,6 +5,10 @@ stations of the far-field and near-field sets: 19 earthquakes of magnitude 6.5 t
 stations on reverse faults, distances of 0.6 to 26 km (mean 10.0, standard deviation 6.5), V_S30 of 192 to
 1000 m/s (median 385, standard deviation of its logarithm 0.43). The distributions below, once cut,
 come close to these moments; nothing in them looks at a motion.
+
+Wells, D. L. and Coppersmith, K. J. (1994), New empirical relationships among magnitude, rupture length,
+rupture width, rupture area, and surface displacement, Bull. Seismol. Soc. Am. 84(4), 974-1002, Table 2A,
+subsurface rupture length: log10(RLD) = a + b M, with the standard deviation s of log10(RLD).
 """
 
 from dataclasses import dataclass
@@ -17,8 +21,24 @@ import scipy
 from reliab.arrays import Array
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
-from reliab.motions.synthetic.wells_coppersmith_1994 import rupture_length
 from reliab.vocabulary import STANDARD_GRAVITY
+
+# slip type: a, b, s
+_TABLE_2A: Final = {
+    Mechanism.STRIKE_SLIP: (-2.57, 0.62, 0.15),
+    Mechanism.REVERSE: (-2.42, 0.58, 0.16),
+}
+
+
+def rupture_length(magnitude: float, mechanism: Mechanism, *, deviation: float = 0.0) -> float:
+    """Length of the rupture below the ground [km].
+
+    >>> round(rupture_length(7.0, Mechanism.STRIKE_SLIP), 1)
+    58.9
+    """
+    a, b, s = _TABLE_2A[mechanism]
+    return float(10.0 ** (a + b * magnitude + s * deviation))
+
 
 # Magnitude: exponential above 6.5, cut at 7.9.
 _SMALLEST_MAGNITUDE: Final = 6.5

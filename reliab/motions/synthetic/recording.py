@@ -4,20 +4,179 @@ White noise goes through a filter whose frequency varies in time, is modulated i
 spurious long-period content, and comes to rest at its end.
 """
 
-from collections.abc import Sequence
-from math import ceil, cos, pi, sin
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import ceil, cos, exp, log, pi, sin, sqrt
 from typing import Final
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
-from reliab.motions.synthetic.filtered_noise import filter_frequency, filter_noise
-from reliab.motions.synthetic.high_pass import high_pass, padding, settle
-from reliab.motions.synthetic.modulation import fit_modulation
-from reliab.motions.synthetic.parameters import ComponentParameters, RecordingParameters
-from reliab.motions.synthetic.pulse import pulse_acceleration
+from reliab.motions.synthetic.modulation import Modulation, fit_modulation
+from reliab.motions.synthetic.parameters import ComponentParameters, PulseParameters, RecordingParameters
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.vocabulary import STANDARD_GRAVITY
+
+_LOWEST_FREQUENCY: Final = 0.3
+"""Lower bound of the filter frequency [Hz] (Dabaghi & Der Kiureghian 2017)."""
+
+_FORGOTTEN: Final = 1e-5
+"""Responses that have decayed to this part of their first amplitude are left out."""
+
+_STEPS_PER_BANDWIDTH: Final = 8
+"""The frequency goes in steps of ζ/8 of itself, a sixteenth of the width of the filter's peak."""
+
+_NARROWEST: Final = 0.05
+"""Bandwidth ζ below which the steps become no smaller."""
+
+
+def filter_frequency(component: ComponentParameters, modulation: Modulation, times: Array) -> Array:
+    """Frequency of the filter at each time.
+
+    It changes linearly between the times of 1 % and 99 % of the Arias intensity, is constant before and
+    after, and never falls below 0.3 Hz; ``component.frequency`` holds at 30 %.
+
+    `times` (n,) [s]; returns (n,) [Hz].
+    """
+    first, middle, last = (modulation.time_of_share(share) for share in (0.01, 0.30, 0.99))
+    linear = component.frequency + component.frequency_slope * (np.clip(times, first, last) - middle)
+    return np.maximum(linear, _LOWEST_FREQUENCY)
+
+
+def filter_noise(noise: Array, frequency: Array, bandwidth: float, time_step: float) -> Array:
+    """Filter white noise through a damped oscillator; each impulse keeps the frequency of its instant.
+
+    x(t) = Σ h(t − τ, ω(τ)) w(τ) / √(Σ h(t − τ, ω(τ))²) over all earlier impulses τ, with h(t, ω) = ω/√(1 −
+    ζ²) exp(−ζωt) sin(ω√(1 − ζ²) t) (Rezaeian & Der Kiureghian 2010; Dabaghi & Der Kiureghian 2017). The
+    variance of x is 1 at every time but the first, where x is 0. Neighbouring impulses of nearly the same
+    frequency share one recursion; ω is therefore a staircase whose steps are small compared with the width of
+    the filter's peak.
+
+    `noise` (n,); `frequency` (n,) [Hz]; `time_step` [s]; returns (n,).
+
+    >>> noise = np.array([1.0, 0.0, 0.0, 0.0])
+    >>> filter_noise(noise, np.full(4, 2.0), bandwidth=0.2, time_step=0.01)
+    array([0.        , 1.        , 0.88843676, 0.7887594 ])
+    """
+    total, power = np.zeros(noise.size), np.zeros(noise.size)
+    for begin, end in _blocks(frequency, bandwidth):
+        angle = 2.0 * pi * time_step * float(frequency[(begin + end) // 2])
+        stop = min(end + ceil(-log(_FORGOTTEN) / (bandwidth * angle)), noise.size)
+        impulses = np.zeros((2, stop - begin))
+        impulses[0, : end - begin] = noise[begin:end]
+        impulses[1, 0] = 1.0
+        responses = _oscillate(impulses, angle, bandwidth)
+        energy = np.cumsum(responses[1] ** 2)
+        total[begin:stop] += responses[0]
+        power[begin:stop] += energy
+        power[end:stop] -= energy[: stop - end]
+    return np.divide(total, np.sqrt(power), out=total, where=power > 0.0)
+
+
+def _blocks(frequency: Array, bandwidth: float) -> Iterator[tuple[int, int]]:
+    """Begin and end of each run of samples whose frequency lies on one step of the staircase."""
+    step = max(bandwidth, _NARROWEST) / _STEPS_PER_BANDWIDTH
+    ends = np.flatnonzero(np.diff(np.floor(np.log(frequency) / step))) + 1
+    yield from pairwise([0, *ends.tolist(), frequency.size])
+
+
+def _oscillate(impulses: Array, angle: float, bandwidth: float) -> Array:
+    """Response ω h of an oscillator of ω Δt = angle to impulses, shape (..., n)."""
+    decay, turn = exp(-bandwidth * angle), angle * sqrt(1.0 - bandwidth**2)
+    ahead, behind = 2.0 * decay * cos(turn), decay**2
+    response: Array = scipy.signal.lfilter([0.0, angle * decay * sin(turn)], [1.0, -ahead, behind], impulses)
+    return response
+
+
+_ORDER: Final = 4
+
+
+def corner_frequency(magnitude: float) -> float:
+    """Corner frequency of the high-pass filter, 10^(1.4071 − 0.3452 M) (Dabaghi & Der Kiureghian 2018).
+
+    Returns [Hz].
+
+    >>> round(corner_frequency(7.0), 4)
+    0.0979
+    """
+    return float(10.0 ** (1.4071 - 0.3452 * magnitude))
+
+
+def padding(magnitude: float, time_step: float) -> int:
+    """Return the number of zeros that the filter needs at either end, three periods of its corner."""
+    return ceil(0.75 * _ORDER / corner_frequency(magnitude) / time_step)
+
+
+def high_pass(acceleration: Array, magnitude: float, time_step: float) -> Array:
+    """Remove the content below the corner frequency, without a phase shift.
+
+    The amplitude response of the Butterworth filter is √(r / (1 + r)) with r = (f/f_c)⁸, so that neither the
+    velocity nor the displacement keeps a residual.
+
+    `acceleration` (..., n); `time_step` [s]; returns (..., n).
+    """
+    count = acceleration.shape[-1]
+    length = scipy.fft.next_fast_len(count, real=True)
+    ratio = (scipy.fft.rfftfreq(length, time_step) / corner_frequency(magnitude)) ** (2 * _ORDER)
+    spectrum = scipy.fft.rfft(acceleration, length) * np.sqrt(ratio / (1.0 + ratio))
+    filtered: Array = scipy.fft.irfft(spectrum, length)[..., :count]
+    return filtered
+
+
+def settle(acceleration: Array) -> Array:
+    """Subtract the smallest straight line that leaves no velocity or displacement at the end.
+
+    `acceleration` (..., n); returns (..., n).
+
+    >>> bool(np.abs(settle(np.array([1.0, 1.0, 1.0, 1.0]))).max() < 1e-14)
+    True
+    """
+    count = acceleration.shape[-1]
+    weights = _weights_of_rest(count)
+    line = np.stack([np.ones(count), np.linspace(-1.0, 1.0, count)])
+    residuals = np.sum(acceleration[..., np.newaxis, :] * weights, axis=-1)
+    effects = np.sum(weights[:, np.newaxis, :] * line, axis=-1)
+    slopes = np.linalg.solve(effects, residuals[..., np.newaxis])[..., 0]
+    settled: Array = acceleration - np.sum(slopes[..., np.newaxis] * line, axis=-2)
+    return settled
+
+
+def _weights_of_rest(count: int) -> Array:
+    """Weights of the samples in the last velocity (over Δt) and the last displacement (over Δt²)."""
+    velocity = np.ones(count)
+    velocity[[0, -1]] = 0.5
+    displacement = np.arange(count - 1, -1, -1, dtype=np.float64)
+    displacement[0] = (count - 1) / 2 - 1 / 6
+    displacement[-1] = 1 / 6
+    return np.stack([velocity, displacement])
+
+
+def pulse_acceleration(pulse: PulseParameters, times: Array) -> Array:
+    """Acceleration of the pulse at each time.
+
+    The velocity is an oscillation under a raised cosine, as Mavroeidis & Papageorgiou (2003) have it, less
+    the part that Dabaghi & Der Kiureghian (2017) take out to leave no residual displacement. With u = t −
+    t_max and within |u| ≤ γT/2,
+
+        v = (V/2 cos(2πu/T + φ) − D/(γT)) (1 + cos(2πu/(γT))),
+        D = VT (sin(φ + γπ) − sin(φ − γπ)) / (4π (1 − γ²)).
+
+    `times` (n,) [s]; returns (n,) [m/s²].
+
+    Mavroeidis, G. P. and Papageorgiou, A. S. (2003), Bull. Seismol. Soc. Am. 93(3), 1099-1131.
+    """
+    gamma, omega = pulse.oscillations, 2.0 * pi / pulse.period
+    swing = sin(pulse.phase + gamma * pi) - sin(pulse.phase - gamma * pi)
+    offset = pulse.velocity * swing / (4.0 * pi * (1.0 - gamma**2) * gamma)
+    half_length = 0.5 * gamma * pulse.period
+    time = np.clip(times - pulse.peak_time, -half_length, half_length)
+    carrier = 0.5 * pulse.velocity * np.cos(omega * time + pulse.phase) - offset
+    carrier_rate = -0.5 * pulse.velocity * omega * np.sin(omega * time + pulse.phase)
+    envelope = 1.0 + np.cos(omega / gamma * time)
+    envelope_rate = -omega / gamma * np.sin(omega / gamma * time)
+    return carrier_rate * envelope + carrier * envelope_rate
+
 
 TIME_STEP: Final = 0.01
 """Interval between samples [s]."""

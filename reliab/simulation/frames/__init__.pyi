@@ -1,10 +1,4 @@
-from .coupled_loop import (
-    CoupledResponse as CoupledResponse,
-    coupled_response as coupled_response,
-    ideal_response as ideal_response,
-    responses_over_frequency as responses_over_frequency,
-)
-from .exact_loop import stable_with as stable_with
+from .exact_loop import ideal_response as ideal_response, stable_with as stable_with
 from .frame_file import (
     FrameUnderTest as FrameUnderTest,
     frame_of_tables as frame_of_tables,

@@ -24,6 +24,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import TransformLine
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferSystem
 from reliab.structures import Partition
+from reliab.structures.frames import exact_step, follow_load
 
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged
 _FREQUENCIES = 6000
@@ -255,3 +256,23 @@ def _strayed(error: Spectrum, series: Spectrum, coefficients: Spectrum) -> tuple
                 value = value * error[k] + series[power, i, k]
             strayed[i, k] = value * factor
     return strayed, denominators
+
+
+def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
+    """Interface displacements of the undivided structure from rest [m], shape (p, n).
+
+    Exact for a ground acceleration that is linear between samples: `ground` [m/s²], shape (n,); `time_step`
+    [s].
+    """
+    gamma, size = partition.interface, partition.size
+    inverse = np.linalg.inv(partition.numerical_mass + gamma @ partition.specimen_mass @ gamma.T)
+    dynamics = np.zeros((2 * size, 2 * size))
+    dynamics[:size, size:] = np.eye(size)
+    stiffness = partition.numerical_stiffness + gamma @ partition.specimen_stiffness @ gamma.T
+    damping = partition.numerical_damping + gamma @ partition.specimen_damping @ gamma.T
+    dynamics[size:, :size], dynamics[size:, size:] = -inverse @ stiffness, -inverse @ damping
+    load = np.concatenate([np.zeros(size), -inverse @ partition.mass @ partition.influence])
+    transition, early, late = exact_step(dynamics, load[:, np.newaxis], time_step)
+    ground = np.ascontiguousarray(ground, dtype=np.float64)
+    moved = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, size)
+    return np.asarray(gamma.T @ moved)

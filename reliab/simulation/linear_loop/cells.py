@@ -9,9 +9,14 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.simulation.linear_loop.blocks import block_length
-from reliab.simulation.linear_loop.dominant_pole import ModalLoop, modal_loop, reduction_loss
+from reliab.simulation.linear_loop.dominant_pole import (
+    LeadingLoop,
+    ModalLoop,
+    leading_loop,
+    modal_loop,
+    reduction_loss,
+)
 from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells
-from reliab.simulation.linear_loop.leading_loop import LeadingLoop, leading_loop
 from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.plane import Expansion, expansions
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions

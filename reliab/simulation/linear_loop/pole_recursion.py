@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.blocks import ramp_weights
-from reliab.simulation.linear_loop.dominant_pole import ModalLoop
-from reliab.simulation.linear_loop.leading_loop import LeadingLoop
+from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 

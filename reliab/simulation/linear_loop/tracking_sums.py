@@ -18,8 +18,7 @@ from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import Blocks, cut_together
-from reliab.simulation.linear_loop.dominant_pole import modal_loop
-from reliab.simulation.linear_loop.leading_loop import leading_loop
+from reliab.simulation.linear_loop.dominant_pole import leading_loop, modal_loop
 from reliab.simulation.linear_loop.pole_recursion import (
     Recursion,
     fill_lanes,

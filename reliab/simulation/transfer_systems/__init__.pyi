@@ -1,4 +1,3 @@
-from .actuator_matrix import ActuatorMatrix as ActuatorMatrix, invertible as invertible
 from .matlab_structure import (
     require_sound_structure as require_sound_structure,
     subsystem_of as subsystem_of,
@@ -6,11 +5,13 @@ from .matlab_structure import (
 from .reading import read_matlab as read_matlab, transfer_function_of as transfer_function_of
 from .servo_hydraulic import ServoHydraulic as ServoHydraulic
 from .transfer_function import (
+    ActuatorMatrix as ActuatorMatrix,
     Plant as Plant,
     TransferFunction as TransferFunction,
     TransferSystem as TransferSystem,
     TransferUncertainty as TransferUncertainty,
     first_order_lag as first_order_lag,
     gain_and_delay as gain_and_delay,
+    invertible as invertible,
     second_order as second_order,
 )

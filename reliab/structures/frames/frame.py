@@ -1,4 +1,8 @@
-"""A linear structure of any number of degrees of freedom, M x'' + C x' + K x = −M ι a_g."""
+"""A linear structure of any number of degrees of freedom, M x'' + C x' + K x = −M ι a_g.
+
+Its damping comes from ratios of the modes, or from two by Rayleigh's method; its exact response is that to a
+ground motion that is linear between samples.
+"""
 
 import math
 from dataclasses import dataclass
@@ -10,8 +14,67 @@ import scipy
 from numpy.typing import ArrayLike
 
 from reliab.arrays import Array, Spectrum
+from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.structures.structure import Structure
+
+
+def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> Array:
+    """Damping matrix of given damping ratios of the modes, C = M Φ diag(2ζ_iω_i) Φᵀ M.
+
+    `ratios` [-]; returns [N·s/m].
+
+    >>> modal_damping([[1000.0]], [[4000.0]], 0.05)
+    array([[200.]])
+    """
+    modes = natural_modes(mass, stiffness)
+    size = modes.circular_frequency.size
+    values = np.atleast_1d(np.asarray(ratios, dtype=np.float64))
+    if values.size not in {1, size}:
+        raise InputError(
+            f"Give one damping ratio for all modes, or {size}, one for each",
+            value=f"{values.size} ratios",
+        )
+    if not ((values >= 0.0) & (values < 1.0)).all():
+        raise InputError(
+            "Damping ratios must lie in [0, 1)",
+            value=values.tolist(),
+            remedy="Give fractions of critical damping, 0.02 for 2 %",
+        )
+    spread = np.asarray(mass) @ modes.shapes
+    return np.asarray((spread * (2.0 * values * modes.circular_frequency)) @ spread.T)
+
+
+def rayleigh_damping(
+    mass: ArrayLike, stiffness: ArrayLike, ratios: tuple[float, float], frequencies: tuple[float, float]
+) -> Array:
+    """Damping matrix C = a₀M + a₁K that has two damping ratios at two frequencies (Rayleigh).
+
+    `ratios` [-]; `frequencies` [Hz]; returns [N·s/m].
+
+    >>> damping = rayleigh_damping([[2.0]], [[8.0]], (0.02, 0.02), (0.1, 1.0))
+    >>> bool(damping[0, 0] > 0.0)
+    True
+    """
+    first, second = (2.0 * np.pi * f for f in frequencies)
+    if not (first > 0.0 and second > 0.0 and first != second):
+        raise InputError(
+            "Rayleigh damping needs two different positive frequencies", value=f"{frequencies} Hz"
+        )
+    system = 0.5 * np.array([[1.0 / first, first], [1.0 / second, second]])
+    on_mass, on_stiffness = np.linalg.solve(system, np.asarray(ratios, dtype=np.float64))
+    squares = scipy.linalg.eigh(mass, stiffness, eigvals_only=True)  # 1/ω², zero without a mass
+    omega = 1.0 / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+    lowest = 0.5 * (on_mass / omega + on_stiffness * omega).min()
+    if lowest < 0.0:
+        raise InputError(
+            "Rayleigh damping must leave every mode a positive damping ratio",
+            value=f"{significant(lowest)} for some mode",
+            remedy="Choose ratios or frequencies that lie closer together",
+        )
+    return np.asarray(on_mass * np.asarray(mass) + on_stiffness * np.asarray(stiffness))
+
 
 _SYMMETRY = 1e-6  # of the largest entry: printed matrices are rounded
 _ROUNDING = 1e-9  # of the largest eigenvalue: a semi-definite matrix in double precision
@@ -200,3 +263,53 @@ class Frame:
         """Dynamic stiffness M s² + C s + K [N/m] at s [rad/s], shape (…, n, n)."""
         s = np.asarray(s)[..., np.newaxis, np.newaxis]
         return np.asarray(s**2 * self.mass + s * self.damping + self.stiffness)
+
+
+def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array, Array]:
+    """Transition over a step and the effect of loads that are linear in it.
+
+    `step` [s].
+    Returns `transition, early, late`: e^(Ah), and the effects of the loads' values at the begin and the end
+    of the step, shapes (n, n) and twice (n, m).
+
+    >>> transition, early, late = exact_step(np.array([[0.0]]), np.array([[1.0]]), 0.5)
+    >>> float(transition[0, 0]), float(early[0, 0]), float(late[0, 0])
+    (1.0, 0.25, 0.25)
+    """
+    n, m = loads.shape
+    system = np.zeros((n + 2 * m, n + 2 * m))
+    system[:n, :n] = dynamics * step
+    system[:n, n : n + m] = loads * step
+    system[n : n + m, n + m :] = np.eye(m)
+    flow = scipy.linalg.expm(system)
+    late = flow[:n, n + m :]
+    return flow[:n, :n].copy(), flow[:n, n : n + m] - late, late
+
+
+def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
+    """Exact displacements of the undivided linear structure [m], shape (degrees of freedom, samples).
+
+    `ground` [m/s²]; `step` [s].
+    """
+    loads = np.concatenate([np.zeros(frame.size), -frame.influence])[:, np.newaxis]
+    transition, early, late = exact_step(frame.state_matrix, loads, step)
+    return follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, frame.size)
+
+
+@compiled
+def follow_load(transition: Array, early: Array, late: Array, ground: Array, shown: int) -> Array:
+    """First states of a linear system under a load that is linear in every step, shape (shown, samples)."""
+    states, samples = transition.shape[0], ground.size
+    z, z_next = np.zeros(states), np.zeros(states)
+    moved = np.zeros((shown, samples))
+    for k in range(samples - 1):
+        for i in range(states):
+            total = early[i] * ground[k] + late[i] * ground[k + 1]
+            for j in range(states):
+                total += transition[i, j] * z[j]
+            z_next[i] = total
+        for i in range(states):
+            z[i] = z_next[i]
+        for i in range(shown):
+            moved[i, k + 1] = z[i]
+    return moved

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from coupled_structures import described, node, two_storeys
+from coupled_structures import coupled_response, described, node, two_storeys
 
 from reliab.assessment.coupled_error import CoupledMonitor, rebuild_coupled
 from reliab.assessment.rebuilt_error import Monitor, Recursion
 from reliab.errors import InputError
-from reliab.simulation.frames import coupled_response
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric
 

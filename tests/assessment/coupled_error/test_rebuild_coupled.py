@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from coupled_structures import lag
+from coupled_structures import coupled_response, lag
 
 from reliab.assessment.coupled_error import rebuild_coupled
 from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.shipped import shipped
-from reliab.simulation.frames import coupled_response, read_structure
+from reliab.simulation.frames import read_structure
 from reliab.simulation.transfer_systems import ActuatorMatrix
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric

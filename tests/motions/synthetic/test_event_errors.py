@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
-from reliab.motions.synthetic.event_errors import EVENT_SHARE, EventErrors
+from reliab.motions.synthetic.event import EVENT_SHARE, EventErrors
 from reliab.motions.synthetic.random_stream import RandomStream
 
 _BOTH = pytest.mark.parametrize("regression", [NO_PULSE, PULSE], ids=["no pulse", "pulse"])

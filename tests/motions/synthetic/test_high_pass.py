@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numpy.typing import NDArray
 
-from reliab.motions.synthetic.high_pass import corner_frequency, high_pass, padding, settle
+from reliab.motions.synthetic.recording import corner_frequency, high_pass, padding, settle
 
 
 def _rest(acceleration: NDArray[np.float64], step: float) -> tuple[float, float]:

@@ -7,16 +7,16 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.motions.synthetic import Mechanism, Scenario
+from reliab.motions.synthetic.event import pulse_probability
 from reliab.motions.synthetic.fema_p695_2009 import (
     Earthquake,
     draw_earthquake,
     draw_scenario,
     is_strong,
+    rupture_length,
 )
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.scenario import VALID_RANGES
-from reliab.motions.synthetic.shahi_baker_2014 import pulse_probability
-from reliab.motions.synthetic.wells_coppersmith_1994 import rupture_length
 
 _VALUES = {
     "magnitude": 7.0,

@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 import scipy
-from coupled_structures import coupled_lags, described, lag, node, plate, two_storeys
+from coupled_structures import (
+    coupled_lags,
+    coupled_response,
+    described,
+    lag,
+    node,
+    plate,
+    responses_over_frequency,
+    two_storeys,
+)
 
 from reliab.errors import InputError
-from reliab.simulation.frames import coupled_response, responses_over_frequency
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
 
 STEP = 1.0 / 256.0

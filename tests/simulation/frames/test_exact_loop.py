@@ -2,16 +2,12 @@
 
 import numpy as np
 import pytest
-from coupled_structures import described, node, two_storeys
+from coupled_structures import coupled_response, described, node, two_storeys
 
 from reliab.errors import InputError
 from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames import (
-    FrameLoop,
-    coupled_response,
-    stable_with,
-)
+from reliab.simulation.frames import FrameLoop, stable_with
 from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, gain_and_delay
 from reliab.structures import Partition, stability_limit
 

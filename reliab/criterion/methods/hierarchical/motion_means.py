@@ -7,7 +7,31 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.compiled import compiled
 from reliab.criterion.methods.hierarchical.covariance import normal_log_density, squares_of
+
+
+@compiled
+def log_distances(
+    strayed: NDArray[np.float64],
+    effects: NDArray[np.float64],
+    groups: NDArray[np.int64],
+    degrees: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Sum ln(1 + d²/ν) over the motions of each earthquake."""
+    vectors, events, nodes, _ = effects.shape
+    sums = np.zeros((vectors, events, nodes))
+    for vector in range(vectors):
+        share = 1.0 / degrees[vector]
+        for motion in range(groups.size):
+            event = groups[motion]
+            first, second = strayed[vector, motion, 0], strayed[vector, motion, 1]
+            for node in range(nodes):
+                along = first - effects[vector, event, node, 0]
+                across = second - effects[vector, event, node, 1]
+                sums[vector, event, node] += np.log(1.0 + share * (along * along + across * across))
+    return sums
+
 
 _NODES: Final = 7  # Gauss-Hermite nodes along each of two directions
 _ROUNDS: Final = 6  # reweighted means that place them
@@ -99,7 +123,7 @@ class MotionMeans:
         degrees: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
-        from reliab.criterion.methods.hierarchical.distance_kernel import log_distances
+        from reliab.criterion.methods.hierarchical.motion_means import log_distances
 
         motions = log_distances(strayed, effects, self.groups, degrees)
         factor = _inverse_of_triangle(_cholesky(prior))

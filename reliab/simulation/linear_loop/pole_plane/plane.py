@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
-from reliab.simulation.linear_loop.dominant_pole import ModalLoop
-from reliab.simulation.linear_loop.leading_loop import LeadingLoop
+from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
 from reliab.simulation.linear_loop.pole_plane.basis import PoleBasis
 from reliab.simulation.linear_loop.pole_plane.responses import Responses
 from reliab.simulation.linear_loop.pole_recursion import FROM_BLOCK, leading_recursion

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.criterion.methods.hierarchical.further_motions import both_below
+from reliab.criterion.methods.hierarchical.fit import both_below
 
 
 @pytest.mark.parametrize("correlation", [-0.999, -0.6, 0.0, 0.3, 0.95, 0.9999])

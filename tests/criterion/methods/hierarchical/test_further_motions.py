@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods.hierarchical.further_motions import FurtherMotions
+from reliab.criterion.methods.hierarchical.fit import FurtherMotions
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.joint import Scatter
 
