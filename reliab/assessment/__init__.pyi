@@ -10,7 +10,7 @@ from .budget import (
     read_equipment as read_equipment,
     stated_of_filters as stated_of_filters,
 )
-from .comparison import Comparison as Comparison, RankedTest as RankedTest, rank_tests as rank_tests
+from .comparison import Comparison as Comparison, rank_tests as rank_tests
 from .corrected_response import corrected_response as corrected_response
 from .default_criterion import (
     default_criterion as default_criterion,
@@ -54,7 +54,6 @@ from .recorded_force import (
     require_restoring_force as require_restoring_force,
     unit_like as unit_like,
 )
-from .same_test import RunOfTest as RunOfTest, SameTest as SameTest, combine_runs as combine_runs
 from .several import Assessments as Assessments, verdict_table as verdict_table
 from .tracking_index import LEVEL as LEVEL
 from .verdict import Word as Word, word_of_probability as word_of_probability

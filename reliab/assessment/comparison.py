@@ -18,6 +18,7 @@ from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.assessment.rebuilt_error.spread import LEVEL, weighted_interval
 from reliab.errors import InputError
+from reliab.signals import correlated
 from reliab.significant import significant
 from reliab.vocabulary import Metric
 
@@ -36,28 +37,14 @@ _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RankedTest:
-    """A test in its place among others.
+    """A test in its place among others."""
 
-    Attributes
-    ----------
-    file : str
-        The test.
-    assessment : Assessment or FrameAssessment
-        What is found about it.
-    error : Estimate
-        Its error with the 90 % interval [-].
-    difference : Estimate or None
-        By how much its error is larger than that of the first test, with the 90 % interval [-]; None for the
-        first.
-    probability_larger : float or None
-        Probability that its error is larger than that of the first test; None for the first.
-    """
-
-    file: str
-    assessment: Assessment | FrameAssessment
-    error: Estimate
+    file: str  # The test
+    assessment: Assessment | FrameAssessment  # What is found about it
+    error: Estimate  # Its error with the 90 % interval [-]
+    # By how much its error exceeds that of the first test, with the 90 % interval [-]; None for the first
     difference: Estimate | None
-    probability_larger: float | None
+    probability_larger: float | None  # That it is larger than that of the first test; None for the first
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -241,8 +228,7 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
 
 def _differs(response: Array, reference: Array) -> bool:
     """Whether two responses are those of different motions, whenever their recordings began [m]."""
-    size = 2 * max(response.size, reference.size)
-    products = np.fft.irfft(np.conj(np.fft.rfft(reference, size)) * np.fft.rfft(response, size))
+    products = correlated(response, reference)
     squares = float(np.sum(reference**2)), float(np.sum(response**2))
     left = squares[0] + squares[1] - 2.0 * float(products.max())
     return left > _OTHER_MOTION**2 * min(squares)

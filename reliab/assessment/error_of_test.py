@@ -322,37 +322,19 @@ class _Rest(TypedDict):
 
 
 def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> "MeasuredSpecimen":
-    """Learn the specimen from the recorded force; `measured` [m]."""
-    if question.frame is not None:
-        return _from_force(recording, measured, question, question.whole, **rest)
-    if "mass" not in question.stated:
-        raise InputError(
-            "A measured specimen needs its force and the mass of the structure",
-            value="no force" if recording.force is None else "no `mass`",
-            remedy="Record the force that was fed back, and state `mass` in kilograms",
-            where=recording.name,
-        )
-    mass = question.stated["mass"]
-    whole = Partition.of_structure(question.structure, mass.value)
-    deviation = mass.deviation / mass.value
-    return _from_force(recording, measured, question, whole, mass_deviation=deviation, **rest)
-
-
-def _from_force(
-    recording: Recording,
-    measured: Array,
-    question: Question,
-    whole: Partition,
-    *,
-    sensor_offset: float | None,
-    tolerances: Tolerances,
-    mass_deviation: float = 0.0,
-    seed: int = 0,
-) -> "MeasuredSpecimen":
-    """Learn a specimen from its recorded force, with the error of its test.
-
-    `measured`, `sensor_offset` [m]; `whole` [kg, N·s/m, N/m]; `mass_deviation` over the mass [-].
-    """
+    """Learn the specimen from the recorded force, with the error of its test; `measured` [m]."""
+    whole, mass_deviation = question.whole, 0.0
+    if question.frame is None:
+        if "mass" not in question.stated:
+            raise InputError(
+                "A measured specimen needs its force and the mass of the structure",
+                value="no force" if recording.force is None else "no `mass`",
+                remedy="Record the force that was fed back, and state `mass` in kilograms",
+                where=recording.name,
+            )
+        mass = question.stated["mass"]
+        whole = Partition.of_structure(question.structure, mass.value)
+        mass_deviation = mass.deviation / mass.value
     if recording.force is None:
         raise InputError(
             "A measured specimen needs its force",
@@ -371,10 +353,8 @@ def _from_force(
         mass_deviation=mass_deviation,
         feedback_lag=question.feedback_lag,
         force_channel=question.force_channel,
-        sensor_offset=sensor_offset,
         resolution=question.resolution,
-        tolerances=tolerances,
-        seed=seed,
+        **rest,
     )
 
 

@@ -160,6 +160,7 @@ def errors_of_responses(
     test = exact_test(error, degrees, recorded)
     names, weights = _responses(test)
     single = error if isinstance(error, ErrorOfTest) else None
+    specimen = None if single is None else single.specimen
     share = 0.0 if single is None or single.if_linear is None else single.sizes["yielding"].deviation
     ground = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=ground)
@@ -178,15 +179,11 @@ def errors_of_responses(
     expected = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
-        specimen="may_have_yielded" if share else "linear" if single is None else _specimen_of(single),
+        specimen="may_have_yielded" if share else "linear" if specimen is None else "measured",
         ground_factor=ground.factor if ground is not None and ground.differs else None,
         other_motion=expected and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.over_peaks,
     )
-
-
-def _specimen_of(error: ErrorOfTest) -> str:
-    return "linear" if error.specimen is None else "measured"
 
 
 def _responses(test: ExactTest) -> tuple[list[tuple[str, str]], Array]:

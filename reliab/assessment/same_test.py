@@ -18,8 +18,10 @@ from reliab.arrays import Array
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
+from reliab.assessment.rebuilt_error.parts import follow
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.errors import InputError
+from reliab.signals import correlated
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
@@ -107,25 +109,7 @@ class SameTest:
 
 
 def combine_runs(runs: Mapping[str, Assessment], *, seed: int = 0) -> SameTest:
-    """Judge runs of one test together, by what was found about each.
-
-    Parameters
-    ----------
-    runs : mapping of str to Assessment
-        By name, what was found about each run; two at least, whose actuators differ in gain or delay.
-    seed : int, optional
-        Seed of the draws.
-
-    Returns
-    -------
-    SameTest
-        The extrapolated response, and the error of each run against it.
-
-    Raises
-    ------
-    InputError
-        If the runs are not of one test, do not begin together, or have nearly the same tracking error.
-    """
+    """Judge runs of one test together: two at least, by name, whose actuators differ in gain or delay."""
     found = list(runs.values())
     _require_one_test(runs)
     together = _Extrapolated.of_runs(found, seed)
@@ -248,12 +232,8 @@ def _tracking(found: Assessment, size: int) -> Array:
     """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
     command = found.recording.command[:size]
     measured = found.error.rebuilt.histories.measured[:size]
-    velocity = np.gradient(command, found.recording.time_step) / found.structure.circular_frequency
-    basis = np.stack([command, -velocity, np.ones(size)])
-    scale = np.abs(basis).max(axis=1)
-    rows = basis / scale[:, np.newaxis]
-    gain, late, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=None)[0] / scale
-    return np.array([gain - 1.0, late])
+    gain, delay, _ = follow(command, measured, found.recording.time_step)
+    return np.array([gain - 1.0, delay * found.structure.circular_frequency])
 
 
 def _unknown_zero(found: Assessment, generator: np.random.Generator) -> Array:
@@ -309,10 +289,6 @@ def _require_one_test(runs: Mapping[str, Assessment]) -> None:
 
 def _compared(one: Array, other: Array) -> tuple[float, int]:
     """Largest correlation of two histories, and the number of samples by which they are apart there."""
-    padded = 2 * one.size
-    spectrum = np.fft.rfft(one, padded).conj() * np.fft.rfft(other, padded)
-    correlation = np.fft.irfft(spectrum, padded) / max(
-        float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300
-    )
+    correlation = correlated(other, one) / max(float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300)
     place = int(np.argmax(correlation))
-    return float(correlation[place]), place if place <= one.size else place - padded
+    return float(correlation[place]), place - (one.size - 1)

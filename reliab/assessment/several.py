@@ -52,7 +52,7 @@ class Assessments:
         }
 
     def same_test(self) -> SameTest:
-        """Judge the tests as runs of one test; see `reliab.assessment.combine_runs`."""
+        """Judge the tests as runs of one test; see `reliab.assessment.same_test`."""
         if self.faults:
             file, reason = next(iter(self.faults.items()))
             raise InputError(

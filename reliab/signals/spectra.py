@@ -21,9 +21,9 @@ def convolved(history: Array, kernel: Array) -> Array:
 
 
 def correlated(first: Array, second: Array) -> Array:
-    """Sum of products of two histories of one length at every lag of the first behind the second.
+    """Sum of products of two histories at every lag of the first behind the second.
 
-    Returns shape (2 n - 1,); the lag of no samples has the place n - 1.
+    Returns shape (2 n - 1,), of histories of one length; the lag of no samples has the place n - 1.
 
     >>> int(np.argmax(correlated(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]))))
     3

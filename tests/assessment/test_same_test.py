@@ -7,7 +7,8 @@ import pytest
 from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
 from reliab import assess
-from reliab.assessment import Word, combine_runs
+from reliab.assessment import Word
+from reliab.assessment.same_test import combine_runs
 from reliab.errors import InputError
 from reliab.recordings import Recording
 

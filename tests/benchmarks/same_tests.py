@@ -21,7 +21,8 @@ import numpy as np
 import pandas as pd
 from rebuilt_error import laboratory as lab
 
-from reliab.assessment import assess, combine_runs, ordinary_equipment, word_of_probability
+from reliab.assessment import assess, ordinary_equipment, word_of_probability
+from reliab.assessment.same_test import combine_runs
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
 from reliab.recordings import Recording

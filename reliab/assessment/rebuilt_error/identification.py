@@ -127,20 +127,13 @@ def _with_force(
     square_variance = covariance[1, 1] + spread
     square = max(square, _LEAST_STIFFNESS * structure.circular_frequency**2)
     w0 = float(np.sqrt(square))
-    ratio = values[0] / (2.0 * w0)
     share = spring.stiffness / square
     damped = target - 2.0 * structure.damping_ratio * w0 * moved[1]
     late, late_spread, _ = fit_equation(np.stack([-changed, moved[0], constant]), damped, kernel)
     share_variance = (spread * (1.0 - share) ** 2 + covariance[1, 1] * share**2) / square**2
     return Identification(
         frequency=_frequency(w0, square_variance, structure),
-        damping_ratio=Identified(
-            value=float(ratio),
-            deviation=float(
-                np.hypot(np.sqrt(covariance[0, 0]) / (2.0 * w0), ratio * _relative(square_variance, w0))
-            ),
-            stated=structure.damping_ratio,
-        ),
+        damping_ratio=_damping_ratio(values[0], covariance[0, 0], w0, square_variance, structure),
         experimental_fraction=Identified(
             value=float(share),
             deviation=float(np.sqrt(share_variance)),
@@ -168,16 +161,9 @@ def _without_force(
     columns = np.stack([moved[1], sprung, np.ones(sprung.size)])
     values, covariance, residual = fit_equation(columns, -(shaken + moved[2]), kernel)
     w0 = float(np.sqrt(max(values[1], _LEAST_STIFFNESS * structure.circular_frequency**2)))
-    ratio = values[0] / (2.0 * w0)
     return Identification(
         frequency=_frequency(w0, covariance[1, 1], structure),
-        damping_ratio=Identified(
-            value=float(ratio),
-            deviation=float(
-                np.hypot(np.sqrt(covariance[0, 0]) / (2.0 * w0), ratio * _relative(covariance[1, 1], w0))
-            ),
-            stated=structure.damping_ratio,
-        ),
+        damping_ratio=_damping_ratio(values[0], covariance[0, 0], w0, covariance[1, 1], structure),
         experimental_fraction=None,
         feedback_lag=None,
         misfit=_misfit(residual, shaken),
@@ -189,6 +175,15 @@ def _frequency(w0: float, square_variance: float, structure: Structure) -> Ident
     return Identified(
         value=frequency, deviation=frequency * _relative(square_variance, w0), stated=structure.frequency
     )
+
+
+def _damping_ratio(
+    damping: float, variance: float, w0: float, square_variance: float, structure: Structure
+) -> Identified:
+    """Damping ratio from c = 2ξω₀ and its variance."""
+    ratio = damping / (2.0 * w0)
+    deviation = np.hypot(np.sqrt(variance) / (2.0 * w0), ratio * _relative(square_variance, w0))
+    return Identified(value=float(ratio), deviation=float(deviation), stated=structure.damping_ratio)
 
 
 def _relative(square_variance: float, w0: float) -> float:
