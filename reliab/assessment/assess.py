@@ -19,12 +19,11 @@ from reliab.assessment.contradictions import (
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.doubts import verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.explanations import Explanation, error_under
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.moving_windows import track_windows
-from reliab.assessment.own_equation import OwnEquation, examine_equation
+from reliab.assessment.own_equation import Explanation, OwnEquation, error_under, examine_equation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test

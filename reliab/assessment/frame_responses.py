@@ -13,10 +13,10 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
-from reliab.assessment.ground_of_test import GroundOfTest, ground_of_test
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error import Estimate
 from reliab.assessment.rebuilt_error.error_statistics import mean_square

@@ -14,7 +14,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import Histories
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening

@@ -1,8 +1,3 @@
-from .converter import (
-    converter_step as converter_step,
-    expected_error as expected_error,
-    vary_rounding as vary_rounding,
-)
 from .cubic_path import CubicPath as CubicPath
 from .filters import (
     REACH as REACH,
@@ -17,12 +12,15 @@ from .noise import (
     CORNERS as CORNERS,
     NoiseModel as NoiseModel,
     Periodogram as Periodogram,
+    converter_step as converter_step,
+    expected_error as expected_error,
     fit_levels as fit_levels,
     fit_noise as fit_noise,
     line_places as line_places,
     mains_frequencies as mains_frequencies,
     near_mains as near_mains,
     noise_shapes as noise_shapes,
+    vary_rounding as vary_rounding,
 )
 from .spectra import (
     binned as binned,

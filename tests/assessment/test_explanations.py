@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment import own_motion
-from reliab.assessment.explanations import Explanation, VelocityTerm, explain
+from reliab.assessment.own_equation import Explanation, VelocityTerm, explain
 from reliab.assessment.tracking_index import LEVEL
 from reliab.structures import Structure
 from reliab.vocabulary import Side

@@ -1,7 +1,4 @@
-from .budget import (
-    BudgetItem as BudgetItem,
-    budget_of_error as budget_of_error,
-)
+from .budget import BudgetItem as BudgetItem, budget_of_error as budget_of_error
 from .corrections import (
     CHANNELS as CHANNELS,
     LowPass as LowPass,
@@ -9,15 +6,13 @@ from .corrections import (
     stated_of_filters as stated_of_filters,
     without_skew as without_skew,
 )
-from .equipment import (
-    Equipment as Equipment,
-    ordinary_equipment as ordinary_equipment,
-    read_equipment as read_equipment,
-)
 from .sizes import (
+    Equipment as Equipment,
     Size as Size,
     Source as Source,
     as_certain_as as as_certain_as,
+    ordinary_equipment as ordinary_equipment,
+    read_equipment as read_equipment,
     sizes_of_structure as sizes_of_structure,
     sizes_of_unknown as sizes_of_unknown,
     tolerances_of as tolerances_of,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_parts import CoupledHistories
+from reliab.assessment.coupled_error.coupled_error import CoupledHistories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.simulation.frames import ideal_response
 from reliab.structures import Partition

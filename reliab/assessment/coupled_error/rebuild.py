@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_error import CoupledError, errors_of_displacements
-from reliab.assessment.coupled_error.coupled_parts import CoupledHistories
+from reliab.assessment.coupled_error.coupled_error import (
+    CoupledError,
+    CoupledHistories,
+    errors_of_displacements,
+)
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
-from reliab.assessment.rebuilt_error.channels import checked_histories
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.initial import Start, examine_start
+from reliab.assessment.rebuilt_error.initial import Start, checked_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     ACCURACY,
     FEWEST_SWEPT,

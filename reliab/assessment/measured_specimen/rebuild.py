@@ -21,10 +21,9 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learned_test import OF_FORCE, LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
-from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
 from reliab.assessment.rebuilt_error.parts import (
@@ -38,7 +37,7 @@ from reliab.assessment.rebuilt_error.parts import (
     part_of,
     parts_of,
 )
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances

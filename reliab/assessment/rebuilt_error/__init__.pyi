@@ -7,10 +7,13 @@ from .loop_energy import (
     GRANTED as GRANTED,
     INDEPENDENT as INDEPENDENT,
     LARGE_MOTION as LARGE_MOTION,
+    MEMORY as MEMORY,
     SINGULAR as SINGULAR,
     SLOWEST as SLOWEST,
     TURNS as TURNS,
     UNSURE as UNSURE,
+    WatchedMode as WatchedMode,
+    watched_modes as watched_modes,
 )
 from .nonlinear_reference import (
     rebuild_with_specimen as rebuild_with_specimen,
@@ -18,8 +21,12 @@ from .nonlinear_reference import (
 )
 from .parts import Part as Part, Parts as Parts
 from .readings import delayed as delayed, delayed_on as delayed_on
-from .rebuild import DRAWS as DRAWS, WholeStructure as WholeStructure, rebuild as rebuild
-from .rebuilt import RebuiltError as RebuiltError
+from .rebuild import (
+    DRAWS as DRAWS,
+    RebuiltError as RebuiltError,
+    WholeStructure as WholeStructure,
+    rebuild as rebuild,
+)
 from .recursion import Recursion as Recursion
 from .running_error import Monitor as Monitor
 from .running_specimen import (
@@ -48,9 +55,4 @@ from .specimen_check import (
 from .spread import HALF_WIDTH as HALF_WIDTH, DisplacementError as DisplacementError, Estimate as Estimate
 from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
-from .watched_modes import (
-    MEMORY as MEMORY,
-    WatchedMode as WatchedMode,
-    watched_modes as watched_modes,
-)
 from .widenings import Widening as Widening

@@ -20,9 +20,9 @@ from dataclasses import replace
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
@@ -31,7 +31,7 @@ from reliab.assessment.rebuilt_error.interval import (
     inputs_of_reading,
 )
 from reliab.assessment.rebuilt_error.noise import estimate_noise
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError, conclude
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances

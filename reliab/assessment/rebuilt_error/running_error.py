@@ -23,8 +23,7 @@ from reliab.assessment.rebuilt_error.nonlinear_reference import (
     tangent_structure,
 )
 from reliab.assessment.rebuilt_error.readings import delayed_on
-from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END
-from reliab.assessment.rebuilt_error.rebuilt import RebuiltError
+from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END, RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
 from reliab.assessment.rebuilt_error.running_test import (

@@ -16,11 +16,10 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.channels import FEWEST_SAMPLES
-from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping
+from reliab.assessment.rebuilt_error.initial import FEWEST_SAMPLES
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping, watched_modes
 from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.rebuilt_error.watched_modes import watched_modes
 from reliab.compiled import compiled
 from reliab.errors import InputError
 from reliab.recordings import LARGEST_READING

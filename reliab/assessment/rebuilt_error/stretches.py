@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.channels import checked_histories, stated_start
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.initial import Start
+from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     FEWEST_SWEPT,

@@ -7,8 +7,7 @@ import pytest
 import scipy
 
 from reliab.assessment.rebuilt_error import Monitor, Tolerances, rebuild
-from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping
-from reliab.assessment.rebuilt_error.watched_modes import watched_modes
+from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping, watched_modes
 from reliab.errors import InputError
 from reliab.structures import Partition
 from reliab.structures.structure import Structure

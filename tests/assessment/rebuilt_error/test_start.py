@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.assessment.rebuilt_error.channels import checked_histories
-from reliab.assessment.rebuilt_error.initial import _Answer, _felt, _stands, examine_start
+from reliab.assessment.rebuilt_error.initial import _Answer, _felt, _stands, checked_histories, examine_start
 from reliab.errors import InputError
 from reliab.structures import Partition
 
