@@ -1,50 +1,83 @@
-"""The one place where numerical kernels are compiled, so that every kernel has the same flags."""
+"""The one place where numerical kernels are compiled, so that every kernel has the same flags.
+
+Before it reads a compiled kernel, Numba imports all that it can compile: 200 modules, a tenth of a second.
+Machine code needs its runtime alone. That is an inner matter of Numba, and what lacked would end the process:
+kernels of this package are read so with the versions of Numba with which that is tested.
+"""
 
 import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Final, TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache
+from numba.core.ccallback import CFunc
+from numba.core.runtime.nrt import rtsys
+from numba.core.sigutils import normalize_signature
 from numpy.typing import NDArray
 
 _Kernel = TypeVar("_Kernel", bound=Callable[..., object])
-_Compiled = TypeVar("_Compiled")
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 # Reordering and fused multiply-add are allowed; NaN and infinity keep their meaning, because an
 # unstable loop overflows and must be seen to.
 _FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
 
+_NEWEST_TESTED: Final = (0, 68)
+_TESTED: Final = tuple(map(int, numba.__version__.split(".")[:2])) <= _NEWEST_TESTED
 
-def _compiled(function: _Kernel, *, cache: bool) -> _Kernel:
-    compile_kernel = numba.njit(cache=cache, nogil=True, error_model="numpy", fastmath=set(_FAST))
-    return cast("_Kernel", compile_kernel(function))
+
+class _Runtime:
+    """A target of Numba as far as machine code needs it."""
+
+    def __init__(self, target: Any) -> None:  # noqa: ANN401 - Numba states no type
+        self._target = target
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        return getattr(self._target, name)
+
+    def refresh(self) -> None:
+        """Start the runtime alone; before it compiles, Numba imports its compiler once more."""
+        rtsys.initialize(self._target)
+
+
+class _MachineCode(FunctionCache):
+    """Compiled code of a kernel on the disk, which is read without the compiler."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401
+        """Read the code for types of arguments; None where there is none."""
+        return super().load_overload(sig, _Runtime(target_context))  # type: ignore[no-untyped-call]
+
+
+def _on_disk(function: Callable[..., object]) -> Any:  # noqa: ANN401
+    """Where the code of a kernel is kept; raises RuntimeError where no folder can be written."""
+    own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
+    return (_MachineCode if own and _TESTED else FunctionCache)(function)  # type: ignore[no-untyped-call]
 
 
 def compiled(function: _Kernel) -> _Kernel:
     """Compile a numerical kernel with Numba, free of the interpreter lock, cached where a disk allows it."""
-    return _kept_where_possible(lambda cache: _compiled(function, cache=cache))
+    kernel: Any = numba.njit(nogil=True, error_model="numpy", fastmath=set(_FAST))(function)
+    return cast("_Kernel", _kept_where_possible(kernel, function))
 
 
 def compiled_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
     """Compile a function that other kernels call by its address, cached where a disk allows it."""
-
-    def compile_callback(cache: bool) -> Any:  # noqa: ANN401, FBT001
-        options = {"cache": cache, "nopython": True, "error_model": "numpy"}
-        return cast("Any", numba.cfunc)(signature, **options)(function)
-
-    return _kept_where_possible(compile_callback)
+    typed, options = normalize_signature(signature), {"nopython": True, "error_model": "numpy"}  # type: ignore[no-untyped-call]
+    callback = _kept_where_possible(CFunc(function, typed, {}, options), function)
+    callback.compile()
+    return callback
 
 
-def _kept_where_possible(compile_kernel: Callable[[bool], _Compiled]) -> _Compiled:
-    """Compile with a cache on disk, and without one where no folder for it can be written."""
+def _kept_where_possible(kernel: Any, function: Callable[..., object]) -> Any:  # noqa: ANN401
+    """Keep what is compiled on disk, unless no folder for it can be written."""
     try:
-        return compile_kernel(True)  # noqa: FBT003
+        kernel._cache = _on_disk(function)  # noqa: SLF001
     except RuntimeError:
         _say_that_none_are_kept()
-        return compile_kernel(False)  # noqa: FBT003
+    return kernel
 
 
 @cache

@@ -32,33 +32,44 @@ def to_steps(values: Array, step: float, axes: Sequence[int]) -> NDArray[np.uint
     return np.where(steps < 0, -2 * steps - 1, 2 * steps).astype(np.uint32)
 
 
-def from_steps(stored: NDArray[np.uint32], step: float, axes: Sequence[int]) -> NDArray[np.float32]:
-    """Read numbers that :func:`to_steps` wrote.
+def from_steps(
+    stored: NDArray[np.uint32], step: float, axes: Sequence[int], last: Sequence[int] = ()
+) -> NDArray[np.float32]:
+    """Read numbers that :func:`to_steps` wrote; `last`: those of the axes along which only the last is asked.
 
     >>> from_steps(to_steps(np.array([1.0, 2.0]), 0.01, [0]), 0.01, [0]).round(2).tolist()
     [1.0, 1.9900000095367432]
     """
     if not 0.0 < step < 1.0:
         raise ValueError(f"a step of {step} of the logarithm")
-    halves = (stored >> 1).astype(np.int32)
-    steps = np.where(stored & 1, -1 - halves, halves)
-    for axis in axes:
+    steps = ((stored >> 1) ^ -(stored & 1)).view(np.int32)
+    for axis in last:
+        steps = np.sum(steps, axis=axis, dtype=np.int32, keepdims=True)
+    for axis in set(axes) - set(last):
         steps = np.cumsum(steps, axis=axis, dtype=np.int32)
     numbers: NDArray[np.float32] = np.exp(np.float32(step) * steps.astype(np.float32))
     return numbers
 
 
 def numbers_of(
-    stored: NDArray[np.uint32], attributes: Mapping[str, Any], dimensions: Sequence[str]
+    stored: NDArray[np.uint32],
+    attributes: Mapping[str, Any],
+    dimensions: Sequence[str],
+    last: Sequence[str] = (),
 ) -> NDArray[np.float32]:
-    """Read a variable of a file, whole along its neighbours, by its attributes and its dimensions' names.
+    """Read a variable of a file by its attributes and its dimensions' names.
+
+    Along its neighbours it is given from the first on; `last`: dimensions of which only the last is asked.
 
     >>> stored = to_steps(np.array([[1.0, 2.0]]), 0.01, [1])
     >>> numbers_of(stored, {STEP: 0.01, NEIGHBOURS: "xi"}, ["f", "xi"]).round(2).tolist()
     [[1.0, 1.9900000095367432]]
     """
-    axes = [dimensions.index(name) for name in str(attributes[NEIGHBOURS]).split()]
-    return from_steps(stored, float(np.ravel(attributes[STEP])[0]), axes)
+    neighbours = str(attributes[NEIGHBOURS]).split()
+    axes, ends = (
+        [dimensions.index(name) for name in neighbours if name in some] for some in (dimensions, last)
+    )
+    return from_steps(stored, float(np.ravel(attributes[STEP])[0]), axes, ends)
 
 
 def _filled(values: Array, axis: int) -> Array:

@@ -37,13 +37,17 @@ def test_both_readers_of_what_ships_agree():
     path = shipped("datasets", "real_suite/ellipses.nc")
     windows = open_windows(path)
     assert tuple(windows) == shipped_windows()
-    for window in ("record", "20"):
-        labelled = windows[window].sel(curve=["inscribed"])
-        table = shipped_ellipses("inscribed", window)
+    for curve, window, metric in (("inscribed", "record", "rms"), ("ellipse", "20", "mte")):
+        labelled = windows[window].sel(curve=[curve], metric=[metric])
+        table = shipped_ellipses(curve, window, metric)
         np.testing.assert_array_equal(table.a, labelled["a"])
         np.testing.assert_array_equal(table.b, labelled["b"])
+        np.testing.assert_array_equal(table.error_at_rest, labelled["error_at_rest"])
     labelled = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
-    np.testing.assert_array_equal(shipped_measures().scales.towards, labelled["scale_towards"])
+    scales = shipped_measures(0.5 * np.pi).scales
+    np.testing.assert_array_equal(scales.least, labelled["scale"])
+    near = labelled["scale_towards"].sel(direction=[90.0, 112.5])
+    np.testing.assert_array_equal(scales.towards, near)
 
 
 def test_what_ships_has_an_ellipse_wherever_no_reason_against_it_is_stored():

@@ -85,15 +85,11 @@ def _derived(
     duration: float | None,
 ) -> Criterion:
     window = window_for(duration, shipped_windows())
-    if metric not in _shipped_ellipses().at["metric"]:
+    if metric not in tuple(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
-    population = _population(window, without, metric, confidence)
-    around = population.take(
-        f=_neighbours(population.at["f"], frequency), xi=_neighbours(population.at["xi"], damping_ratio)
-    )
-    near = around.take(metric=around.at["metric"] == metric)
+    around = _around(frequency, damping_ratio, _population(window, without, metric, confidence))
     criterion = derive_criterion(
-        _at_threshold(near, threshold),
+        _at_threshold(around, threshold),
         method=method_of(RECOMMENDED),
         joint=True,
         threshold=threshold,
@@ -102,7 +98,8 @@ def _derived(
         source=SOURCE,
     )
     if window.label != RECORD:
-        alike = _are_alike(around)
+        of_rms = _population(window, without, Metric.RMS, confidence)
+        alike = _are_alike(_around(frequency, damping_ratio, of_rms))
         criterion = replace(
             criterion,
             population=_of_motions(criterion.population, alike),
@@ -113,15 +110,20 @@ def _derived(
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
 
 
+def _around(frequency: float, damping_ratio: float, ellipses: EllipseTable) -> EllipseTable:
+    """Ellipses of the structures between which one lies."""
+    places = {"f": frequency, "xi": damping_ratio}
+    return ellipses.take(**{name: _neighbours(ellipses.at[name], value) for name, value in places.items()})
+
+
 def _are_alike(ellipses: EllipseTable) -> NDArray[np.bool_]:
     """Whether responses in a window are like those to whole records, shape (motions, f, ξ).
 
-    By the ellipses of the smallest error. Motions with hardly any response in the first seconds made the
+    By the ellipses of the smallest RMS^R. Motions with hardly any response in the first seconds made the
     probabilities of tests of 10 s a fifth too high. All motions count where fewer than ten would be left.
     """
     smallest = ellipses.take(
         threshold=[int(np.argmin(ellipses.at["threshold"]))],
-        metric=ellipses.at["metric"] == str(Metric.RMS),
         side=ellipses.at["side"] == str(Side.LAG),
     )
     unit = float(smallest.at["threshold"][0]) ** 2
@@ -169,9 +171,8 @@ def criterion_of_response(
     if beyond or structure.experimental_fraction != 1.0:
         return None
     learned = ~np.isin(ellipses.events, without)
-    of_rms = ellipses.take(motion=learned, metric=ellipses.at["metric"] == str(Metric.RMS))
     of_test = ResponseMeasures.of_one(response, structure, "this test")
-    of_threshold = _at_threshold(of_rms, threshold)
+    of_threshold = _at_threshold(ellipses.take(motion=learned), threshold)
     carried = carry_to_response(of_threshold, measures, of_test)
     criterion = derive_criterion(
         carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
@@ -179,7 +180,7 @@ def criterion_of_response(
     if tracking is None:
         return criterion
     angle = _angle(response, structure, threshold, *tracking)
-    towards = carry_to_response(of_threshold, measures, of_test, angle=angle)
+    towards = carry_to_response(of_threshold, shipped_measures(angle), of_test, angle=angle)
     leads = None if criterion.lead_population is None else _population_of(towards, criterion, Side.LEAD)
     return replace(criterion, population=_population_of(towards, criterion, Side.LAG), lead_population=leads)
 
@@ -231,16 +232,16 @@ def shipped_frequencies() -> list[float]:
     return [float(frequency) for frequency in np.sort(_shipped_ellipses().at["f"])]
 
 
-def _shipped_ellipses(window: str = RECORD) -> EllipseTable:
-    return shipped_ellipses(CurveName.INSCRIBED, window)
+def _shipped_ellipses(window: str = RECORD, metric: str = Metric.RMS) -> EllipseTable:
+    return shipped_ellipses(CurveName.INSCRIBED, window, metric)
 
 
 @lru_cache(maxsize=8)
 def _population(window: CriterionWindow, without: str | None, metric: str, confidence: float) -> EllipseTable:
     """Ellipses of a window, without an earthquake; of whole records as shares of this size are stated."""
-    ellipses = _shipped_ellipses(window.below)
+    ellipses = _shipped_ellipses(window.below, metric)
     if window.weight > 0.0:
-        ellipses = _between(ellipses, _shipped_ellipses(window.above), window.weight)
+        ellipses = _between(ellipses, _shipped_ellipses(window.above, metric), window.weight)
     if without is not None:
         ellipses = ellipses.take(motion=ellipses.events != without)
     return protect_over_lengths(ellipses.stating(window=window.label), metric=metric, confidence=confidence)

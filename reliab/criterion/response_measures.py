@@ -27,9 +27,10 @@ class BoundaryScales:
     """Multiples of the predicted ellipses' a and b at which they reach the traced boundaries."""
 
     least: Array  # The largest ellipse inside, shape (motions, f, ξ, threshold, side)
-    towards: Array  # In addition over the directions of `reliab.boundary.DIRECTIONS`
+    towards: Array  # In addition over `reliab.boundary.DIRECTIONS`, all or some of them
     thresholds: Array  # Errors on the boundaries [-], increasing
     sides: list[str]
+    first_direction: int = 0  # Place of the first of `towards` among all directions
 
     def logarithms(self, threshold: float, side: str, angle: float | None) -> Array:
         """Logarithms at an error, shape (motions, f, ξ); of the whole boundary, or towards an angle [rad].
@@ -40,16 +41,22 @@ class BoundaryScales:
         if angle is None:
             scale = self.least[..., of_side]
         else:
-            place = np.clip(angle / DIRECTIONS[1], 0.0, DIRECTIONS.size - 1.0)
-            below = min(int(place), DIRECTIONS.size - 2)
-            pair = np.log(self.towards[..., of_side, below : below + 2])
-            scale = np.exp(pair @ np.array([1.0 - place + below, place - below]))
+            below, weights = directions_about(angle)
+            near = slice(below - self.first_direction, below - self.first_direction + 2)
+            scale = np.exp(np.log(self.towards[..., of_side, near]) @ weights)
         logarithms, errors = np.log(scale), np.log(self.thresholds)
         above = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
         share = float(np.clip((np.log(threshold) - errors[above - 1]) / np.diff(errors)[above - 1], 0.0, 1.0))
         if share in (0.0, 1.0):  # NaN at the other error says nothing of this one
             return np.asarray(logarithms[..., above - 1 + int(share)])
         return np.asarray((1.0 - share) * logarithms[..., above - 1] + share * logarithms[..., above])
+
+
+def directions_about(angle: float) -> tuple[int, Array]:
+    """Place of the first of the two directions about an angle [rad], and the weights of both."""
+    place = np.clip(angle / DIRECTIONS[1], 0.0, DIRECTIONS.size - 1.0)
+    below = min(int(place), DIRECTIONS.size - 2)
+    return below, np.array([1.0 - place + below, place - below])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_table import DIMENSIONS, REST, EllipseTable, words_of
-from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
+from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, directions_about
 from reliab.files import decoding
-from reliab.received import opened_hdf5
 from reliab.shipped import shipped
 from reliab.steps_of_logarithm import NEIGHBOURS, UNKNOWN, numbers_of
 from reliab.vocabulary import SHARE_ATTRIBUTE
@@ -32,30 +31,36 @@ def shipped_windows() -> tuple[str, ...]:
 
 
 @cache
-def shipped_ellipses(curve: str, window: str) -> EllipseTable:
-    """Ellipses of one kind that ship, for one of the windows over which errors were computed."""
+def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
+    """Ellipses of one kind that ship, of one error over one of the windows."""
     with _opened(_ELLIPSES, "Ellipses") as file:
         at = {name: _values(file, name) for name in DIMENSIONS}
-        place, k = (
-            names.tolist().index(name)
-            for names, name in ((at["curve"], curve), (_values(file, "window"), window))
-        )
-        at["curve"] = at["curve"][place : place + 1]
-        part = {"window": slice(k, k + 1), "curve": slice(place, place + 1)}
+        asked = {"window": window, "curve": curve, "metric": metric}
+        place = {name: _values(file, name).tolist().index(label) for name, label in asked.items()}
+        part = {name: slice(row, row + 1) for name, row in place.items()}
         return EllipseTable(
             **{name: _numbers(file, name, part)[0] for name in ("a", "b")},
-            at=at,
+            at=at | {name: at[name][part[name]] for name in ("curve", "metric")},
             of_motions={name: _values(file, name) for name in ("event", "duration", "checksum")},
-            error_at_rest=file[REST][k],
+            error_at_rest=file[REST][place["window"]][..., part["metric"]],
             attrs={SHARE_ATTRIBUTE: float(file.attrs[SHARE_ATTRIBUTE][0]), "window": window},
             words=words_of(),
         )
 
 
+def shipped_measures(angle: float | None = None) -> ResponseMeasures:
+    """Measures of the responses to the motions of the ellipses that ship.
+
+    `angle` [rad]: the direction in which boundaries will be compared, if in one alone.
+    """
+    return _measures(None if angle is None else directions_about(angle)[0])
+
+
 @cache
-def shipped_measures() -> ResponseMeasures:
-    """Measures of the responses to the motions of the ellipses that ship."""
+def _measures(first: int | None) -> ResponseMeasures:
+    """With the multiples towards two directions, the first of these and the next, or towards none."""
     with _opened(_MEASURES, "Measures of responses") as file:
+        directions = slice(0) if first is None else slice(first, first + 2)
         return ResponseMeasures(
             **{name: file[name][()] for name in ("a_first", "b_first", "effective_duration", "duration")},
             motions=_values(file, "motion"),
@@ -63,7 +68,8 @@ def shipped_measures() -> ResponseMeasures:
             damping_ratios=file["xi"][()],
             scales=BoundaryScales(
                 least=_numbers(file, "scale"),
-                towards=_numbers(file, "scale_towards"),
+                towards=_numbers(file, "scale_towards", {"direction": directions}),
+                first_direction=first or 0,
                 thresholds=file["threshold"][()],
                 sides=_values(file, "side").tolist(),
             ),
@@ -72,28 +78,28 @@ def shipped_measures() -> ResponseMeasures:
 
 @contextmanager
 def _opened(name: str, words: str) -> Iterator["h5py.File"]:
-    """Open a file that ships; `words`: what it holds."""
+    """Open a file that ships, whose checksum stands for its content; `words`: what it holds."""
+    import h5py
+
     path, rule = shipped("datasets", name), f"{words} must be a NetCDF file"
-    with decoding(rule, remedy="Install the package again", where=path), opened_hdf5(path) as file:
+    with decoding(rule, remedy="Install the package again", where=path), h5py.File(path, "r") as file:
         yield file
 
 
 def _numbers(file: "h5py.File", name: str, part: Mapping[str, slice] = _WHOLE) -> NDArray[Any]:
     """Read numbers that are stored in steps of their logarithm, or a part of them along some dimensions.
 
-    Numbers are told by those before them: along neighbours they are read from the first on.
+    Numbers are told by those before them: along neighbours one place is read with all before it.
     """
     stored = file[name]
     dimensions = [str(scale[0].name).rpartition("/")[2] for scale in stored.dims]
-    asked = [part.get(dimension, slice(None)) for dimension in dimensions]
-    near = [dimension in stored.attrs[NEIGHBOURS].split() for dimension in dimensions]
-    pairs = list(zip(asked, near, strict=True))
-    read = tuple(slice(each.stop) if beside else each for each, beside in pairs)
-    within = tuple(slice(each.start, None) if beside else slice(None) for each, beside in pairs)
-    numbers = numbers_of(stored[read], stored.attrs, dimensions)[within]
+    asked = {dimension: part.get(dimension, slice(None)) for dimension in dimensions}
+    neighbours = stored.attrs[NEIGHBOURS].split()
+    read = tuple(slice(each.stop) if name in neighbours else each for name, each in asked.items())
+    numbers = numbers_of(stored[read], stored.attrs, dimensions, last=list(part))
     unknown = file[stored.attrs[UNKNOWN]]
-    of_all = unknown[()].reshape(unknown.shape + (1,) * (stored.ndim - unknown.ndim))
-    known = np.broadcast_to(of_all, stored.shape)[tuple(asked)] == 0
+    of_all = unknown[tuple(asked.values())[: unknown.ndim]]
+    known = of_all.reshape(of_all.shape + (1,) * (stored.ndim - unknown.ndim)) == 0
     return np.where(known, numbers, np.float32(np.nan))
 
 

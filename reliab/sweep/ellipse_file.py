@@ -44,12 +44,12 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
 
 
 def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
-    """Keep what resembles each other in one chunk: the windows, structures and errors of ten motions."""
+    """Keep what is read together in one chunk: structures, errors and sides of a hundred motions."""
     most: dict[Hashable, int] = {
-        Dimension.MOTION: 10,
+        Dimension.WINDOW: 1,
+        Dimension.MOTION: 100,
         Dimension.METRIC: 1,
         Dimension.CURVE: 1,
-        Dimension.SIDE: 1,
     }
     return tuple(
         min(most.get(name, size), size) for name, size in zip(variable.dims, variable.shape, strict=True)

@@ -77,7 +77,7 @@ def test_motions_with_hardly_any_response_in_a_window_do_not_count_for_probabili
     counted = np.isfinite(short.log_alpha[:, 0, 0])
     assert np.isfinite(whole.log_alpha).all()
     assert 50 < counted.sum() < 100
-    ellipses = shipped_ellipses("inscribed", "10")
+    ellipses = shipped_ellipses("inscribed", "10", "rms")
     at = ellipses.take(f=[3], xi=[3], threshold=[3], metric=[0], side=[0])
     a = at.a.ravel()
     assert np.median(a[~counted]) > 2.0 * np.median(a[counted])

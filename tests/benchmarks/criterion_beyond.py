@@ -48,13 +48,13 @@ STEP = 0.01  # s
 
 def shipped():
     """Inscribed ellipses at the threshold, of the structures."""
-    table = shipped_ellipses("inscribed", "record")
+    table = shipped_ellipses("inscribed", "record", "rms")
     near = {"f": F, "xi": XI, "threshold": (THRESHOLD,)}
     places = {
         name: [int(np.abs(table.at[name] - value).argmin()) for value in wanted]
         for name, wanted in near.items()
     }
-    return table.take(**places, metric=table.at["metric"] == "rms")
+    return table.take(**places)
 
 
 @cache

@@ -16,6 +16,8 @@ SPARED_BY_ALL = DRAWING | {"emcee", "zarr", "arviz_stats", "scipy.stats", "scipy
 SPARED_BY_HELP = SPARED_BY_ALL | {"numpy", "scipy", "pandas", "xarray", "numba", "h5py"}
 SPARED_BY_VERDICTS = SPARED_BY_ALL | {"pandas", "xarray"}
 SPARED_BY_VERDICTS |= {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
+COMPILER = {"numba.typed.typeddict", "numba.np.linalg"}  # of what Numba needs to compile
+SPARED_BY_VERDICTS |= COMPILER
 OF_OTHER_STRUCTURES = {"simulation.frames", "simulation.hybrid_test", "simulation.engine", "effects.registry"}
 SPARED_BY_ONE = SPARED_BY_VERDICTS | {f"reliab.{name}" for name in OF_OTHER_STRUCTURES}
 SPARED_BY_ONE |= {"reliab.sampling.ensembles", "reliab.assessment.measured_specimen.rebuild"}
@@ -35,7 +37,15 @@ print(json.dumps([code, sorted(sys.modules)]))
 
 
 def modules(*arguments):
-    """Names of all modules that a command has imported in a process of its own, where it answers."""
+    """Names of all modules that a command has imported in a process of its own, where it answers.
+
+    One that has compiled a kernel is asked once more.
+    """
+    names = imported(*arguments)
+    return names if names.isdisjoint(COMPILER) else imported(*arguments)
+
+
+def imported(*arguments):
     ended = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-c", SCRIPT, *arguments], capture_output=True, text=True, check=True
     )

@@ -55,11 +55,7 @@ def sweep_draws(
     """
     band = np.zeros((2, *command.shape))
     answer = _sweep(
-        recursion.transition,
-        recursion.early,
-        recursion.late,
-        recursion.output,
-        recursion.feed_through,
+        *recursion.matrices,
         recursion.smooth,
         (0,) * len(command),
         states,

@@ -25,7 +25,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.compiled import compiled, read_only
 from reliab.structures import Partition
 from reliab.threads import one_thread
 
@@ -46,6 +46,12 @@ class Recursion:
     # holds it
     static: Array
     smooth: bool = False  # Whether inputs are smooth between samples; else they are straight lines
+
+    @property
+    def matrices(self) -> tuple[Array, ...]:
+        """E, F₀, F₁, P and Q, of one type for compiled kernels."""
+        of_state = self.transition, self.early, self.late
+        return tuple(map(read_only, (*of_state, self.output, self.feed_through)))
 
     @classmethod
     def of_displacement(
@@ -212,11 +218,7 @@ def run_on(recursion: Recursion, inputs: Array, state: Array) -> Array:
     """Run the recursion from the state at the first input, shape (p, n), to that at the last, in place."""
     return np.asarray(
         march(
-            recursion.transition,
-            recursion.early,
-            recursion.late,
-            recursion.output,
-            recursion.feed_through,
+            *recursion.matrices,
             (0,) * len(inputs),
             inputs,
             joined(inputs) if recursion.smooth else inputs,

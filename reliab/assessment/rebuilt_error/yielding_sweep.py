@@ -29,7 +29,7 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.compiled import compiled
+from reliab.compiled import compiled, read_only
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
 from reliab.structures import Partition
 
@@ -143,13 +143,12 @@ def _swept(
     started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
     columns, shifts = reading
     setting = Setting(step=thin.time_step)
+    *of_state, output, feed_through = recursion.matrices
     return np.asarray(
         _sweep(
-            recursion.transition,
-            recursion.early,
-            recursion.late,
-            np.ascontiguousarray(recursion.output[:, 0]),
-            np.ascontiguousarray(recursion.feed_through[:, 0, 0]),
+            *of_state,
+            read_only(np.ascontiguousarray(output[:, 0])),
+            read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
             specimens[0].kernel.address,
             np.stack([specimen.coefficients(setting) for specimen in specimens]),
             started,
