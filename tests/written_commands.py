@@ -5,7 +5,7 @@ import shlex
 
 import typer
 
-from reliab.cli import app, spread
+from reliab.cli import application, spread
 
 INSTALL = "python -m pip install"  # what the test's own environment has already
 
@@ -29,7 +29,7 @@ def reliab_lines(text):
 
 def parameters(line):
     """Return what a command is told; fails where an option does not exist or does not take its value."""
-    group = typer.main.get_group(app)
+    group = typer.main.get_group(application())
     name, *arguments = spread(shlex.split(line)[1:], group)
     command = group.commands[name]
     while hasattr(command, "commands"):

@@ -1,7 +1,7 @@
 """The command line `reliab`: one file for each command, or for those of one subject.
 
-Only Typer is imported here and at the top of the commands; numerics, and Rich for tables and bars,
-are imported when a command needs them, so that `reliab --help` answers at once.
+Only the command that is asked is imported, and at its top only Typer; numerics, and Rich for tables and bars,
+are imported when it needs them, so that it answers at once.
 """
 
 import logging
@@ -10,27 +10,11 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from functools import cache
+from importlib import import_module
 from typing import Annotated, Any, Final
 
 import typer
 
-from reliab.cli import (
-    assess,
-    calibrate,
-    compare,
-    criterion,
-    diagnose,
-    ellipses,
-    explore,
-    installation,
-    monitor,
-    motions,
-    record,
-    rig,
-    simulate,
-    studies,
-    validate,
-)
 from reliab.cli.defaults import read_defaults
 from reliab.cli.demand import as_options
 from reliab.cli.interruption import interruption, noticed_interruption
@@ -63,34 +47,12 @@ EXAMPLES: Final = {
 }
 """One example for the help of each command."""
 
-app = typer.Typer(
-    name="reliab",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
-app.add_typer(motions.app, name="motions")
-app.add_typer(rig.app, name="rig")
-for _command_function in (
-    simulate.simulate,
-    ellipses.ellipses,
-    criterion.criterion,
-    assess.assess,
-    compare.compare,
-    record.record,
-    calibrate.calibrate,
-    monitor.monitor,
-    explore.explore,
-    installation.fetch,
-    installation.samples,
-    validate.validate,
-    diagnose.diagnose,
-    studies.run,
-    installation.info,
-    studies.report,
-):
-    _name = _command_function.__name__
-    app.command(_name, epilog=f"Example: {EXAMPLES[_name]}")(_command_function)
-
+_GROUPS = ("motions", "rig")
+_MODULES = {
+    **dict.fromkeys(("fetch", "samples", "info"), "installation"),
+    **dict.fromkeys(("run", "report"), "studies"),
+}
+"""Modules of commands that share one; the others have one of their name."""
 
 _ONE_THREAD = dict.fromkeys(
     (
@@ -111,8 +73,7 @@ def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
         raise typer.Exit
 
 
-@app.callback(help="Can I trust this real-time hybrid simulation?")
-def options(
+def _answer(
     version: Annotated[  # noqa: FBT002 - an option of the command line
         bool,
         typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version."),
@@ -122,13 +83,40 @@ def options(
     del version  # the callback has printed it
 
 
+def application(*names: str) -> typer.Typer:
+    """Make the program with some of its commands, which are imported, or with all."""
+    app = typer.Typer(name="reliab", no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback(help="Can I trust this real-time hybrid simulation?")(_answer)
+    for name in names or (*_GROUPS, *EXAMPLES):
+        module = import_module(f"reliab.cli.{_MODULES.get(name, name)}")
+        if name in _GROUPS:
+            app.add_typer(module.app, name=name)
+        else:
+            app.command(name, epilog=f"Example: {EXAMPLES[name]}")(getattr(module, name))
+    return app
+
+
 @cache
-def _command(*, with_help: bool) -> Any:  # noqa: ANN401 - Typer hides its type
-    """All commands with their options; help that Rich shows is escaped once."""
-    command = typer.main.get_command(app)
-    if with_help:
-        take_help_literally(command)
-    return command
+def _commands(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
+    """Make commands with their options; all by default."""
+    return typer.main.get_command(application(*names))
+
+
+@cache
+def _with_help() -> Any:  # noqa: ANN401 - Typer hides its type
+    """All commands; help that Rich shows is escaped once."""
+    take_help_literally(_commands())
+    return _commands()
+
+
+def _asked(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
+    """Make the command that is asked, or all where help may be meant or there is none of that name."""
+    match arguments:
+        case ["--version"]:  # printed without Rich
+            return _commands()
+        case [name, *options] if options and name in (*_GROUPS, *EXAMPLES) and "--help" not in options:
+            return _commands(name)
+    return _with_help()
 
 
 def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its type
@@ -158,20 +146,23 @@ def run(arguments: Sequence[str]) -> int:
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
-    command = _command(with_help="--version" not in arguments)  # a version is printed without Rich
+    command = _asked(arguments)
     try:
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning
             try:
                 command.main(
-                    list(spread(arguments, command)), prog_name="reliab", default_map=read_defaults(command)
+                    list(spread(arguments, command)),
+                    prog_name="reliab",
+                    default_map=read_defaults(_commands),
+                    obj=_commands,
                 )
             finally:
                 sys.stdout.flush()  # a pipe that is closed, or a disk that is full, shows by now
     except InputError as error:
-        return _fail(as_options(str(error), command), _BAD_INPUT)
+        return _fail(as_options(str(error), _commands()), _BAD_INPUT)
     except IncompleteError as error:
-        return _fail(as_options(str(error), command), _INCOMPLETE)
+        return _fail(as_options(str(error), _commands()), _INCOMPLETE)
     except ModuleNotFoundError as error:
         if (missing := _not_installed(error)) is None:
             raise

@@ -12,6 +12,7 @@ What the command line says comes first, then the file, then what the header of a
 """
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,8 @@ VARIABLE = "RELIAB_CONFIG"
 """Environment variable that names another file."""
 
 
-def read_defaults(command: Any) -> dict[str, dict[str, Any]]:  # noqa: ANN401 - Typer hides its type
-    """Read a laboratory's defaults.
+def read_defaults(commands: Callable[[], Any]) -> dict[str, dict[str, Any]]:
+    """Read a laboratory's defaults, which may be of any of the commands that are made where there are some.
 
     By command, values by the names of its parameters; empty where there is no file.
     """
@@ -39,7 +40,8 @@ def read_defaults(command: Any) -> dict[str, dict[str, Any]]:  # noqa: ANN401 - 
         rule="The file of defaults must be readable TOML",
         remedy=f"Mend it, or unset {VARIABLE}" if named else "Mend it, or rename it",
     )
-    return {name: _of_command(name, table, command, path) for name, table in content.items()}
+    group = commands()
+    return {name: _of_command(name, table, group, path) for name, table in content.items()}
 
 
 def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401

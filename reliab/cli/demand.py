@@ -116,7 +116,7 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
         @wraps(command)
         def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
             given = tuple(name for name in values if _is_given(context, name))
-            say = partial(as_options, command=context.find_root().command)
+            say = partial(_in_options, root=context.find_root())
             command(options(given=given, in_options=say, **values))
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
@@ -124,6 +124,11 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
         return run
 
     return declare
+
+
+def _in_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type
+    """Write the arguments that a message names as options, of any command where the program can make all."""
+    return as_options(message, root.obj() if root.obj else root.command)
 
 
 def _is_given(context: typer.Context, name: str) -> bool:
@@ -156,8 +161,8 @@ def as_options(message: str, command: Any) -> str:  # noqa: ANN401 - Typer hides
     `` `time_units="ms"` `` as ``--time-units ms``; what names no option stays as it is.
 
     >>> import typer
-    >>> from reliab.cli import app
-    >>> command = typer.main.get_command(app)
+    >>> from reliab.cli import application
+    >>> command = typer.main.get_command(application("assess"))
     >>> as_options('Give `xi` or `time_units="ms"`, as `reliab info` says of `this`', command)
     'Give --xi or --time-units ms, as `reliab info` says of `this`'
     """

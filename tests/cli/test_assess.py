@@ -9,7 +9,7 @@ import typer
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner, Result
 
-from reliab.cli import app as commands, run as run_command, spread
+from reliab.cli import application, run as run_command, spread
 from reliab.cli.assess import assess
 from reliab.criterion import published_criterion
 from reliab.errors import InputError
@@ -242,7 +242,9 @@ def test_a_mass_tells_the_unit_of_a_force_without_any_ground_acceleration(folder
 def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
     assert run_command(["assess", "--f", "1", str(folder / "good.csv"), "--xi", "0.02", "--exact"]) == 0
     assert capsys.readouterr().out.startswith("RELIABLE")
-    assert list(spread(["assess", "--design", "--f", "1", "2±0.1"], typer.main.get_command(commands))) == [
+    assert list(
+        spread(["assess", "--design", "--f", "1", "2±0.1"], typer.main.get_command(application()))
+    ) == [
         *("assess", "--design", "--f", "1", "--f", "2±0.1"),
     ]
 

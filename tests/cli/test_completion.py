@@ -3,11 +3,11 @@
 import pytest
 import typer
 
-from reliab.cli import app
+from reliab.cli import application
 from reliab.criterion.methods import METHODS
 from reliab.study import shipped_studies
 
-COMMANDS = typer.main.get_group(app).commands
+COMMANDS = typer.main.get_group(application()).commands
 CASES = [
     ("assess", "tests", "sa", ["sample_test"]),
     ("assess", "tests", "", []),  # left to the shell, which offers files

@@ -18,7 +18,7 @@ from reliab.criterion import read_ellipses
 from reliab.report import Setting
 from reliab.shipped import shipped
 
-COMMAND = typer.main.get_group(cli.app)
+COMMAND = typer.main.get_group(cli.application())
 DRAWS = [60, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
     "simulate": [api.simulate_suite],

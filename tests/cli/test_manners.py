@@ -11,9 +11,9 @@ import pytest
 import typer
 
 import reliab
-from reliab.cli import EXAMPLES, app, run, spread
+from reliab.cli import EXAMPLES, application, run, spread
 
-COMMANDS = typer.main.get_group(app).commands
+COMMANDS = typer.main.get_group(application()).commands
 
 
 def test_every_command_has_an_example_except_groups():
@@ -24,7 +24,7 @@ def test_every_command_has_an_example_except_groups():
 def test_example_is_printed_by_the_help_and_understood(name, capsys):
     assert run([name, "--help"]) == 0
     assert EXAMPLES[name].split(" --")[0] in " ".join(capsys.readouterr().out.replace("│", " ").split())
-    first, *arguments = spread(shlex.split(EXAMPLES[name])[1:], typer.main.get_command(app))
+    first, *arguments = spread(shlex.split(EXAMPLES[name])[1:], typer.main.get_command(application()))
     assert first == name
     assert COMMANDS[name].make_context(name, arguments).params
 
@@ -39,7 +39,7 @@ def described(command, path=()):
 
 @pytest.mark.parametrize(
     ("path", "texts"),
-    [pytest.param(*item, id=" ".join(item[0])) for item in described(typer.main.get_command(app))],
+    [pytest.param(*item, id=" ".join(item[0])) for item in described(typer.main.get_command(application()))],
 )
 def test_help_shows_every_character_of_its_texts(path, texts, monkeypatch, capsys):
     """Units in brackets, asterisks, colons: nothing of it is markup."""

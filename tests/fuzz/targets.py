@@ -18,7 +18,7 @@ import typer
 
 from fuzz import corpus
 from fuzz.damage import SECRET, Damaged, secret_of, write
-from reliab.cli import app, run
+from reliab.cli import application, run
 from reliab.cli.defaults import read_defaults
 from reliab.criterion import Criterion
 from reliab.discrepancy import read_campaign
@@ -224,7 +224,7 @@ def _manifest(folder: Path) -> None:
 
 def _defaults(folder: Path) -> None:
     with mock.patch.dict("os.environ", {"RELIAB_CONFIG": str(folder / "reliab.toml")}):
-        read_defaults(typer.main.get_command(app))
+        read_defaults(lambda: typer.main.get_command(application()))
 
 
 def _chains(folder: Path) -> None:

@@ -9,7 +9,7 @@ import typer
 from pages import PAGES, SITE, name_of
 
 import reliab
-from reliab.cli import app
+from reliab.cli import application
 from reliab.discrepancy.campaign.reading import CampaignDescription
 from reliab.simulation.frames.frame_tables import FrameDescription
 
@@ -36,7 +36,7 @@ def test_a_name_of_the_reference_is_the_public_one(name):
 
 def test_every_command_stands_in_the_table_of_functions():
     listed = re.findall(r"`reliab (\w+)`", API)
-    assert sorted(listed) == sorted(typer.main.get_group(app).commands)
+    assert sorted(listed) == sorted(typer.main.get_group(application()).commands)
 
 
 def described(schema):

@@ -8,7 +8,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from reliab.api import ellipses
-from reliab.cli import app
+from reliab.cli import application
 from reliab.effects import find_effect, library
 from reliab.errors import InputError
 from reliab.motions import load_motions
@@ -98,7 +98,7 @@ def test_a_folder_cannot_be_written_as_a_file(tmp_path):
 
 
 def command(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+    return CliRunner().invoke(application(), [str(argument) for argument in arguments])
 
 
 @pytest.fixture
