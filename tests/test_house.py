@@ -15,6 +15,7 @@ from pathlib import Path
 from parsed import nodes, parsed
 
 import reliab
+from reliab.cli import application
 
 PACKAGE = Path(reliab.__file__).parent
 STUDIES = PACKAGE.parent / "studies"
@@ -208,9 +209,14 @@ def test_names_are_nouns_of_the_field():
     assert not beyond, "\n".join(beyond)
 
 
+COMMANDS = {command.callback.__name__ for command in application().registered_commands}
+
+
 def is_command(node: ast.FunctionDef | ast.ClassDef) -> bool:
-    """Tell whether a decorator hands the code to its user: a command, or an accessor of xarray."""
-    return any(re.search(r"\.(command|register_\w+)\(", ast.unparse(item)) for item in node.decorator_list)
+    """Tell whether the code is handed to its user: a command, or an accessor of xarray by its decorator."""
+    return node.name in COMMANDS or any(
+        re.search(r"\.(command|register_\w+)\(", ast.unparse(item)) for item in node.decorator_list
+    )
 
 
 def offered() -> set[str]:
