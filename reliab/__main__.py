@@ -44,7 +44,7 @@ def _report(error: Exception) -> str:
         file.write(f"{' '.join(sys.argv)}\n\n{shown}")
         place, shown = f"the traceback in {file.name}", ""
     return (
-        f"{shown}Error: reliab itself has failed ({type(error).__name__}); this is no answer about the test. "
+        f"{shown}Error: reliab itself has failed ({type(error).__name__}); this says nothing about the test. "
         f"Please report it with the command, what `reliab info` prints, and {place}.\n"
     )
 

@@ -48,7 +48,7 @@ def described_text(path: str | Path, *, rule: str, remedy: str, most: int = _MOS
         require_small(path, most, remedy=remedy)
         return Path(path).read_text(encoding=encoding)
     except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or "bytes that are no text"
+        reason = getattr(error, "strerror", None) or "bytes that are not text"
         raise InputError(rule, value=reason, remedy=remedy, where=str(path)) from None
 
 

@@ -102,7 +102,7 @@ def _reason(error: Exception) -> str:
     if isinstance(error, MemoryError):
         return "more data than fit in memory"
     if isinstance(error, UnicodeDecodeError):
-        return "bytes that are no text"
+        return "bytes that are not text"
     if isinstance(error, KeyError) and error.args:
         return f"no {error}"
     lines = str(getattr(error, "strerror", None) or error).strip().splitlines()

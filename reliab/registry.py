@@ -66,7 +66,7 @@ class Registry(Mapping[str, Item]):
                     f"What is registered under {self._group} must be {self._phrase.lower()}, derived from "
                     f"{self._base.__name__}",
                     value=repr(item),
-                    remedy="Mend or remove the package that registers it",
+                    remedy="Repair or remove the package that registers it",
                     where=entry.value,
                 )
             name = self._name_of(item)

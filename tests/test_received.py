@@ -165,7 +165,7 @@ def test_one_file_under_two_names_is_one_file(folder):
     write(corpus.campaign()[0], folder)
     (folder / "b.csv").unlink()
     (folder / "b.csv").symlink_to("a.csv")
-    with pytest.raises(InputError, match="must stand for one test only"):
+    with pytest.raises(InputError, match="must be listed for one test only"):
         read_campaign(folder)
 
 

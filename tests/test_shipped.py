@@ -55,7 +55,7 @@ def test_what_does_not_ship_is_asked_for_and_fetched(installed, capsys):
         real_results([0.75], [0.02])
     assert cli.run(["fetch", str(source)]) == 0
     assert real_results([0.75], [0.02]).is_relative_to(installed / "data")
-    assert "checksum as listed" in capsys.readouterr().out
+    assert "the checksum is as listed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("wrong", ["content", "name", "scheme", "missing"])
@@ -66,7 +66,7 @@ def test_nothing_else_is_fetched(installed, tmp_path, wrong, capsys):
     source = "http://example.org/results.nc" if wrong == "scheme" else str(file)
     assert cli.run(["fetch", source]) == 2
     assert not list((installed / "data").rglob("*.nc"))
-    words = {"content": "checksum", "name": "by the name", "scheme": "https only", "missing": "readable"}
+    words = {"content": "checksum", "name": "by its name", "scheme": "https only", "missing": "readable"}
     assert words[wrong] in capsys.readouterr().err
 
 

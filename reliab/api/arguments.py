@@ -22,7 +22,7 @@ LINEAR: Final = "linear"
 
 _MEASURED = "measured"
 _POSITIVE = {
-    "scale": "Give 1 for a sensor that reads true",
+    "scale": "Give 1 for a sensor without an error of scale",
     "command_scale": "Give 1 for a command that is recorded as it was sent",
     "mass": "Give it in kilograms",
     "hysteresis": "Give the width of the loop over the span, 0.001 for 0.1 %, or leave it out",
@@ -76,7 +76,7 @@ def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) 
 
     if exact:
         if equipment is not None:
-            raise unused("equipment", "beside `exact`, which leaves nothing unknown")
+            raise unused("equipment", "together with `exact`, which takes all quantities as known exactly")
         return None
     if isinstance(equipment, str | Path):
         return read_equipment(equipment)
@@ -91,12 +91,12 @@ def require_known_specimen(specimen: str | None, *, beside_model: bool = False) 
     """
     if specimen not in (None, LINEAR, _MEASURED):
         raise InputError(
-            "The specimen is linear or measured",
+            "The specimen must be linear or measured",
             value=repr(specimen),
             remedy=f"Give `specimen` as one of: {LINEAR}, {_MEASURED}",
         )
     if specimen is not None and beside_model:
-        raise unused("specimen", "beside `model`, which says what the specimen does")
+        raise unused("specimen", "together with `model`, which describes the specimen")
     return specimen == _MEASURED
 
 
@@ -113,7 +113,7 @@ def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
         channel, _, low_pass = text.partition("=")
         if channel not in CHANNELS or channel in filters:
             raise InputError(
-                "A `filter` is that of one channel, stated once",
+                "A `filter` must be that of one channel, stated once",
                 value=repr(text),
                 remedy="Write measured=200 or command=200/4",
             )
@@ -129,11 +129,11 @@ def unused(name: str, why: str) -> InputError:
     name : str
         The argument.
     why : str
-        Beside or without what it has no meaning.
+        Beside or without what it has no effect.
 
     Returns
     -------
     InputError
         To be raised.
     """
-    return InputError(f"`{name}` has no meaning {why}", remedy="Leave it out")
+    return InputError(f"`{name}` has no effect {why}", remedy="Leave it out")

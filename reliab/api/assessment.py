@@ -44,13 +44,16 @@ _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
 _ASSUMED_DAMPING = StatedValue(0.02)
 _ASSUMED = (
-    "No damping ratio was stated; 0.02 was assumed. The verdict stands only if each of seven ratios from "
-    "0.005 to 0.1 gives the same."
+    "No damping ratio was stated; 0.02 was assumed. The test is undecided unless seven ratios from 0.005 "
+    "to 0.1 all give the same verdict."
 )
 
 _NOT_FOR_FRAMES = {
     "model": "The error of a frame's test is rebuilt for a linear specimen",
-    "confidence": "The verdict rests on the test's own error; a criterion brings its confidence with it",
+    "confidence": (
+        "The verdict follows from the test's own error; the confidence belongs to the "
+        "criterion, which states its own"
+    ),
 }
 
 
@@ -182,8 +185,8 @@ def assess(
     exact : bool, optional
         Whether everything that is stated without a standard deviation is exact, and so are all channels.
     motion : str, pathlib.Path or Motion, optional
-        The test's ground motion, or its file; the index is then judged by the boundary of this motion, or the
-        errors of a frame's floors and storeys are stated over their own peaks.
+        The test's ground motion, or its file; the index is then compared with the boundary of this motion;
+        the errors of a frame's floors and storeys are then relative to their own peaks.
     criterion : str, pathlib.Path or Criterion, optional
         The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
     model : str, pathlib.Path or UpdatedModel, optional
@@ -286,7 +289,8 @@ def _accepted(former: Former) -> Former:
         if name not in Former.__annotations__:
             raise TypeError(f"assess() got an unexpected keyword argument '{name}'")
         warnings.warn(
-            f"`{name}` of `reliab.assess` ends with version 0.4; `reliab.assessment.assess` has it",
+            f"`{name}` of `reliab.assess` will be removed in version 0.4; `reliab.assessment.assess` "
+            "takes it",
             DeprecationWarning,
             stacklevel=3,
         )
@@ -295,7 +299,7 @@ def _accepted(former: Former) -> Former:
 
 @dataclass(frozen=True, kw_only=True)
 class _Terms:
-    """By what a test is judged; see `reliab.assess`."""
+    """What a test is judged by; see `reliab.assess`."""
 
     numbers: Mapping[str, StatedValue]
     filters: Mapping[str, LowPass]
@@ -315,7 +319,9 @@ class _Terms:
     def judge(self) -> Judge:
         """Read what tests share, and return what judges one of them."""
         if self.criterion is not None:
-            self._refuse(("threshold", "confidence", "metric"), "beside `criterion`, which brings its own")
+            self._refuse(
+                ("threshold", "confidence", "metric"), "together with `criterion`, which states its own"
+            )
         if self.structure is not None:
             for name in _OF_THE_STRUCTURE:
                 self._refuse_beside_structure(name)
@@ -331,8 +337,8 @@ class _Terms:
     def _refuse_beside_structure(self, name: str) -> None:
         if name in self.numbers:
             raise InputError(
-                f"`{name}` has no meaning beside `structure`",
-                remedy="Leave it out; the structure says what the test is of",
+                f"`{name}` has no effect together with `structure`",
+                remedy="Leave it out; the structure describes the test",
             )
 
     @property
@@ -415,11 +421,11 @@ class _Terms:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
         for name in self.former:
-            raise unused(name, "beside the `structure` of a frame")
+            raise unused(name, "together with the `structure` of a frame")
         for name, reason in _NOT_FOR_FRAMES.items():
             if getattr(self, name) is not None:
                 raise InputError(
-                    f"`{name}` has no meaning beside the `structure` of a frame. {reason}",
+                    f"`{name}` has no effect together with the `structure` of a frame. {reason}",
                     remedy="Leave it out",
                 )
 

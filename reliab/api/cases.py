@@ -41,9 +41,10 @@ class Case:
         named = [name for name in self.stated if name != "weights"]
         if len(named) > 1:
             raise InputError(
-                "A criterion is asked for one length, one record or one suite",
+                "A criterion can be asked for one length, one record or one suite",
                 value=" and ".join(f"`{name}`" for name in named),
-                remedy="Give the one that is known best: `motion`, then `suite`, then `duration`",
+                remedy="Give only the most specific one that is known: `motion`, else `suite`, else "
+                "`duration`",
             )
 
     @property
@@ -134,9 +135,9 @@ class Case:
                 return measure_responses(motions, **_structures(places), progress=progress)
         if POPULATION not in {str(source.ellipses), str(source.results)}:
             raise InputError(
-                "A criterion is carried to a record from motions whose responses are known",
+                "A criterion can be transferred to a record only from motions whose responses are known",
                 value=f"{source.ellipses or source.results}, which holds none",
-                remedy=f"Give the records as `motions`, or leave the source out, which is {POPULATION}",
+                remedy=f"Give the records as `motions`, or leave the source out; the default is {POPULATION}",
             )
         rule, remedy = "Measures of responses must be a NetCDF file", "Install the package again"
         return read_netcdf(shipped("datasets", _MEASURES), rule, remedy)
@@ -150,7 +151,8 @@ def _require_whole_records(ellipses: xr.Dataset) -> None:
     window, share = str(ellipses.attrs.get("window", "record")), share_of(ellipses)
     if window != "record" or share != 1.0:
         raise InputError(
-            "A criterion is carried to an earthquake for whole records and a wholly experimental structure",
+            "A criterion can be transferred to an earthquake only for whole records and all stiffness in "
+            "the laboratory",
             value=f"window {window}, α = {share:g}",
             remedy="Leave `window` and `alpha` out",
         )

@@ -70,7 +70,7 @@ class Channels:
         texts = (f"{channel}={text}" for channel, text in of_file.items() if channel not in of_options)
         filters = {**stated_filters(texts), **of_options}
         if filters and "filter_delay" in of_test:
-            raise unused("filter", "beside a calibrated skew, which has the delay of the filters in it")
+            raise unused("filter", "together with a calibrated skew, which includes the delay of the filters")
         return filters
 
     def read_several_actuators(self, test: Test) -> CoupledRecording:
@@ -78,11 +78,11 @@ class Channels:
         for name in ("command", "measured"):
             if getattr(self, name) is not None:
                 raise unused(
-                    name, "beside a `structure` with several actuators; name the columns command_1, …"
+                    name, "together with a `structure` with several actuators; name the columns command_1, …"
                 )
         if isinstance(test, Recording):
             raise InputError(
-                "The test of a structure with several actuators needs all of them",
+                "The test of a structure with several actuators needs the channels of all of them",
                 value="a recording of one",
                 remedy="Give its file, a data frame or a `CoupledRecording`",
             )
@@ -102,7 +102,7 @@ class Channels:
         given = [name for name, value in asdict(self).items() if value is not None]
         if isinstance(test, Recording):
             if given:
-                raise unused(given[0], "beside a test that was read already")
+                raise unused(given[0], "together with a test that was already read")
             return test
         if isinstance(test, CoupledRecording):
             raise InputError(
@@ -134,4 +134,4 @@ class Channels:
             )
         for name in ("delimiter", "test_name") if is_frame(test) else ():
             if getattr(self, name) is not None:
-                raise unused(name, "beside a data frame")
+                raise unused(name, "together with a data frame")

@@ -78,6 +78,6 @@ def compare_assessments(assessments: Assessments) -> Comparison:
         raise InputError(
             "Tests of one actuator are compared",
             value="a frame with several",
-            remedy="Judge each with `reliab assess`: its governing displacement stands first",
+            remedy="Judge each with `reliab assess`: its governing displacement is listed first",
         )
     return rank_tests(judged, assessments.faults)

@@ -331,8 +331,8 @@ class _Question:
                 found[protects(confidence)] = stated
         if self.chains is not None and len({_carried_to(dataset) for dataset in found.values()}) > 1:
             raise InputError(
-                "Chains are of ellipses that protect every length, as for shares from 0.9 on, or of all "
-                "lengths together, as below",
+                "Chains hold either ellipses that protect every length (shares from 0.9 on) or those "
+                "of all lengths together (shares below 0.9)",
                 value=", ".join(f"{confidence:g}" for confidence in confidences),
                 remedy="Ask for shares on one side of 0.9",
             )
@@ -344,7 +344,7 @@ class _Question:
         unserved = [f"`{name}`" for name, value in of_one.items() if value is not None]
         if len(shares) > 1 and unserved:
             raise InputError(
-                f"{' and '.join(unserved)} are of one share of the stiffness",
+                f"{' and '.join(unserved)} need one share of the stiffness",
                 value=f"α = {', '.join(f'{share:g}' for share in shares)}",
                 remedy="Give one `alpha`, or leave them out",
             )
@@ -353,7 +353,7 @@ class _Question:
         """Refuse a file for several criteria, before any of them is derived."""
         if self.out is not None and count > 1:
             raise InputError(
-                "A criterion's file holds one criterion",
+                "A criterion's file can hold one criterion only",
                 value=f"{count} of them",
                 remedy="Give one threshold, one confidence and one share of the stiffness",
                 where=str(self.out),

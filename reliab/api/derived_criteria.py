@@ -129,8 +129,8 @@ def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
     kept = printed_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
-        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary that "
-        f"contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary "
+        f"that contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
         f"{percent(criterion.confidence)}; measured on the ellipses of datasets/real_suite, for all "
         "structures by `reliab run validation`."
     )

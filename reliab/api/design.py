@@ -96,7 +96,7 @@ def design_test(
             "alpha": share_given,
         }
         for name in (name for name, value in given.items() if value is not None):
-            raise unused(name, "beside `criterion`, which brings its own")
+            raise unused(name, "together with `criterion`, which states its own")
     read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
     ratio, share = _exact(xi, "xi"), _exact(alpha, "alpha")
 
@@ -122,8 +122,8 @@ def _exact(quantity: Quantity, name: str) -> float:
     stated = stated_values(**{name: quantity})[name]
     if stated.deviation:
         raise InputError(
-            "Tolerable errors before a test are those of an exact structure",
+            "Tolerable errors before a test are computed for exact values",
             value=f"`{name}={stated}`",
-            remedy="Leave the tolerance out, or give two values",
+            remedy="Leave the standard deviation out, or give several exact values",
         )
     return stated.value

@@ -64,7 +64,7 @@ _GLANCE = 0.1  # s of the test between two looks at the alarms
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Message:
-    """What is known of a running test at a moment.
+    """State of a running test at one moment.
 
     Attributes
     ----------
@@ -243,7 +243,9 @@ def model_of(
     }
     for name, is_stated in stated.items():
         if is_stated:
-            raise unused(name, "beside `model`, which says it, and whose force is fed back at once")
+            raise unused(
+                name, "together with `model`, which states it, and whose force is fed back without delay"
+            )
     return read_model(model) if isinstance(model, str | Path) else model
 
 
@@ -261,7 +263,7 @@ def _channel_of_force(
                 "A measured specimen needs the `mass` of the structure", remedy="State it in kilograms"
             )
         if mass is not None and frame is not None:
-            raise unused("mass", "beside `structure`, which says what the test is of")
+            raise unused("mass", "together with `structure`, which describes the test")
         return ForceChannel.parse(force_channel or ())
     for name, value in {"mass": mass, "force_channel": force_channel}.items():
         if value is not None:
@@ -277,7 +279,9 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
     if frame.several:
         if measured:
-            raise unused("specimen", "beside a `structure` with several actuators, whose specimen is linear")
+            raise unused(
+                "specimen", "together with a `structure` with several actuators, whose specimen is linear"
+            )
         return frame
     require_linear_interface(frame, measured=measured)
     return frame
@@ -287,7 +291,7 @@ def refuse_beside(name: str, **others: object) -> None:
     """Refuse what a frame or a model states itself."""
     for other, value in others.items():
         if value is not None and not (other == "alpha" and value in _WHOLE):
-            raise unused(other, f"beside `{name}`, which says what the test is of")
+            raise unused(other, f"together with `{name}`, which describes the test")
 
 
 def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
@@ -327,7 +331,7 @@ class _Watch:
     alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
 
     def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
-        """Follow rows to their end.
+        """Follow the rows of a test to their end.
 
         `rate` [Hz].
         """
@@ -424,7 +428,7 @@ class _Watch:
                 "unstable",
                 monitor,
                 f"the loop gains energy in its mode of {significant(monitor.gaining_frequency or 0.0)} Hz "
-                f"and may diverge; of stable tests {percent(FALSE_ALARMS)} at most have this alarm",
+                f"and may diverge; at most {percent(FALSE_ALARMS)} of stable tests raise this alarm",
             )
         if monitor.exceeds(self.threshold, self.metric):
             yield from self._alarm(
@@ -432,10 +436,10 @@ class _Watch:
                 monitor,
                 f"the error is above twice {percent(self.threshold, decimals=2)}; "
                 + (
-                    f"of tests that end below that threshold {percent(FALSE_ERROR_ALARMS)} at most have this "
-                    "alarm"
+                    f"at most {percent(FALSE_ERROR_ALARMS)} of tests that end below that threshold "
+                    f"raise this alarm"
                     if self.of_force is None
-                    else "how often that is false was not measured for specimens that are learned"
+                    else "how often this alarm is false was not measured for learned specimens"
                 ),
             )
 

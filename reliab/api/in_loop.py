@@ -106,7 +106,9 @@ def export_monitor(
     kind, place = export[0], Path(export[1])
     if kind != "c" and kind not in _FMUS:
         raise InputError(
-            "`export` writes c, fmu or fmu3", value=kind, remedy="Name one of them, and where it goes"
+            "`export` writes c, fmu or fmu3",
+            value=kind,
+            remedy="Name one of them, and the folder or file to write",
         )
     exactly = 1.0 if scale is None else scale
     source = _Structure(f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model)
@@ -165,7 +167,9 @@ class _Structure:
     def read(self) -> tuple[Partition | HybridTest, Array | None]:
         """Return the structure, and interface displacements per unit of each channel of several."""
         if self.frame is not None and self.model is not None:
-            raise InputError("A monitor in a loop is of a `structure` or a `model`", remedy="Leave one out")
+            raise InputError(
+                "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
+            )
         if self.frame is not None:
             refuse_beside("structure", f=self.f, xi=self.xi, alpha=self.alpha)
             return _of_frame(read_structure(self.frame), str(self.frame))
@@ -226,7 +230,7 @@ def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | Non
 
 def _write(content: dict[Path, bytes]) -> None:
     for path, data in content.items():
-        with refuse_unwritable("A monitor must be written to a place that is writable", where=path):
+        with refuse_unwritable("The folder or file of a monitor must be writable", where=path):
             path.parent.mkdir(parents=True, exist_ok=True)
             with written_whole(path) as unfinished:
                 unfinished.write_bytes(data)

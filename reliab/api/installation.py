@@ -83,7 +83,7 @@ def _compiled_code() -> str:
 
 
 def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
-    """Write the samples that ship into a folder; files of another content are not touched.
+    """Write the samples that come with reliab into a folder; files with other content are not overwritten.
 
     Parameters
     ----------
@@ -121,8 +121,8 @@ def _refuse_others(contents: dict[Path, bytes]) -> None:
     for path, content in contents.items():
         if path.exists() and path.read_bytes() != content:
             raise InputError(
-                "A sample takes the place of no other file",
-                value="a file of another content; nothing was written",
+                "A sample must not overwrite another file",
+                value="a file with other content; nothing was written",
                 remedy="Name another folder, or move the file",
                 where=str(path),
             )
@@ -171,7 +171,7 @@ def _name_of(source: str) -> str:
     names = [name for name in checksums(_KIND) if PurePosixPath(name).name == last and name.endswith(".nc")]
     if len(names) != 1:
         raise InputError(
-            "A file is fetched by the name that it has among the datasets",
+            "A file is fetched by its name in the list of datasets",
             value=last,
             remedy=f"Choose among {', '.join(name for name in checksums(_KIND) if name.endswith('.nc'))}",
         )

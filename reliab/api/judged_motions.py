@@ -123,7 +123,7 @@ def divide(
 def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
     """Leave out each frequency or damping ratio in turn, too."""
     if name not in {"f", "xi"}:
-        raise InputError("What is left out is f or xi", value=name, remedy="Choose one of these")
+        raise InputError("What is left out in turn must be f or xi", value=name, remedy="Choose one of these")
     values = dataset[name].values.tolist()
     if len(values) < 2:  # noqa: PLR2004 - one is left out
         raise InputError(

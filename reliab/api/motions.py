@@ -181,7 +181,7 @@ def import_motions(
     out : str or pathlib.Path
         New or empty folder.
     event : str, optional
-        The one earthquake of all imported motions.
+        Earthquake to which all imported motions belong.
 
     Returns
     -------
@@ -207,7 +207,7 @@ def synthesize_motions(*, out: str | Path, count: int = 100, seed: int | None = 
     count : int, optional
         Number of components.
     seed : int, optional
-        Seed of another suite than the built-in one.
+        Seed of a suite other than the built-in one.
 
     Returns
     -------

@@ -108,7 +108,7 @@ def validate_rebuilt_error(
     error, shares = Metric.parse(metric), several(confidence)
     if len(shares) > 1:
         raise InputError(
-            "The criterion beside the rebuilt error states one `confidence`",
+            "The criterion that is compared with the rebuilt error must have one `confidence`",
             value=", ".join(f"{share:g}" for share in shares),
             remedy="Give one",
         )

@@ -213,7 +213,7 @@ def _of_frame(
 ) -> Prediction:
     for name, value in beside.items():
         if value is not None:
-            raise unused(name, "beside the `structure` of a frame")
+            raise unused(name, "together with the `structure` of a frame")
     frame = read_structure(structure)
     return predict_next(table, None, asked, threshold=threshold, frame=frame.name)
 
@@ -228,7 +228,7 @@ def _of_structure(
 ) -> Prediction:
     if motion is not None:
         if suite is not None:
-            raise unused("suite", "beside `motion`")
+            raise unused("suite", "together with `motion`")
         record = read_motion(motion)
         excitation = Excitation(acceleration=record.acceleration, time_step=record.time_step)
         return predict_under_motion(table, structure, asked, excitation, threshold=threshold)

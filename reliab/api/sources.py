@@ -79,7 +79,8 @@ class EllipseSource:
         given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
         if len(given) != 1:
             raise InputError(
-                "Ellipses come from one source: ground motions, stored results or a file of ellipses",
+                "Ellipses must come from exactly one source: ground motions, stored results or a file of "
+                "ellipses",
                 value=f"{len(given)} of them",
                 remedy="Give `motions` (records or 'synthetic'), `results` or `ellipses`",
             )
@@ -87,7 +88,7 @@ class EllipseSource:
             self._refuse_options_of_motions()
         if self.actuator is not None and self.structure is None:
             raise InputError(
-                "An actuator is one of those that drive a frame",
+                "An actuator can be chosen only among those of a frame",
                 value=f"`actuator={self.actuator}` without `structure`",
                 remedy="Describe the frame, or leave it out",
             )
@@ -100,7 +101,7 @@ class EllipseSource:
         options = (
             (
                 "`model`" if self.model else None,
-                "A model is simulated under ground motions",
+                "A model needs ground motions to be simulated under",
                 "Give `motions`; a results store names the model that it was simulated with",
             ),
             (
@@ -110,12 +111,12 @@ class EllipseSource:
             ),
             (
                 sets,
-                "Sets are those of a catalogue of ground motions",
+                "Sets can be chosen only from a catalogue of ground motions",
                 "Give the folder of the catalogue with `motions`",
             ),
             (
                 "`structure`" if self.structure else None,
-                "A frame is simulated under ground motions",
+                "A frame needs ground motions to be simulated under",
                 "Give `motions`",
             ),
         )

@@ -41,7 +41,7 @@ def stated_of_test(
         raise InputError(
             "The natural frequency of the structure must be stated",
             value="no `f`",
-            remedy='Give it in hertz, `f=1` or `f="1±0.01"`; the verdict rests on it',
+            remedy='Give it in hertz, `f=1` or `f="1±0.01"`; the verdict depends on it',
             where=recording.name,
         )
     for name, value in of_model.items():

@@ -58,7 +58,7 @@ def perform_study(
     Parameters
     ----------
     study : str or pathlib.Path, optional
-        A study's folder or file, or the name of one that ships. The code in a folder is run.
+        Folder or file of a study, or the name of one that comes with reliab. Code in the folder is executed.
     out : str or pathlib.Path, optional
         The run folder; reliab-run/STUDY by default.
     motions : str, pathlib.Path or sequence of these, optional

@@ -115,7 +115,7 @@ def validate_criteria(
     trials: int = _TRIALS,
     show: Show = quietly,
 ) -> Validation:
-    """Judge criteria on earthquakes that they were not learned from.
+    """Test criteria on earthquakes from which they were not learned.
 
     Parameters
     ----------
@@ -254,7 +254,10 @@ def _sentences(
     outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
     whose = "the motions that do not lie outside" if outside.any() else "the motions"
     if outside.all():
-        yield "All motions lie outside of those that their criteria are learned from: no share is promised."
+        yield (
+            "All motions lie outside of the populations from which their criteria are learned: no share "
+            "is promised."
+        )
     for side, of_side, of_all in (("lag", "", rows), ("lead", " for leads", leads)):
         inside = of_all
         if outside.any():

@@ -47,7 +47,10 @@ def _of_scope(findings: Findings) -> Iterator[str]:
     if findings.placement is None:
         yield from findings.scope.sentences
     if findings.speaks_for_none:
-        yield "No share of the population's ground motions is stated for such a test; its own error stands."
+        yield (
+            "No share of the population's ground motions is stated for such a test; the error of the "
+            "test itself does not depend on it."
+        )
 
 
 def _of_faults(findings: Findings) -> Iterator[str]:
@@ -160,9 +163,9 @@ def _of_constancy(findings: Findings) -> Iterator[str]:
     if late > _VARYING * np.sqrt(b):
         first, last = (MILLI * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
-            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and "
-            "d are averages; the "
-            "error of a test whose delay drifts by half either way was within 12 % of that of its average."
+            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and d "
+            "are averages; in simulated tests whose delay drifted by half either way, the error was "
+            "within 12 % of that of the average delay."
         )
     if windows.amplitude_range > _VARYING * np.sqrt(a):
         yield (
@@ -185,10 +188,10 @@ def _of_validity(findings: Findings) -> Iterator[str]:
         judgement = (
             "it is conservative"
             if measured
-            else "that it is conservative was measured from 0.5 to 3 Hz and 1 to 10 % of damping only"
+            else "that this is conservative was measured only from 0.5 to 3 Hz and 1 to 10 % damping"
         )
         yield (
-            "The criterion is for a structure that stands wholly in the laboratory (α = 1); for "
+            "The criterion is for a structure with all of its stiffness in the laboratory (α = 1); for "
             f"α = {structure.experimental_fraction:g} {judgement}."
         )
 
@@ -198,7 +201,7 @@ def _of_motion(findings: Findings) -> Iterator[str]:
     if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
         yield (
             f"The test was found in the record of {placement.motion} by the shape of its response; its size "
-            "differs, as where the record was scaled or the unit of the displacements is not metres."
+            "differs, as if the record was scaled or the displacements are not in metres."
         )
 
 

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
 _IN_COMMON: Final = (
-    "All tests are taken to be of one rig: what is not known of its structure and channels, such as their "
-    "skew, is the same in all of them. State what one test has of its own in its header."
+    "All tests are assumed to be of one rig: unknown properties of its structure and channels, such "
+    "as their skew, are the same in all of them. State in a test's header what differs in it."
 )
 _OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
 _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the same
@@ -130,7 +130,7 @@ def rank_tests(
     """
     if len(judged) < _FEWEST:
         raise InputError(
-            "A comparison needs two tests that can be judged",
+            "A comparison needs at least two tests that can be judged",
             value=len(judged),
             remedy="; ".join((faults or {}).values()) or "Name another test",
         )
@@ -207,15 +207,16 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
     notes = []
     if others:
         notes.append(
-            f"The exact responses of {', '.join(others)} and of {tests[0].file} differ: these tests were of "
-            "other motions or scales, and the order of their errors is not that of their compensators alone."
+            f"The exact responses of {', '.join(others)} and of {tests[0].file} differ: these tests had "
+            "different ground motions or scales, and the order of their errors does not depend on their "
+            "compensators alone."
         )
     first = tests[0].assessment.error
     apart = [test.file for test in tests[1:] if not _have_in_common(test.assessment.error, first)]
     if apart:
         notes.append(
-            f"Other quantities are unknown in {', '.join(apart)} than in {tests[0].file}: nothing is taken "
-            "to be the same in these tests, and their differences are less certain."
+            f"Other quantities are unknown in {', '.join(apart)} than in {tests[0].file}: no unknown "
+            "property is assumed to be common to these tests, and their differences are less certain."
         )
     second = tests[1]
     if second.probability_larger is not None and second.probability_larger < 0.5 + 0.5 * LEVEL:

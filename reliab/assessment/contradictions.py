@@ -60,8 +60,8 @@ def of_frequency(
         return
     stated = " and ".join(f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)}))
     yield Contradiction(
-        finding=f"The command moves at {significant(moves)} Hz, the structure at {stated} Hz, where the "
-        "command shows no resonance: check the frequency and the units of time.",
+        finding=f"The command moves mainly at {significant(moves)} Hz, the structure is stated at {stated} "
+        "Hz, where the command shows no resonance: check the frequency and the unit of time.",
         remedy="State the natural frequency of the structure that was tested, or the file's unit of time.",
     )
 
@@ -85,9 +85,9 @@ def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
         return
     if not specimen.learned:
         yield Contradiction(
-            finding=f"No representation of the specimen predicts its force: "
-            f"{percent(specimen.held_out, decimals=0)} of it is missed on parts of the test that were held "
-            "out.",
+            finding="None of the specimen models predicts its force: "
+            f"{percent(specimen.held_out, decimals=0)} of it is not predicted on held-out parts of the "
+            "test.",
             remedy="Repeat the test with less actuator error, record the force with less lag, or calibrate a "
             "model of the specimen with `reliab diagnose`.",
         )
@@ -100,9 +100,10 @@ def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
         )
     if specimen.beyond > _BEYOND:
         yield Contradiction(
-            finding=f"The exact response leaves the range in which the specimen was moved by "
-            f"{percent(specimen.beyond, decimals=0)}: nothing was measured there.",
-            remedy="Repeat the test with less actuator error: the specimen is then seen where it matters.",
+            finding=f"The exact response goes {percent(specimen.beyond, decimals=0)} beyond "
+            f"the range in which the specimen was moved: its force was not measured there.",
+            remedy="Repeat the test with less actuator error: the specimen is then driven over the range "
+            "that matters.",
         )
 
 
@@ -111,7 +112,8 @@ def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:
     if stability_margin is None or stability_margin <= 0.0:
         yield Contradiction(
             finding="The delay exceeds the critical one: the loop is unstable.",
-            remedy="Reduce the delay, or find out why the loop was stable: the structure may be another one.",
+            remedy="Reduce the delay, or find out why the loop was stable: the structure may not be as "
+            "stated.",
         )
 
 
@@ -120,9 +122,9 @@ def of_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
     if placement is not None and not placement.alignment.matched:
         yield Contradiction(
             finding=f"The test was not found in the record of {placement.motion} (best similarity "
-            f"{placement.alignment.match:.2f} of 1): it may be another motion, or another structure. "
-            "Where in it the test began is unknown; the index is that of the part, as long as the test, in "
-            "which the structure moves most.",
+            f"{placement.alignment.match:.2f} of 1): the test may have had another motion, or another "
+            "structure. Its beginning in the record is unknown; the index is that of the part, as long as "
+            "the test, in which the structure moves most.",
             remedy="Give the ground motion of this test, or none if the structure is surely as stated.",
         )
 
@@ -163,7 +165,7 @@ def of_ground(
     if shown.other:
         yield Contradiction(
             finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
-            "unexplained: it does not belong to this test, or its structure is another one.",
+            "unexplained: it does not belong to this test, or the structure is not as stated.",
             remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
             of_structure=True,
         )

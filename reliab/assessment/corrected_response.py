@@ -38,12 +38,13 @@ _UNITS = {
 }
 _Key = tuple[str, str]  # quantity and name of a degree of freedom
 _OTHERS = (
-    "Displacements and accelerations of other degrees of freedom than the interface's need the ground "
+    "Displacements and accelerations of degrees of freedom other than those of the interface need the ground "
     "acceleration as a channel of the test."
 )
 _NOT_ITS_MOTION = (
-    "The recorded ground acceleration does not explain the force at the interface: it is taken for another "
-    "test's, and nothing is said of other degrees of freedom than the interface's."
+    "The recorded ground acceleration does not explain the force at the interface: it is assumed to "
+    "belong to another test, and no response is given for degrees of freedom other than those of the "
+    "interface."
 )
 
 

@@ -14,14 +14,14 @@ from reliab.vocabulary import Metric
 ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _NONLINEAR = (
-    "State `specimen` as measured, with the `mass`: its recorded force then says what it did; or "
-    "give a model of it that `reliab diagnose` calibrated."
+    "State `specimen` as measured, with the `mass`: its behaviour is then learned from its recorded "
+    "force; or give a model of it that `reliab diagnose` calibrated."
 )
 _NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
-    "vibration: the verdict depends on which of them it is."
+    "vibration: the verdict depends on which of the two is the cause."
 )
 
 
@@ -88,9 +88,9 @@ def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     if largest <= error.threshold:
         return verdict
     reason = (
-        "Single entries of a matrix are uncertain, and with one of the structures that they allow the error "
-        f"is {percent(largest, decimals=2)}: near resonance it is largest with the frequency that the test "
-        "really had, which a test as short as this does not show."
+        "Single entries of a matrix are uncertain, and for one of the structures within their tolerances "
+        f"the error is {percent(largest, decimals=2)}. Near resonance the error is largest at the "
+        "structure's true frequency, which a test as short as this does not show."
     )
     return verdict.doubted([reason], [_ENTRIES])
 
@@ -133,5 +133,8 @@ def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], li
                 f"{effect.fault.sentence} The verdict depends on it, and whether the structure felt it is "
                 "not known."
             )
-            remedies.append("Mend the recording, or find out whether the loop felt it, and assess it again.")
+            remedies.append(
+                "Correct the recording, or find out whether the loop felt the fault, and assess the test "
+                "again."
+            )
     return reasons, remedies

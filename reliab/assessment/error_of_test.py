@@ -51,8 +51,8 @@ PART_NAMES: Final[Mapping[str, str]] = {
 """Parts of the error in words."""
 
 CANCELLING = (
-    "Improve first: no single part. The parts of the error cancel each other, and without any one of them "
-    "it would not be smaller."
+    "Improve first: no single part. The parts of the error cancel each other: removing any one of them "
+    "would not make the error smaller."
 )
 """What is said where the removal of no part of an error makes it smaller."""
 
@@ -212,7 +212,7 @@ class ErrorOfTest(ErrorWithThreshold):
 
     @property
     def _of_specimen(self) -> str:
-        return "" if self.if_linear is None else " of a linear specimen"
+        return "" if self.if_linear is None else " for a linear specimen"
 
 
 def part_in_words(name: str) -> str:

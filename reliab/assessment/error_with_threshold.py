@@ -99,9 +99,9 @@ class ErrorWithThreshold(ABC):
             return ()
         stated = float(self.rebuilt.structure.natural_frequencies[0])
         sentence = (
-            f"The recording moves as a structure of {significant(stated * (1.0 + learned.value))} ± "
-            f"{significant(stated * learned.deviation, 1)} Hz does; {significant(stated)} Hz was stated. The "
-            "interval is that of what the recording shows, the value that of what was stated."
+            f"The recording behaves like a structure of {significant(stated * (1.0 + learned.value))} ± "
+            f"{significant(stated * learned.deviation, 1)} Hz; {significant(stated)} Hz was stated. The "
+            "interval is computed with the recording's frequency, the value with the stated one."
         )
         return (sentence,)
 

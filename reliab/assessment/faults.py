@@ -188,8 +188,8 @@ def _copy(recording: Recording) -> Iterator[Fault]:
         yield Fault(
             kind="copy",
             finding=(
-                "Command and measured displacement are identical, which no sensor reading is: was one "
-                "channel exported twice?"
+                "Command and measured displacement are identical, which sensor readings never "
+                "are: was one channel exported twice?"
             ),
         )
 
@@ -239,8 +239,8 @@ def _held(recording: Recording) -> Iterator[Fault]:
     bridged = np.interp(places, places[~held], measured[~held])
     yield Fault(
         kind="held",
-        finding=f"The measured displacement repeats the sample before in {percent(share, decimals=2)} of its "
-        "samples: it was read there as the line between its neighbours.",
+        finding=f"The measured displacement repeats the previous sample in {percent(share, decimals=2)} of "
+        "its samples: these were replaced by interpolation between their neighbours.",
         in_measured=measured - bridged,
         in_loop=False,
     )

@@ -29,17 +29,17 @@ from reliab.significant import percent_with_interval, significant
 from reliab.vocabulary import MILLI, Metric
 
 _NEEDS = (
-    "The errors of floors and storeys are stated in millimetres: over the largest response, they need the "
-    "ground motion of the test, as `motion` or as a channel of its file."
+    "The errors of floors and storeys are stated in millimetres: to relate them to the largest response, the "
+    "ground motion of the test is needed, as `motion` or as a channel of its file."
 )
 _OTHER_MOTION = (
-    "The ground motion does not explain the force at the interface: it is taken for another test's, and "
-    "errors of floors and storeys are stated in millimetres."
+    "The ground motion does not explain the force at the interface: it is assumed to belong to another "
+    "test, and errors of floors and storeys are stated in millimetres."
 )
 _SPECIMENS: Final = {
-    "linear": "the specimen being linear",
-    "measured": "the specimen as its force shows it",
-    "may_have_yielded": "the specimen being linear or, in the interval, one that yielded",
+    "linear": "for a linear specimen",
+    "measured": "for the specimen learned from its force",
+    "may_have_yielded": "for a linear specimen or, in the interval, one that yielded",
 }
 
 
@@ -116,7 +116,7 @@ class ResponseErrors:
             return _NEEDS
         rms = governing.rms
         return (
-            f"Of all storeys, the drift of {governing.name} is most wrong: RMS^R "
+            f"Of all storeys, {governing.name} has the largest error of the drift: RMS^R "
             f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, "
             f"{_SPECIMENS[self.specimen]}."
         )
@@ -130,8 +130,8 @@ class ResponseErrors:
             return ()
         sentence = (
             "The ground motion explains the test when it is multiplied by "
-            f"{significant(self.ground_factor, 2)}: errors of floors and storeys are over peaks under that, "
-            "and wrong if this was not its motion."
+            f"{significant(self.ground_factor, 2)}: errors of floors and storeys are relative to peaks "
+            "under the multiplied motion, and wrong if the test had another motion."
         )
         return (sentence,)
 

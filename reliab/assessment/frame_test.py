@@ -359,7 +359,8 @@ def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **optio
     for name, is_asked in options.items():
         if is_asked and frame.several:
             raise InputError(
-                f"`{name}` has no meaning beside a `structure` with several actuators", remedy="Leave it out"
+                f"`{name}` has no effect together with a `structure` with several actuators",
+                remedy="Leave it out",
             )
     if not frame.several:
         require_linear_interface(frame, measured=measured)

@@ -1,4 +1,4 @@
-"""Where a test lies in the (A, d) plane against the population of ground motions."""
+"""Position of a test in the (A, d) plane among the boundaries of a population of ground motions."""
 
 from dataclasses import dataclass
 
@@ -93,7 +93,7 @@ def place(
 def carried_limits(
     criterion: Criterion, structure: Structure, side: Side = Side.LAG
 ) -> tuple[float, float, tuple[float, float] | None]:
-    """Limits of a structure, carried over from the nearest one where the criterion holds.
+    """Limits of a structure, scaled from the nearest structure for which the criterion is valid.
 
     Parameters
     ----------

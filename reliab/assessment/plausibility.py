@@ -34,14 +34,14 @@ _LONGEST_LAG = 0.25  # of the test
 _LARGEST_NOISE = 0.5  # in power
 
 _UNIT_FACTORS = {
-    1000.0: "millimetres beside metres",
-    100.0: "centimetres beside metres",
-    10.0: "millimetres beside centimetres",
-    39.3701: "inches beside metres",
-    25.4: "millimetres beside inches",
-    2.54: "centimetres beside inches",
-    3.28084: "feet beside metres",
-    12.0: "inches beside feet",
+    1000.0: "millimetres and the other in metres",
+    100.0: "centimetres and the other in metres",
+    10.0: "millimetres and the other in centimetres",
+    39.3701: "inches and the other in metres",
+    25.4: "millimetres and the other in inches",
+    2.54: "centimetres and the other in inches",
+    3.28084: "feet and the other in metres",
+    12.0: "inches and the other in feet",
 }
 _UNIT_TOLERANCE = 0.1
 
@@ -138,8 +138,9 @@ def _require_one_unit(ratio: float, where: str) -> None:
         for expected in (factor, 1.0 / factor):
             if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
                 raise InputError(
-                    "Command and measured displacement must be in one unit",
-                    value=f"a measured displacement of {ratio:.4g} times the command, as {units} would have",
+                    "Command and measured displacement must be in the same unit",
+                    value=f"a measured displacement of {ratio:.4g} times the command, as if one were in "
+                    f"{units}",
                     remedy="State the unit in the column's name (measured_mm), or convert the column",
                     where=where,
                 )

@@ -100,8 +100,8 @@ def require_restoring_force(
     if unexplained > _UNRELATED:
         raise InputError(
             "The recorded force must follow the measured displacement",
-            value="a force whose power follows no spring, dashpot, mass or friction by "
-            f"{percent(unexplained, decimals=0)}",
+            value=f"a force of whose power {percent(unexplained, decimals=0)} follows no spring, dashpot, "
+            "mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=where,
         )
@@ -162,7 +162,7 @@ def unexamined_unit(recording: Recording, structure: Structure) -> str:
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
     return (
         "The unit of the recorded force was not examined: in newtons it belongs to a structure of "
-        f"{significant(mass)} kg. State the mass, and a force in another unit is refused."
+        f"{significant(mass)} kg. State the mass, so that a force in another unit is refused."
     )
 
 

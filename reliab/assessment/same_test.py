@@ -86,13 +86,16 @@ class SameTest:
 
     def _sentences(self) -> Iterator[str]:
         if len(self.runs) < _CURVED:
-            yield "Two runs show no curvature: a third one with another delay would check the extrapolation."
+            yield (
+                "Two runs cannot show a curvature: a third run with another delay would check the "
+                "extrapolation."
+            )
         for run in self.runs:
             if run.contradicts:
                 yield (
                     f"{run.file}: from this run alone the error is {_interval(run.alone)}, by all runs "
                     f"together {_interval(run.error)}. The structure, the specimen or a channel is not as "
-                    "stated; what all runs show needs neither structure nor specimen."
+                    "stated; the result of all runs together depends on neither structure nor specimen."
                 )
 
     def to_dict(self) -> dict[str, Any]:
@@ -259,12 +262,12 @@ def _interval(size: Estimate) -> str:
 def _require_one_test(runs: Mapping[str, Assessment]) -> None:
     found: Sequence[Assessment] = list(runs.values())
     if len(found) < 2:  # noqa: PLR2004 - a pair
-        raise InputError("Runs of the same test are two or more", value=len(found))
+        raise InputError("The same test must have at least two runs", value=len(found))
     first = found[0]
     for name, one in runs.items():
         if not np.isclose(one.recording.time_step, first.recording.time_step, rtol=1e-6):
             raise InputError(
-                "Runs of the same test must have one sampling rate",
+                "Runs of the same test must have the same sampling rate",
                 value=f"{significant(1.0 / one.recording.time_step)} Hz",
                 remedy="Resample them to one rate",
                 where=name,

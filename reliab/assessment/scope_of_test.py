@@ -73,7 +73,7 @@ def why_for_none(scope: ScopeOfTest, criterion: Criterion) -> tuple[str, ...]:
         return scope.sentences
     reason = "The criterion itself is for a case outside of its population."
     if criterion.provenance.position != Position.OUTSIDE:
-        reason = "The criterion was asked for at a share too small to be kept."
+        reason = "The criterion was asked for a share too small to be promised."
     return (*scope.sentences, reason)
 
 

@@ -61,7 +61,7 @@ class Assessments:
         runs = {file: run for file, run in self.judged.items() if isinstance(run, Assessment)}
         if len(runs) < len(self.judged):
             raise InputError(
-                "Runs of the same test are combined for one degree of freedom",
+                "Runs of the same test can be combined for one degree of freedom only",
                 value="a frame",
                 remedy="Leave `structure` out, or judge each run by itself",
             )

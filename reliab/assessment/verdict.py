@@ -75,14 +75,14 @@ def verdict_by_index(
     if index is None or interval is None:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=("The test leads, and the criterion has no limits for leads.",),
+            reasons=("The measured displacement leads, and the criterion has no limits for leads.",),
             would_decide=("Give its ground motion, or a criterion that has limits for leads.",),
         )
     if outside:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=(*outside, "The criterion says nothing of such a test."),
-            would_decide=("Give the test's ground motion; it decides the index.",),
+            reasons=(*outside, "The criterion does not cover such a test."),
+            would_decide=("Give the test's ground motion; the index is then judged by its boundary.",),
         )
     low, high = interval
     if high <= 1.0:
@@ -92,7 +92,7 @@ def verdict_by_index(
     if low <= 1.0:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=(f"The interval of the index, {significant(low)} to {significant(high)}, holds 1.",),
+            reasons=(f"The interval of the index, {significant(low)} to {significant(high)}, contains 1.",),
             would_decide=("Less noise, or a longer test, narrows the interval of A and d.",),
         )
     if own_motion or probability is None or probability <= 1.0 - confidence:
@@ -103,9 +103,8 @@ def verdict_by_index(
             (
                 "The error of such a test stays below the threshold under "
                 f"{percent(probability, decimals=0)} of the population's ground motions: fewer than the "
-                f"{percent(confidence, decimals=0)} that "
-                "were asked for, and too many to call it bad."
+                f"{percent(confidence, decimals=0)} that were asked for, and too many to call the test bad."
             ),
         ),
-        would_decide=("Give the test's ground motion; it decides the index.",),
+        would_decide=("Give the test's ground motion; the index is then judged by its boundary.",),
     )

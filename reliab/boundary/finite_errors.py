@@ -1,4 +1,4 @@
-r"""The boundary that a response predicts at errors of finite size, and a traced one beside it.
+r"""The boundary that a response predicts at errors of finite size, compared with a traced one.
 
 A delay d feeds energy into the loop: the error's oscillator has the damping ratio ξ' = ξ − ω₀d/2, the exact
 response that of the structure, ξ. Under a steady response the mean square of the error is that of small

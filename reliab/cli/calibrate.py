@@ -22,7 +22,9 @@ class CalibrateDemand(ReadsTests):
     """Options of `reliab calibrate`, arguments of `reliab.calibrate`."""
 
     test: Path = argument(
-        "FILE", "One motion on both channels: a sine, a sweep or steps with rests, without a specimen."
+        "FILE",
+        "Test in which both channels record one motion: a sine, a sweep, or steps with pauses, "
+        "without a specimen.",
     )
     out: Path | None = option("CHANNELS.toml", "File for --channels of the commands that read tests.")
     actuator_delay: str | None = option(
@@ -47,8 +49,8 @@ def _show(calibration: "ChannelCalibration") -> None:
         "What the measured channel adds to the motion", {"": "left", "value": "right", "± 1 sd": "right"}
     )
     for name, quantity in (
-        ("late against the command's [ms]", calibration.skew_ms),
-        ("scale against the command's [-]", calibration.scale),
+        ("delay behind the command's channel [ms]", calibration.skew_ms),
+        ("scale relative to the command's channel [-]", calibration.scale),
         ("hysteresis over the range of the motion [-]", calibration.hysteresis),
     ):
         shown.add_row(name, *_cells(quantity))
@@ -63,5 +65,5 @@ def _show(calibration: "ChannelCalibration") -> None:
 
 def _cells(quantity: "StatedValue | None") -> tuple[str, str]:
     if quantity is None:
-        return "does not follow", ""
+        return "not determined", ""
     return f"{quantity.value:.5g}", significant(quantity.deviation)

@@ -16,7 +16,7 @@ _COLUMNS = {
     "test": "left",
     "error": "right",
     "90 % interval": "right",
-    "more than the first, 90 %": "right",
+    "more than the first (90 % interval)": "right",
     "probability": "right",
     "A": "right",
     "d, ms": "right",
@@ -43,7 +43,7 @@ class CompareDemand(JudgesTests, ReadsTests):
 
 @takes(CompareDemand)
 def compare(demand: CompareDemand) -> None:
-    """Rank tests by their errors, with the certainty of the order."""
+    """Rank tests by their errors, and say how certain their order is."""
     from reliab import api
 
     files = files_of(demand.tests, demand.out)

@@ -38,19 +38,21 @@ class CriterionDemand(Demand):
     f: list[float] | None = FREQUENCIES
     xi: list[float] | None = DAMPING_RATIOS
     threshold: list[float] | None = THRESHOLDS
-    confidence: list[float] | None = option("SHARE...", "Shares of the population's ground motions.")
+    confidence: list[float] | None = option(
+        "SHARE...", "Shares of the population's ground motions that the criterion holds for."
+    )
     metric: str = METRIC_NAME
     window: str | None = WINDOW_IF_GIVEN
     alpha: list[float] | None = FRACTIONS
     duration: float | None = option(
         "SECONDS",
-        "Length of the records of the tests; by default the criterion is for lengths like those of "
-        "the motions behind it.",
+        "Length of the tests' records; by default the criterion is for lengths like those of the ground "
+        "motions from which it is derived.",
     )
     motion: Path | None = option(
         "FILE",
-        "Record under which the test will be run: a criterion for responses like that under it, and "
-        "the record's own boundary.",
+        "Record under which the test will be run: derive a criterion for responses like the one to this "
+        "record, and the record's own boundary.",
     )
     suite: list[Path] | None = option(
         "NAME|FOLDER...",
@@ -74,8 +76,8 @@ class CriterionDemand(Demand):
     )
     assurance: float | None = option(
         "SHARE",
-        "How sure the promise is, for methods that state it (see --list): the share of suites "
-        "that keep it, or its posterior probability.",
+        "Probability that the stated share is kept, for methods that take it (see --list): "
+        "share of suites that keep it, or posterior probability.",
     )
     distribution: str | None = option("NAME", "Family for the method quantile.")
     joint: bool | None = option(
@@ -96,9 +98,11 @@ class CriterionDemand(Demand):
         "FILE.h5",
         "Keep the chains of the hierarchical methods, so that an interrupted or short run can resume.",
     )
-    compare: bool = flag("Also judge distributions and laws on earthquakes that they have not seen.")
+    compare: bool = flag("Also test distributions and laws on earthquakes from which they were not learned.")
     figures: Path | None = option(
-        "FOLDER", "Draw criteria over the motions' own ellipses, and traces, ranks and pairs of a posterior."
+        "FOLDER",
+        "Folder for figures of the criteria over the motions' own ellipses, and of traces, "
+        "ranks and pairs of a posterior.",
     )
     out: Path | None = option("FILE.json", "Write the criterion for later use.", callback=written_as(".json"))
     list_all: bool = flag("Name all methods, laws and distributions, with what each means.", name="--list")
@@ -109,7 +113,7 @@ class CriterionDemand(Demand):
 def criterion(demand: CriterionDemand) -> None:
     """Derive how much amplitude error and delay a test may have."""
     if demand.list_all:
-        demand.refuse_all_but({"list_all"}, "beside `list_all`")
+        demand.refuse_all_but({"list_all"}, "together with `list_all`")
         show_choices()
         return
     from reliab.api import derive_criteria
@@ -143,7 +147,13 @@ _FORMATS = (".3f", ".3f", ".4f", ".0f", ".0f", ".1f")
 _FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
 _HEADINGS_OF_SHARES = (
     *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]"),
-    *("a over that of the largest α", "b over that of the largest α", "law", "a off by", "b off by"),
+    *(
+        "a over a of the largest α",
+        "b over b of the largest α",
+        "law",
+        "a off by",
+        "b off by",
+    ),
 )
 
 
@@ -174,11 +184,11 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
     terminal = console()
     say(*populations_in_words((row["confidence"], row["population"]) for row in rows))
     if first["population"] and first["position"] != "inside":
-        terminal.print(f"What it is asked for lies {first['position']} of them.", style="yellow")
+        terminal.print(f"The case asked for lies {first['position']} of these motions.", style="yellow")
     for posterior in posteriors:
         _show_posterior(posterior)
     terminal.print(shown)
-    together = "a and b together" if first["joint"] else "a and b each for itself"
+    together = "a and b together" if first["joint"] else "a and b separately"
     say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
     say(*_definitions(rows))
     say(
@@ -194,8 +204,8 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     from reliab.vocabulary import LABELS
 
     alone = (
-        "Each limit alone is that of a test without the other error; a test with both must "
-        "lie inside the ellipse."
+        "Each limit alone is that of a test without the other error; a test with both errors "
+        "must lie inside the ellipse."
     )
     first = rows[0]
     error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
@@ -208,7 +218,7 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
     shown = table(
         f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
         f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
-        f"{percent(posterior['accepted'], decimals=0)} of the moves taken",
+        f"{percent(posterior['accepted'], decimals=0)} of the moves accepted",
         _DIAGNOSTICS,
     )
     for parameter in posterior["parameters"]:
@@ -241,7 +251,8 @@ def _show_coupling(coupling: Mapping[str, Any]) -> None:
     """Print how far actuators may move with each other's commands."""
     rows, share = coupling["limits"], percent(coupling["share_of_motions"], decimals=0)
     shown = table(
-        f"Motion by another actuator's command alone that keeps {percent(coupling['threshold'])} under "
+        "Motion by another actuator's command alone that keeps the error below "
+        f"{percent(coupling['threshold'])} under "
         f"{share} of these motions",
         {"": "left", **{f"command {number + 1}": "right" for number in range(len(rows))}},
     )
@@ -255,7 +266,7 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
     """Print the error of a rig."""
     terminal = console()
     if not rig["stable"]:
-        terminal.print("The described rig leaves the test of this frame unstable.", style="yellow")
+        terminal.print("With the described rig, the test of this frame is unstable.", style="yellow")
         return
     shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
     shown.add_row("median of the motions", percent(rig["median"], decimals=2))
@@ -294,7 +305,10 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
                     f"{percent(deviation, decimals=1)} "
                     f"at most; by the law s = {significant(fit['white_noise'])}."
                 )
-    say("No law is stated for α below 10 ξ, and no ratio of a where boundaries end where tracing ends.")
+    say(
+        "No law is stated for α below 10 ξ, and no ratio of a where boundaries reach the end of the "
+        "traced range."
+    )
 
 
 def _show_comparison(comparison: Mapping[str, Any]) -> None:

@@ -38,7 +38,7 @@ def read_defaults(commands: Callable[[], Any]) -> dict[str, dict[str, Any]]:
     content = read_toml(
         path,
         rule="The file of defaults must be readable TOML",
-        remedy=f"Mend it, or unset {VARIABLE}" if named else "Mend it, or rename it",
+        remedy=f"Correct it, or unset {VARIABLE}" if named else "Correct it, or rename it",
     )
     group = commands()
     return {name: _of_command(name, table, group, path) for name, table in content.items()}

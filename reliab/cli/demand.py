@@ -67,9 +67,9 @@ class Demand:
     in_options: Callable[[str], str] = str  # Writes the arguments that a message names as options
 
     belongs_to: ClassVar[Mapping[str, str]] = {}
-    """By option the one without which it has no meaning."""
+    """By option the one without which it has no effect."""
     idle_beside: ClassVar[Mapping[str, Collection[str]]] = {}
-    """By option those that have no meaning beside it; a laboratory's defaults of them are left out."""
+    """By option those that have no effect together with it; a laboratory's defaults of them are left out."""
 
     def __init_subclass__(cls) -> None:
         """Make a field of each declaration; a shared one becomes one of each class."""

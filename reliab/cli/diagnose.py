@@ -31,7 +31,7 @@ class DiagnoseDemand(Reported):
 
     campaign: Path = argument(
         "CAMPAIGN_DIR",
-        "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which ship.",
+        "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab.",
         autocompletion=campaigns,
     )
     out: Path | None = option("DIR", "Folder for diagnosis, report and model.")

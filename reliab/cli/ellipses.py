@@ -63,7 +63,7 @@ class EllipsesDemand(Demand):
         "at 5 % the simulated b is 16 to 44 % smaller."
     )
     out: Path | None = option(
-        "FILE.nc", "Keep the ellipses for `reliab criterion`.", callback=written_as(".nc")
+        "FILE.nc", "File for the ellipses, which `reliab criterion` reads.", callback=written_as(".nc")
     )
     json_target: str | None = JSON_TARGET
 

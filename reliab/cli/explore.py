@@ -27,7 +27,7 @@ class ExploreDemand(Demand):
     f: float | None = option("HZ", "Natural frequency with which the page opens.")
     xi: float | None = option("RATIO", "Damping ratio with which the page opens.")
     alpha: float = option("SHARE", "Share of the structure's stiffness in the laboratory.", default=1.0)
-    threshold: float | None = option("ERROR", "Error of the whole test, 0.05 for 5 %.")
+    threshold: float | None = option("ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.")
     confidence: float = option(
         "SHARE", "Share of the population's ground motions, 0.95 for 95 %.", default=0.95
     )

@@ -20,7 +20,7 @@ def fetch(demand: FetchDemand) -> None:
     """Bring shipped data that the wheel leaves out, results.nc of real_suite, and compare its checksum."""
     from reliab.api import fetch_dataset
 
-    write_line(f"{demand.ask(fetch_dataset)}: checksum as listed")
+    write_line(f"{demand.ask(fetch_dataset)}: the checksum is as listed")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,13 +28,13 @@ class SamplesDemand(Demand):
     """Options of `reliab samples`, arguments of `reliab.api.copy_samples`."""
 
     folder: Path = argument(
-        "[FOLDER]", "Where they are written; `datasets` by default.", default=Path("datasets")
+        "[FOLDER]", "Folder for the samples; `datasets` by default.", default=Path("datasets")
     )
 
 
 @takes(SamplesDemand)
 def samples(demand: SamplesDemand) -> None:
-    """Write the samples that ship into a folder; files of another content are not touched."""
+    """Write the samples that come with reliab into a folder; files with other content are not overwritten."""
     from reliab.api import copy_samples
 
     for sample in demand.ask(copy_samples):

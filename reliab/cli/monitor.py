@@ -40,8 +40,8 @@ class MonitorDemand(Demand):
 
     source: str | None = argument(
         "FILE|-",
-        "CSV file that is or will be written to, or - to read rows from standard input; or "
-        "sample_test, which ships. None with --export.",
+        "CSV file to which the test is or will be written, or - to read rows from standard input; "
+        "or sample_test, which comes with reliab. No file with --export.",
         default=None,
         autocompletion=samples,
     )
@@ -60,8 +60,8 @@ class MonitorDemand(Demand):
     exact: bool = TAKEN_AS_EXACT
     structure: Path | None = option(
         "FRAME.toml",
-        "Frame with its specimen in the laboratory, which one actuator drives or several, in place "
-        "of --f, --xi and --alpha.",
+        "File of a frame whose specimen is driven by one actuator or several, in "
+        "place of --f, --xi and --alpha.",
     )
     model: Path | None = option(
         "MODEL.toml", "Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha."
@@ -73,7 +73,9 @@ class MonitorDemand(Demand):
     )
     mass: str | None = MASS_OF_STRUCTURE
     force_channel: list[str] | None = HELD_BY_FORCE
-    threshold: float = option("ERROR", "Largest error of a good test, 0.05 for 5 %.", default=0.05)
+    threshold: float = option(
+        "ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.", default=0.05
+    )
     metric: str = METRIC_NAME
     command: str | None = COLUMN
     measured: str | None = COLUMN
@@ -94,11 +96,12 @@ class MonitorDemand(Demand):
     )
     export: tuple[str, str] | None = option(
         "c DIR|fmu FILE|fmu3 FILE",
-        "Write the monitor for the loop itself, as C sources or as an FMU of FMI 2.0 or 3.0; needs --rate.",
+        "Write the monitor for use inside the control loop, as C sources or as an FMU of FMI 2.0 or 3.0; "
+        "needs --rate.",
     )
     json_target: str | None = option(
         "FILE|-",
-        "One JSON object in a line for each message; '-' prints only these to standard output.",
+        "One JSON object per line for each message; '-' prints only these to standard output.",
         name="--json",
     )
 
@@ -126,7 +129,7 @@ def monitor(demand: MonitorDemand) -> None:
 def _export(demand: MonitorDemand) -> None:
     from reliab.api import export_monitor
 
-    written = demand.ask(export_monitor, "json_target", why="beside `export`")
+    written = demand.ask(export_monitor, "json_target", why="together with `export`")
     if demand.json_target is not None:
         write_json(written.to_dict(), demand.json_target)
     if demand.json_target != "-":
@@ -137,7 +140,9 @@ def _follow(demand: MonitorDemand) -> None:
     from reliab.api import follow_test
 
     if demand.source is None:
-        raise InputError("A test that is followed needs its file", remedy="Name it, or - for standard input")
+        raise InputError(
+            "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
+        )
     messages = demand.ask(
         follow_test, "json_target", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
@@ -153,8 +158,9 @@ def _follow(demand: MonitorDemand) -> None:
             above = message.to_dict().get("above_threshold") or False
     if demand.source != "-" and not quiet:
         say(
-            f"No new row came for {demand.wait:g} s: the test counts as finished. A new call reads the file "
-            "from its beginning, without rows of a file that has been replaced since."
+            f"No new row came for {demand.wait:g} s: the test counts as finished. When called again, it "
+            "reads "
+            "the file from its beginning; of a replaced file it reads only the new rows."
         )
     if above:
         raise typer.Exit(_ABOVE_THRESHOLD)
@@ -169,7 +175,7 @@ def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
         return Path(target).open("w", encoding="utf-8")
 
 
-_NO_MOTION = "No displacement moves enough for the noise of its sensors."
+_NO_MOTION = "No displacement stands out of the noise of its sensors."
 
 
 class Screen:
@@ -228,8 +234,12 @@ class Screen:
 def _still_learning(message: Mapping[str, Any]) -> str:
     """Say that the specimen is not learned yet, and how far that is."""
     missed = message["specimen"]["held_out"]
-    far = "nothing was learned" if missed is None else f"{percent(missed, decimals=0)} of its force is missed"
-    return f"{message['time_s']:8.2f} s  still learning the specimen: {far} on parts that were held out"
+    far = (
+        "nothing was learned"
+        if missed is None
+        else f"{percent(missed, decimals=0)} of its force is not predicted on held-out parts"
+    )
+    return f"{message['time_s']:8.2f} s  still learning the specimen: {far}"
 
 
 def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:

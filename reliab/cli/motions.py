@@ -38,7 +38,7 @@ class ImportDemand(MotionsDemand):
     """Options of `reliab motions import`, arguments of `reliab.api.import_motions`."""
 
     out: Path = OUT
-    event: str | None = option("", "The one earthquake of all imported motions.")
+    event: str | None = option("", "Earthquake to which all imported motions belong.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class SynthesizeDemand(Demand):
 
     out: Path = OUT
     count: int = option("", "Number of components.", default=100, min=2)
-    seed: int | None = option("", "Seed of another suite than the built-in one.", min=0)
+    seed: int | None = option("", "Seed of a suite other than the built-in one.", min=0)
     json_target: str | None = JSON_TARGET
 
 

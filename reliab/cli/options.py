@@ -31,11 +31,14 @@ def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
 
 
 RESULTS = option(
-    "STORE", "Results that `reliab simulate` stored, or real_suite, shipped.", autocompletion=results
+    "STORE",
+    "Results stored by `reliab simulate`, or real_suite, which comes with reliab.",
+    autocompletion=results,
 )
 ELLIPSES = option(
     "FILE.csv|FILE.nc",
-    "Ellipses: columns a, b and motion or event; or as `reliab ellipses --out` keeps them.",
+    "File of ellipses: a CSV with columns a, b and motion or event, or one written by `reliab ellipses "
+    "--out`.",
     autocompletion=results,
 )
 FREQUENCIES = option("HZ...", "Natural frequencies [Hz].")
@@ -57,7 +60,7 @@ FRACTIONS = option(
 )
 STRUCTURE_FILE = option(
     "FRAME.toml",
-    "A frame with its part in the laboratory (see datasets/frames), in place of --f, --xi, --alpha.",
+    "File of a frame and its specimen (see datasets/frames), in place of --f, --xi, --alpha.",
 )
 MODEL_FILE = option(
     "MODEL.toml", "Structure and effects of an updated model, as `reliab diagnose --out` writes it."
@@ -72,8 +75,8 @@ SENSOR_SCALE = option(
 FEEDBACK_LAG = option("MS", "Time by which the force is fed back late [ms], 0 by default.")
 MASS_OF_STRUCTURE = option(
     "KG",
-    "Mass of the structure; with it the unit of a recorded force is examined, and beside "
-    "a recorded ground acceleration the force is also used to identify the structure.",
+    "Mass of the structure, with which the unit of a recorded force is checked; where the "
+    "ground acceleration was recorded, too, the force also helps to identify the structure.",
 )
 CHANNEL_SKEW = option(
     "MS", "Time by which the measured displacement was recorded later than the command [ms], 0±0.05."
@@ -84,24 +87,24 @@ EQUIPMENT_FILE = option(
 SPECIMEN_KNOWN = option(
     "linear|measured",
     "How the specimen is known: linear, or measured: learned from its recorded force, which "
-    "needs --mass or --structure. By default linear, but it may have yielded where no force was "
-    "recorded.",
+    "needs --mass or --structure. By default linear; where no force was recorded, the interval allows "
+    "for yielding.",
 )
 HELD_BY_FORCE = option(
     "NAME=VALUE",
-    "What the force of a measured specimen holds beside it: lag_ms=2±0.5, attached_kg=12±1, "
+    "What else the recorded force of a measured specimen contains: lag_ms=2±0.5, attached_kg=12±1, "
     "friction_n=40±20.",
 )
 TAKEN_AS_EXACT = flag("Take channels, and values that are stated without a standard deviation, as exact.")
 CRITERION_FILE = option("FILE.json", "Criterion, as `reliab criterion --out` writes it.")
-ERROR_THRESHOLD = option("ERROR", "Error of the whole test, 0.05 for 5 %.")
+ERROR_THRESHOLD = option("ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.")
 JSON_TARGET = option("FILE|-", "Write JSON to a file; - prints only JSON to standard output.", name="--json")
 COLUMN = option("NAME", "Name of the column, if not recognised.")
 UNITS = option("m|mm|in...", "Unit of both displacements.")
 TIME_UNITS = option("s|ms", "Unit of the time.")
 RATE = option("HZ", "Sampling rate, if there is no time column.")
 DELIMITER = option("SIGN", "Character between the columns of a text file.")
-TEST_NAME = option("NAME", "Which test, if the file holds several.", name="--test")
+TEST_NAME = option("NAME", "Name of the test, if the file holds several.", name="--test")
 CHANNELS_FILE = option(
     "CHANNELS.toml", "Names, units, signs, zeros and scales of your laboratory's channels."
 )
@@ -165,7 +168,7 @@ class JudgesTests(Demand):
     feedback_lag: str | None = FEEDBACK_LAG
     mass: str | None = MASS_OF_STRUCTURE
     skew: str | None = CHANNEL_SKEW
-    command_scale: str | None = option("RATIO", "Scale of the command, 1±0.001.")
+    command_scale: str | None = option("RATIO", "Scale of the recorded command, 1±0.001.")
     hysteresis: str | None = option(
         "SHARE", "Hysteresis of the displacement sensor: width of its loop over the span, 0.001±0.0003."
     )
@@ -177,8 +180,8 @@ class JudgesTests(Demand):
     exact: bool = TAKEN_AS_EXACT
     motion: Path | None = option(
         "FILE",
-        "Ground motion of the test; the index is then judged by the boundary of this motion, or "
-        "errors of a frame's floors and storeys are stated over their own peaks.",
+        "Ground motion of the test; the index is then compared with the boundary of this motion; "
+        "errors of a frame's floors and storeys are then relative to their own peaks.",
     )
     criterion: Path | None = CRITERION_FILE
     model: Path | None = option(
@@ -188,7 +191,9 @@ class JudgesTests(Demand):
     force_channel: list[str] | None = HELD_BY_FORCE
     structure: Path | None = STRUCTURE_FILE
     threshold: float | None = ERROR_THRESHOLD
-    confidence: list[float] | None = option("SHARE", "Share of the population's ground motions, 0.95.")
+    confidence: list[float] | None = option(
+        "SHARE", "Share of the population's ground motions that the criterion holds for, 0.95."
+    )
     metric: str | None = option(
         "rms|mte", "Error of the whole test: RMS^R (default) or MTE^R.", autocompletion=metrics
     )

@@ -32,12 +32,12 @@ class RecordDemand(ReadsTests):
     xi: str | None = option("RATIO", "Damping ratio, 0.02.")
     alpha: str | None = option("SHARE", "Share of the structure's stiffness in the laboratory.")
     mass: str | None = option("KG", "Mass of the structure.")
-    specimen: str = option("TEXT", "What was tested.", default="")
-    rig: str = option("TEXT", "On which rig.", default="")
+    specimen: str = option("TEXT", "Specimen that was tested.", default="")
+    rig: str = option("TEXT", "Rig of the test.", default="")
     operator: str = option("TEXT", "By whom.", default="")
     date: str = option("DATE", "When.", default="")
     attribute: list[str] | None = option("NAME=TEXT...", "Further attributes of the record.")
-    check: bool = flag("Examine records; exit with code 1 unless all are sound.")
+    check: bool = flag("Check records; exit with code 1 unless all are valid.")
     json_target: str | None = JSON_TARGET
 
     belongs_to: ClassVar[Mapping[str, str]] = {}
@@ -50,7 +50,9 @@ def record(demand: RecordDemand) -> None:
         _check(demand)
         return
     if demand.csv is not None and len(demand.sources) > 1:
-        raise InputError("A CSV is of one test", value=f"{len(demand.sources)} files", remedy="Name one file")
+        raise InputError(
+            "A CSV file holds one test only", value=f"{len(demand.sources)} files", remedy="Name one file"
+        )
     records = [_record(source, demand) for source in demand.sources]
     contents = [record.to_dict() for record in records]
     if not write_json(contents[0] if len(contents) == 1 else contents, demand.json_target):
@@ -86,12 +88,12 @@ def _attribute(text: str) -> tuple[str, str]:
 def _check(demand: RecordDemand) -> None:
     from reliab.api import check_records
 
-    demand.refuse_all_but(("sources", "check", "json_target"), "beside `check`")
+    demand.refuse_all_but(("sources", "check", "json_target"), "together with `check`")
     faults = check_records(demand.sources)
     if not write_json(faults, demand.json_target):
         for file, sentences in faults.items():
             console().print(
-                f"{file}: {'a sound record' if not sentences else 'not a sound record'}", markup=False
+                f"{file}: {'a valid record' if not sentences else 'not a valid record'}", markup=False
             )
             say(*(f"  {sentence}" for sentence in sentences))
     if any(faults.values()):

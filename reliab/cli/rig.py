@@ -57,10 +57,10 @@ class AddDemand(ReadsTests):
     threshold: float | None = ERROR_THRESHOLD
     date: str | None = option("DATE", "When they were performed, 2026-03-01 or with a time.")
     event: str | None = option("TEXT", "Earthquake of their ground motion.")
-    specimen: str | None = option("TEXT", "What was tested.")
-    note: str | None = option("TEXT", "Anything else.")
+    specimen: str | None = option("TEXT", "Specimen that was tested.")
+    note: str | None = option("TEXT", "Further remarks.")
     covariate: list[str] | None = option(
-        "NAME=NUMBER...", "Numbers on which the rig may depend, current=0.4."
+        "NAME=NUMBER...", "Quantities on which the rig may depend, such as current=0.4."
     )
     json_target: str | None = JSON_TARGET
 
@@ -118,7 +118,7 @@ def add(demand: AddDemand) -> None:
         raise InputError(
             "Every file must be a test that can be judged",
             value=f"{len(outcome.faults)} not judged: {', '.join(outcome.faults)}",
-            remedy="Mend them as the reasons say, or leave them out; the others are in the rig",
+            remedy="Correct them as the reasons say, or leave them out; the other tests are in the rig",
         )
 
 
@@ -173,7 +173,7 @@ class OfNextTest(Demand):
 
     f: str | None = option("HZ", "Natural frequency.")
     xi: str | None = option("RATIO", "Damping ratio, 0.02 by default.")
-    alpha: str | None = option("SHARE", "Share of the stiffness in the laboratory, 1.")
+    alpha: str | None = option("SHARE", "Share of the stiffness in the laboratory, 1 by default.")
     threshold: float | None = ERROR_THRESHOLD
 
 
@@ -183,11 +183,17 @@ class PredictDemand(OfNextTest):
 
     rig: Path = RIG
     structure: Path | None = STRUCTURE_FILE
-    motion: Path | None = option("FILE", "Ground motion; the loop is simulated with drawn actuators.")
-    suite: str | None = option("NAME", "Any motion of a suite: real_suite, synthetic, or a folder.")
+    motion: Path | None = option(
+        "FILE", "Ground motion of the next test, simulated with actuators drawn from the posterior."
+    )
+    suite: str | None = option(
+        "NAME", "Suite of which the next motion may be any: real_suite, synthetic, or a folder."
+    )
     date: str | None = option("DATE", "When; after the last test by default.")
     specimen: str | None = option("TEXT", "On what; the last one by default.")
-    covariate: list[str] | None = option("NAME=NUMBER...", "Numbers that all tests have, peak_mm=40 too.")
+    covariate: list[str] | None = option(
+        "NAME=NUMBER...", "Quantities of the next test that all tests have, such as peak_mm=40."
+    )
     json_target: str | None = JSON_TARGET
 
 
@@ -207,7 +213,7 @@ class PlanDemand(OfNextTest):
     """Options of `reliab rig plan`, arguments of `reliab.api.plan_rig`."""
 
     rig: Path = RIG
-    share: float = option("SHARE", "Share of coming tests that shall be good.", default=0.95)
+    share: float = option("SHARE", "Share of the coming tests that should be good.", default=0.95)
     json_target: str | None = JSON_TARGET
 
 
@@ -217,14 +223,14 @@ class CompareDemand(Demand):
 
     rig: Path = RIG
     other: Path | None = argument("[OTHER]", "Folder of the rig to compare with.", default=None)
-    since: str | None = option("DATE", "Date of a change of the same rig, in its place.")
+    since: str | None = option("DATE", "Date of a change of this rig, in place of another rig.")
     json_target: str | None = JSON_TARGET
 
 
 @app.command("plan")
 @takes(PlanDemand)
 def plan(demand: PlanDemand) -> None:
-    """Say what to change so that nearly all coming tests are good."""
+    """Find what to change so that nearly all coming tests are good."""
     from reliab.api import plan_rig
 
     content = demand.ask(plan_rig, "json_target").to_dict()
@@ -249,10 +255,14 @@ class RigReportDemand(Reported):
 
     rig: Path = RIG
     out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=written_as(".pdf"))
-    f: str | None = option("HZ", "Natural frequency; that of the last test.")
-    xi: str | None = option("RATIO", "Damping ratio; that of the last test.")
-    alpha: str | None = option("SHARE", "Share in the laboratory; that of the last.")
-    threshold: float | None = option("ERROR", "Error of the whole test; that of the last test.")
+    f: str | None = option("HZ", "Natural frequency; by default that of the last test.")
+    xi: str | None = option("RATIO", "Damping ratio; by default that of the last test.")
+    alpha: str | None = option(
+        "SHARE", "Share of the stiffness in the laboratory; by default that of the last test."
+    )
+    threshold: float | None = option(
+        "ERROR", "Largest acceptable error of the whole test; by default that of the last test."
+    )
     json_target: str | None = JSON_TARGET
 
 
@@ -287,7 +297,7 @@ def show_added(content: Mapping[str, Any]) -> None:
     _show_rows(f"Tests added to {content['rig']}: {len(content['added'])}", content["added"])
     _say(f"Tests in the rig: {content['tests']}.")
     if content["present"]:
-        _say(f"There already: {', '.join(content['present'])}.")
+        _say(f"Already in the rig: {', '.join(content['present'])}.")
     for file, fault in content["faults"].items():
         _say(f"Not judged: {file}: {fault}")
 
@@ -348,7 +358,7 @@ def show_prediction(content: Mapping[str, Any]) -> None:
     _say(
         f"Probability {content['probability']:.2f} that the error stays below "
         f"{percent(content['threshold'])}. "
-        f"Its square comes from: {shares}."
+        f"Contributions to its square: {shares}."
     )
     _say(f"By {content['basis']}.")
     scores = ", ".join(

@@ -38,9 +38,9 @@ class SimulateDemand(Demand):
     engine: str = option(
         "automatic|pole|delay|spectral", "How the equation of motion is solved.", default="automatic"
     )
-    resume: bool = flag("Continue a store that an interrupted run has begun.")
+    resume: bool = flag("Continue the store of an interrupted run.")
     workers: int | None = option("", "Threads; all processors by default.", min=1)
-    scheduler: str | None = option("ADDRESS", "A dask scheduler that solves the motions.")
+    scheduler: str | None = option("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
     json_target: str | None = JSON_TARGET
 
 

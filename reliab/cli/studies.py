@@ -15,7 +15,8 @@ class RunDemand(Reported):
 
     study: str = argument(
         "[STUDY]",
-        "A study's folder or file, or the name of one that ships. The code in a folder is run.",
+        "Folder or file of a study, or the name of one that comes with reliab. Code in the folder is "
+        "executed.",
         default="quick",
         autocompletion=studies,
     )
@@ -32,7 +33,9 @@ def run(demand: RunDemand) -> None:
     from reliab.api import list_studies, perform_study
 
     if demand.list_all:
-        content = demand.ask(list_studies, "list_all", "json_target", why="beside `list_all`").to_dict()
+        content = demand.ask(
+            list_studies, "list_all", "json_target", why="together with `list_all`"
+        ).to_dict()
         if not write_json(content, demand.json_target):
             shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
             for row in content["studies"]:

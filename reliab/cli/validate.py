@@ -99,7 +99,7 @@ class ValidateDemand(Demand):
 
 @takes(ValidateDemand)
 def validate(demand: ValidateDemand) -> None:
-    """Judge criteria on earthquakes that they were not learned from."""
+    """Test criteria on earthquakes from which they were not learned."""
     from reliab import api
 
     if demand.rebuilt_error:
@@ -120,7 +120,7 @@ def _answer(
 ) -> None:
     """Ask for a way of judging; write and print what it answers."""
     bar = {} if way == "case" else {"show": progress_bar}
-    why = f"beside `{way}`" if way else ""
+    why = f"together with `{way}`" if way else ""
     content = demand.ask(service, *filter(None, ["json_target", way]), why=why, **bar).to_dict()
     if not write_json(content, demand.json_target):
         show(content)

@@ -1,4 +1,4 @@
-"""Ellipses of a population of ground motions, carried to another response, length or suite.
+"""Ellipses of a population of ground motions, transferred to another response, length or suite.
 
 Most of the scatter of a and b between motions is known before a test. They follow from the exact response
 alone (`reliab.boundary.finite_errors`); what is left of ln a scatters by 0.06, where ln a itself scatters by
@@ -69,7 +69,7 @@ def carry_to_response(
     *,
     angle: float | None = None,
 ) -> _Given:
-    """Carry the ellipses of a population to a structure's response under one motion.
+    """Transfer the ellipses of a population to a structure's response under one motion.
 
     Every motion's boundary is compared with the one that its response predicts, by the multiple of the
     predicted ellipse that lies inside. The multiples scatter by 0.06 where ln a itself scatters by 0.6, and
@@ -160,7 +160,7 @@ def _as_given(given: _Given, carried: EllipseTable) -> _Given:
 
 
 def carry_to_length(ellipses: _Given, duration: float) -> _Given:
-    """Carry the ellipses of a population to records of another length [s].
+    """Transfer the ellipses of a population to records of another length [s].
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     table = tabled(ellipses)
     if "duration" not in table.of_motions:
         raise InputError(
-            "Ellipses are carried to a length from records of known lengths",
+            "Ellipses can be transferred to a length only from records of known lengths",
             value="ellipses without the coordinate duration",
             remedy="Derive the criterion from records, or from real_suite",
         )
@@ -214,7 +214,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
 
 
 def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
-    """Carry the ellipses of a population towards those of a suite of a few motions.
+    """Transfer the ellipses of a population towards those of a suite of a few motions.
 
     The suite's mean is pooled with the population's in proportion to what either is worth: the means of
     populations are expected to differ as those of earthquakes do, and by half the variance of motions at
@@ -383,7 +383,7 @@ def _assembled(
 def _each(
     carried: Callable[[str, Labels, Array], Array],
 ) -> Callable[[Labels, Array, Array], tuple[Array, Array]]:
-    """Carry a and b each for itself."""
+    """Carry a and b separately."""
     return lambda cell, a, b: (carried("a", cell, a), carried("b", cell, b))
 
 
@@ -422,7 +422,7 @@ def _require_rms(table: EllipseTable) -> None:
     metrics = names_along(table, "metric")
     if metrics != [Metric.RMS]:
         raise InputError(
-            "A criterion is carried to a response for the error RMS^R",
+            "A criterion can be transferred to a response only for the error RMS^R",
             value=", ".join(metrics),
             remedy="Ask for the metric rms",
         )

@@ -224,7 +224,7 @@ class Criterion:
         promise = {
             "error": f"below {significant(self.threshold)} {self.metric.upper()}",
             "confidence": f"{self._share_in_words}, by {self.method}",
-            "limits": "a and b together" if self.joint else "a and b, each for itself",
+            "limits": "a and b together" if self.joint else "a and b, separately",
         }
         return table_of_criterion(promise, self.law, self.provenance)
 

@@ -54,7 +54,7 @@ def read_table(
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
-            "A motion may stand only once for one structure and error",
+            "A motion may occur only once for each structure and error",
             value=table["motion"][repeated].iloc[0],
             remedy="Rename one, or add the columns f, xi, alpha, threshold that distinguish them",
             where=f"{path}, line {_line(repeated)}",

@@ -101,7 +101,7 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> NDArra
 
 
 def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.Dataset":
-    """Carry ellipses of wholly experimental structures to a share of the stiffness.
+    """Transfer ellipses of structures with all stiffness in the laboratory to a smaller share.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
     stored = share_of(ellipses)
     if stored != _WHOLE:
         raise InputError(
-            "Ellipses are carried from structures that stand wholly in the laboratory",
+            "Ellipses can be transferred only from structures with all stiffness in the laboratory",
             value=f"α = {stored:g}",
             remedy="Give `motions`, whose boundaries are computed for any fraction",
         )
@@ -139,9 +139,9 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
         {name: (ellipses[name] * factor).transpose(*ellipses[name].dims) for name in ("a", "b")}
     )
     caution = (
-        f"The ellipses of α = 1 were carried to α = {experimental_fraction:g} by the law "
+        f"The ellipses of α = 1 were transferred to α = {experimental_fraction:g} by the law "
         "(1 + 1/8ξ²)/(1 + α²/8ξ²) of a spring as the specimen; under 20 real motions simulated limits lay "
-        "between 0.88 and 1.18 of carried ones. Give ground motions for boundaries of their own."
+        "between 0.88 and 1.18 of transferred ones. Give ground motions for boundaries of their own."
     )
     former = str(ellipses.attrs.get("caution", ""))
     return carried.assign_attrs(

@@ -40,7 +40,7 @@ def protect_over_lengths(
     curve: str = CurveName.INSCRIBED,
     confidence: float = PROTECTED_FROM,
 ) -> _Given:
-    """Carry the ellipses of a population to the least favourable of its lengths.
+    """Transfer the ellipses of a population to the least favourable of its lengths.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def protects(confidence: float) -> bool:
 
 
 def lengths_together(ellipses: Ellipses) -> bool:
-    """Whether lengths tell something of the limits, and stand together all the same."""
+    """Whether the limits depend on the length of a record although all lengths are pooled."""
     return str(ellipses.attrs.get("carried_to", "")).startswith(_TOGETHER)
 
 

@@ -1,4 +1,4 @@
-"""For which tests a criterion speaks: ranges of what its motions are, and a test compared with them."""
+"""Tests for which a criterion is valid: ranges of its motions' properties, and a test compared with them."""
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
@@ -139,7 +139,7 @@ def population_of(ellipses: Ellipses) -> str:
 
 
 def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str]:
-    r"""Say for which ground motions criteria speak, given by the share of each [-] and its population.
+    r"""Say for which ground motions criteria are valid, given by the share of each [-] and its population.
 
     A share is None where nothing is promised.
 

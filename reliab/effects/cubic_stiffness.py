@@ -13,7 +13,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 @dataclass(frozen=True, kw_only=True)
 class CubicStiffness(SteppedEffect):
-    """A force k₃x³ beside the linear spring."""
+    """A force k₃x³ in addition to the linear spring."""
 
     name = "cubic_stiffness"
     block = Block.SPECIMEN

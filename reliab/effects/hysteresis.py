@@ -1,4 +1,4 @@
-"""Bouc–Wen hysteresis beside the linear spring, or in place of a part of it (Wen 1976)."""
+"""Bouc–Wen hysteresis in addition to the linear spring, or in place of a part of it (Wen 1976)."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from reliab.vocabulary import Block
 
 @dataclass(frozen=True, kw_only=True)
 class Hysteresis(SteppedEffect):
-    """A force f·(z − s·x/d), z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + γ)), beside the linear spring.
+    """A force f·(z − s·x/d), z' = (v/d)·(1 − |z|ⁿ(β·sgn(vz) + γ)), in addition to the linear spring.
 
     The shape is that of z' = (v/d)·(1 − |z|ⁿ(sgn(vz) + g)) with g = γ/β and β = 1 − γ − 2·min(γ, 0)²: with
     γ ≥ 0 that of textbooks, β + γ = 1, in which f is the yield force; with γ below zero a part that yields

@@ -54,7 +54,7 @@ def _of_effect(effect: Effect, name: str) -> str:
         return _Function(_kernel_of(effect), name).text
     except (_NotTranslatedError, OSError, SyntaxError) as reason:
         raise InputError(
-            f"A monitor in a loop computes effects whose step has a form in C, which {effect.name} has not",
+            f"A monitor in a loop computes effects whose step has a form in C, and {effect.name} has none",
             value=str(reason),
             remedy="Leave it out of the model, or follow the test with `reliab monitor --model`",
         ) from reason
@@ -73,7 +73,7 @@ class _Function:
         function = inspect.unwrap(kernel.function)
         tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
         if not isinstance(tree, ast.FunctionDef) or len(tree.args.args) != len(_CONSTANT) + 1:
-            raise _NotTranslatedError("its kernel is no plain function of five arguments")
+            raise _NotTranslatedError("its kernel is not a plain function of five arguments")
         self._globals: dict[str, Any] = {**vars(math), **function.__globals__}
         self._math = {key for key, value in function.__globals__.items() if value is math}
         self._arguments = [argument.arg for argument in tree.args.args]
@@ -134,7 +134,7 @@ class _Function:
     def _loop(self, node: ast.For, _depth: int) -> list[str]:
         count = node.iter
         if not (isinstance(count, ast.Call) and ast.unparse(count.func) == "range" and len(count.args) == 1):
-            raise _NotTranslatedError(f"`{ast.unparse(count)}` is no range from zero")
+            raise _NotTranslatedError(f"`{ast.unparse(count)}` is not a range from zero")
         place, end = self._target(node.target), self._value(count.args[0])
         return [f"for ({place} = 0.0; {place} < {end}; {place} += 1.0) {{", *self._block(node.body), "}"]
 
@@ -152,7 +152,7 @@ class _Function:
         if not (isinstance(place, ast.Constant) and isinstance(place.value, int)) or (
             ast.unparse(node.value) not in arrays
         ):
-            raise _NotTranslatedError(f"`{ast.unparse(node)}` is no element with a fixed number")
+            raise _NotTranslatedError(f"`{ast.unparse(node)}` is not an element with a fixed number")
         return f"{ast.unparse(node.value)}[{place.value}]"
 
     def _operator(self, node: ast.AST) -> str:
@@ -182,7 +182,7 @@ class _Function:
 
     def _number(self, node: ast.Constant) -> str:
         if not isinstance(node.value, float | int):
-            raise _NotTranslatedError(f"`{ast.unparse(node)}` is no number")
+            raise _NotTranslatedError(f"`{ast.unparse(node)}` is not a number")
         return repr(float(node.value))
 
     def _constant_of_math(self, node: ast.Attribute) -> str:
@@ -215,7 +215,7 @@ class _Function:
         value = self._globals.get(name)
         if isinstance(value, float | int):
             return repr(float(value))
-        raise _NotTranslatedError(f"`{name}` is no number")
+        raise _NotTranslatedError(f"`{name}` is not a number")
 
     def _called(self, node: ast.expr) -> str:
         if isinstance(node, ast.Name) and node.id in _FUNCTIONS and node.id not in self._globals:
@@ -226,4 +226,4 @@ class _Function:
             and node.attr in _OF_MATH
         ):
             return node.attr
-        raise _NotTranslatedError(f"`{ast.unparse(node)}` is no function that C has")
+        raise _NotTranslatedError(f"`{ast.unparse(node)}` is not a function that C has")

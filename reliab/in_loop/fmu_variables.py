@@ -61,7 +61,7 @@ def _parameters(place: dict[int, str]) -> list[Variable]:
     actuators = len(place)
     quantities = (
         ("sensor_offset", "Offset of the displacement sensor"),
-        ("standing", "Command minus measured displacement under which the test begins in equilibrium"),
+        ("standing", "Command minus measured displacement in equilibrium, when the test begins"),
     )
     numbers = [
         Variable(

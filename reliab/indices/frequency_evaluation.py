@@ -87,7 +87,8 @@ def evaluate_sums(sums: "TrackingSums") -> tuple[Array, Array]:
 def _check(command: Array, measured: Array) -> None:
     if command.shape != measured.shape or command.size < _FEWEST_SAMPLES:
         raise InputError(
-            f"Command and measured displacement must have one length of at least {_FEWEST_SAMPLES} samples",
+            f"Command and measured displacement must have the same length of at least {_FEWEST_SAMPLES} "
+            "samples",
             value=f"{command.size} and {measured.size} samples",
             remedy="Cut both histories to the same stretch of the test",
         )

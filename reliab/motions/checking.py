@@ -183,7 +183,7 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
     middle = median(peak.value for peak in peaks)
     for peak in peaks:
         if not peak.confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
-            remedy = "confirm a true peak in a catalogue's column units"
+            remedy = "confirm a true peak by the column units of a catalogue"
             fault = Fault(
                 file=peak.file,
                 line=None,

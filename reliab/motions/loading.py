@@ -176,7 +176,7 @@ def load_motions(
     selected = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
     if not selected:
         raise InputError(
-            "At least one motion must be left",
+            "At least one motion must remain",
             value=f"only motions of the set {HELD_OUT}",
             remedy=f"Name the set {HELD_OUT} to use it",
         )

@@ -137,7 +137,7 @@ def _check_samples(samples: Array, name: str) -> Array:
         raise InputError(
             f"The peak of a motion must not exceed {PEAK_LIMIT_G:g} g",
             value=f"{peak:.4g} g",
-            remedy="Check the units; a motion holds m/s²",
+            remedy="Check the units; a motion is in m/s²",
             where=name,
         )
     copied.flags.writeable = False

@@ -52,14 +52,14 @@ _PLAIN = ("resolution_m", "noise_m", "command_noise_m")
 _FORMER = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 _HOLDS_DELAY = (
-    "The skew holds the actuator's own delay, which no test without a third channel tells from it: give "
-    "`actuator_delay_ms` where one signal was not fed to both channels."
+    "The skew includes the actuator's own delay, which only a test with a third channel could separate: "
+    "give `actuator_delay_ms` unless one signal was fed to both channels."
 )
 _LOCKED = "The measured channel does not move: only its noise and resolution follow from this test."
 _ACTUATOR_MOVES = (
-    "The measured displacement differs from the command by more than skew, scale, hysteresis and noise: the "
-    "actuator's own motion is in it. Scale and hysteresis are those of the samples at rest; the skew does "
-    "not follow."
+    "The measured displacement differs from the command by more than skew, scale, hysteresis and noise: "
+    "the actuator's own dynamics are in it. Scale and hysteresis were taken from the samples at rest; the "
+    "skew cannot be determined."
 )
 
 
@@ -74,8 +74,8 @@ class ChannelCalibration:
     scale : StatedValue or None
         Reading of the measured channel over that of the command's [-]; None where it did not move.
     hysteresis : StatedValue or None
-        Difference of two readings at one place that is reached from two sides, over the range of the motion
-        [-].
+        Difference of the readings at one position that is reached from either side, over the range of the
+        motion [-].
     noise_m, command_noise_m : float
         Root mean square of the noise of the measured and of the command's channel [m].
     resolution_m : float
@@ -179,7 +179,8 @@ def _unsure(hysteresis: StatedValue) -> float:
 
 def _never_rests(recording: Recording, remainder: float) -> InputError:
     return InputError(
-        "Without rests the measured displacement must differ by skew, scale and hysteresis only",
+        "Without samples at rest, the measured displacement may differ from the command by skew, scale "
+        "and hysteresis only",
         value=f"{percent(remainder, decimals=2)} of the motion's amplitude beyond its noise",
         remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
         where=recording.name,
@@ -237,7 +238,7 @@ def _require_one_motion(recording: Recording) -> None:
     correlation = float(np.corrcoef(recording.command, recording.measured)[0, 1])
     if correlation < _LEAST_CORRELATION:
         raise InputError(
-            "In a calibration the measured displacement must be the command but for the channels",
+            "In a calibration, command and measured displacement may differ by their channels only",
             value=f"a correlation of {correlation:.2f}",
             remedy="Feed one signal to both channels, or move the actuator slowly and without a specimen",
             where=recording.name,

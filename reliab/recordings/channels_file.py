@@ -36,15 +36,16 @@ class ChannelTable(_Table):
     """One channel: its names in files, and how its readings become displacement, force or acceleration."""
 
     column: Annotated[list[_Name], Field(max_length=50)] | _Name = Field(
-        default=[], description="Name of the column, or several of which the first that a file holds counts"
+        default=[],
+        description="Name of the column, or several names, of which the first that a file holds is used",
     )
     unit: Annotated[str, Field(max_length=20)] = Field(default="", description="Unit, in place of the file's")
     sign: Literal[-1, 1] = Field(default=1, description="1, or -1 where the channel is reversed")
     scale: Annotated[float, Field(gt=0.0, le=1e30)] = Field(
-        default=1.0, description="What readings are multiplied by"
+        default=1.0, description="Factor by which readings are multiplied"
     )
     zero: _Reading = Field(
-        default=0.0, description="Reading at rest, in the unit of the file, which is taken away"
+        default=0.0, description="Reading at rest, in the unit of the file, which is subtracted"
     )
 
     def stated(self) -> Stated:
@@ -84,7 +85,8 @@ class CalibrationTable(_Table):
     scale_sd: _NotNegative = Field(default=0.0, description="Its standard deviation")
     hysteresis: _NotNegative | None = Field(
         default=None,
-        description="Difference of two readings at one place that is reached from two sides, over the range",
+        description="Difference of the readings at one position that is reached from either side, over "
+        "the range",
     )
     hysteresis_sd: _NotNegative = Field(default=0.0, description="Its standard deviation")
     resolution_m: _NotNegative | None = Field(default=None, description="Step between readings [m]")
@@ -132,10 +134,10 @@ class ChannelsDescription(_Table):
     sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
     calibration: CalibrationTable = Field(
         default=CalibrationTable(),
-        description="What the measured channel adds, which `assess` takes off",
+        description="What the measured channel adds to the motion, which `assess` removes",
     )
     filters: FilterTable = Field(
-        default=FilterTable(), description="Low-pass filters, where no calibrated skew has their delay in it"
+        default=FilterTable(), description="Low-pass filters, unless a calibrated skew includes their delay"
     )
 
 
@@ -171,8 +173,8 @@ def read_channels_file(path: str | Path) -> StatedChannels:
     tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
     if tables.filters.texts() and tables.calibration.skew_ms is not None:
         raise InputError(
-            "A skew that was calibrated has the delay of the filters in it",
-            value="`skew_ms` beside `filters`",
+            "A calibrated skew includes the delay of the filters",
+            value="`skew_ms` together with `filters`",
             remedy="Leave `filters` out",
             where=str(path),
         )

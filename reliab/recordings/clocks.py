@@ -162,8 +162,8 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, rate
     count = columns.values[name].size
     if count != size:
         raise InputError(
-            "Channels without times of their own must have one length",
-            value=f"{count} samples of {name!r} beside {size}",
+            "Channels without times of their own must have the same length",
+            value=f"{count} samples of {name!r} and {size} of others",
             remedy="Export all channels at one rate, or with their times",
             where=columns.where,
         )
@@ -186,7 +186,7 @@ def _shared_clock(
     clock = _clock(columns, time.column, times, unit.factor if unit else 1.0)
     if unit is None and rate_hz is None and clock.step >= _SLOWEST:
         raise InputError(
-            "Times must state their unit where they may be no seconds",
+            "Times must state their unit where they may not be in seconds",
             value=f"steps of {clock.step:g} in {time.column!r}",
             remedy="Say it with `time_units`, or give the sampling rate with `rate`",
             where=columns.where,

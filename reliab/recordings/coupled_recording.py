@@ -62,7 +62,7 @@ class CoupledRecording:
         shape = np.shape(self.command)
         if len(shape) != 2 or shape != np.shape(self.measured) or shape[1] < FEWEST_SAMPLES:  # noqa: PLR2004
             raise InputError(
-                f"Commands and measured displacements must have one length, at least {FEWEST_SAMPLES}",
+                f"Commands and measured displacements must have the same length, at least {FEWEST_SAMPLES}",
                 value=f"shapes {shape} and {np.shape(self.measured)}",
                 remedy="Give the whole test",
                 where=self.name,

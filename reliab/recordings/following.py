@@ -77,7 +77,7 @@ def chunks_of_text(
 def _awaited(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
     """Open a file that a logger may still have to create in its folder."""
     if not path.exists() and path.absolute().parent.is_dir():
-        say(f"Waiting up to {limit:g} s for {path.name}, which is not there yet; Ctrl-C ends it.")
+        say(f"Waiting up to {limit:g} s for {path.name}, which does not exist yet; Ctrl-C ends the waiting.")
         until = time.monotonic() + limit
         while not path.exists() and time.monotonic() < until:
             time.sleep(_POLL)
@@ -296,7 +296,7 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
             raise InputError(
                 f"Every line must have {layout.width} columns, as the first has",
                 value=len(cells),
-                remedy="Mend the line",
+                remedy="Correct the line",
                 where=f"{name}, line {number}",
             )
         for key, (place, _) in layout.channels.items():
@@ -305,7 +305,7 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
                 raise InputError(
                     "Every value must be a finite number",
                     value=repr(cells[place]),
-                    remedy="Mend the line",
+                    remedy="Correct the line",
                     where=f"{name}, line {number}, column {key[0]}",
                 )
             read[key].append(value)

@@ -40,7 +40,7 @@ _SHORTEST_GLUED, _LONGEST_WORD = 5, 40
 _COORDINATES: Final = frozenset("xyzdus")
 
 WITHOUT_ROLE: Final = 8
-"""Rank from which a displacement is one that no word calls measured."""
+"""Rank from which no word marks a displacement as measured."""
 
 _WEAK_RANK, _ALTERED_RANK, _TABLE_RANK = 2, 4, 2
 _LEAST_NOISE_RATIO = 3.0

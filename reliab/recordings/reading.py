@@ -219,7 +219,7 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
     completed, notes = [], []
     if not columns.named:
         order = ", ".join(f"{channel.part} = {channel.column}" for channel in channels)
-        notes.append(f"The columns have no names and were told from each other by what they do: {order}.")
+        notes.append(f"The columns have no names and were identified by their histories: {order}.")
     for channel in channels:
         partner = {Part.COMMAND: Part.MEASURED, Part.MEASURED: Part.COMMAND}.get(channel.part)
         beside = pairs.get((partner, channel.actuator)) if partner else None

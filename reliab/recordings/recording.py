@@ -150,7 +150,7 @@ class Recording:
     def __post_init__(self) -> None:
         if self.command.shape != self.measured.shape or self.command.size < FEWEST_SAMPLES:
             raise InputError(
-                f"Command and measured displacement must have one length, at least {FEWEST_SAMPLES}",
+                f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES}",
                 value=f"{self.command.size} and {self.measured.size}",
                 remedy="Give the whole test",
                 where=self.name,

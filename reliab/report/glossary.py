@@ -70,7 +70,7 @@ TERMS: Final = (
     Term(
         name="held-out test",
         pattern=r"held[- ]out",
-        meaning=prose("A test or an earthquake that had no part in what is judged by it."),
+        meaning=prose("A test or an earthquake that was not used to derive what is judged by it."),
     ),
     Term(
         name="interval",

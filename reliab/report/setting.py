@@ -49,13 +49,13 @@ class Setting:
         """Check paper and logo."""
         if self.paper not in PAPERS:
             raise InputError(
-                "A report is set on a known paper",
+                "The paper of a report must be a known format",
                 value=self.paper,
                 remedy=f"Choose {' or '.join(PAPERS)}",
             )
         if self.logo is not None and self.logo.suffix.lower() not in _PICTURES:
             raise InputError(
-                "A logo is a picture",
+                "A logo must be a picture",
                 value=self.logo.name,
                 remedy=f"Give one that ends in {', '.join(_PICTURES)}",
             )

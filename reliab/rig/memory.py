@@ -200,14 +200,14 @@ class Memory:
 
 def _too_few(table: RigTable, frame: str, count: int) -> InputError:
     """Refuse fewer than three tests of a kind of structure; tests of others are named beside them."""
-    kind = f"tests of the frame {frame!r}" if frame else "tests of structures of one mass"
+    kind = f"tests of the frame {frame!r}" if frame else "tests of single-degree-of-freedom structures"
     others = sorted({repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)})
-    beside = f" beside those of {', '.join(others)}" if others else ""
+    beside = f" in addition to those of {', '.join(others)}" if others else ""
     remedy = "Add tests with `reliab rig add`"
     if others and not frame:
         remedy += (
             ", or predict the next one of the frame with `reliab rig predict RIG --structure FRAME`; "
-            "plans are for structures of one mass"
+            "plans are for single-degree-of-freedom structures"
         )
     return InputError(
         f"A rig is learned from at least {FEWEST} tests with a finite error",

@@ -171,7 +171,7 @@ class _Question:
             change="compensation",
             value=delay - most,
             share_of_good_tests=shares[_REMAINING.tolist().index(most)],
-            sentence=f"It is enough to {what}, of which up to {most:g} ms may be left over.",
+            sentence=f"It is enough to {what}, of which up to {most:g} ms may remain.",
         )
 
 

@@ -23,7 +23,7 @@ _ENDS: Final = (0.05, 0.5, 0.95)
 _NAMES: Final = ("low", "median", "high")
 _SAME: Final = 1e-9
 _LARGEST_R_HAT: Final = 1.2
-_WORDS: Final = {"d_ms": "d", "rms": "error", "ratio": "error over what A, d and remainder explain"}
+_WORDS: Final = {"d_ms": "d", "rms": "error", "ratio": "error relative to that from A, d and remainder"}
 _LARGEST_PROBABILITY: Final = 0.99
 """As for a test: higher ones were not validated."""
 
@@ -112,7 +112,7 @@ def predict_next(
         intervals={**_tracking_intervals(learned, others), "rms": _interval(quantiles)},
         probability=_capped(probability),
         drivers=_shares(memory.contributions(typical_ellipse(assumed))),
-        basis="the errors of the rig's own tests, carried to this structure by the ellipses that ship"
+        basis="the errors of the rig's own tests, scaled to this structure by the ellipses of real_suite"
         if np.ptp([*scales, scale]) > _SAME
         else "the errors of the rig's own tests",
         learned=learned,
@@ -248,8 +248,8 @@ def _notes(
     if unsettled := _unsettled(learned):
         sizes = ", ".join(f"{_WORDS.get(name, name)} {size:.2f}" for name, size in unsettled.items())
         notes.append(
-            f"The posterior's draws have not converged (R-hat, 1 where they have: {sizes}), so that "
-            "intervals and probability are not to be relied on."
+            f"The posterior's draws have not converged (R-hat, which is 1 after convergence: {sizes}), so "
+            "that intervals and probability are not to be relied on."
         )
     frequencies = memory.table.numbers("f")
     if structure is not None and not (
@@ -260,9 +260,9 @@ def _notes(
             f"{significant(frequencies.max(), 3)} Hz."
         )
     if not memory.ordered:
-        notes.append("Dates are not stated for all tests, so that their order teaches nothing.")
+        notes.append("Dates are not stated for all tests, so that nothing is learned from their order.")
     if not any(memory.table.texts("event")):
-        notes.append("Earthquakes are not stated; every test counts as one of its own.")
+        notes.append("Earthquakes are not stated; every test counts as one of a separate earthquake.")
     peaks = memory.table.numbers("peak_mm")
     if coming.peak is not None and not peaks.min() <= coming.peak <= peaks.max():
         notes.append(

@@ -75,7 +75,7 @@ class ChainFile:
             self._write()
         except OSError as error:
             raise IncompleteError(
-                f"Writing {self.path} failed: {error}. The draws of before are safe; remove the cause and "
+                f"Writing {self.path} failed: {error}. Earlier draws are safe; remove the cause and "
                 "run the same command again."
             ) from error
         self._written = time.monotonic()
@@ -132,7 +132,7 @@ def _fill(chain: "Backend", held: "h5py.Group") -> None:
         message = "chains of different lengths"
         raise ValueError(message)
     if not np.isfinite(chain.chain).all():
-        message = "chains with values that are no numbers"
+        message = "chains with values that are not numbers"
         raise ValueError(message)
     chain.random_state = state
 

@@ -78,7 +78,7 @@ class Partition:
         size = self.size
         if self.damping.shape != (size, size) or self.stiffness.shape != (size, size):
             raise InputError(
-                "Mass, damping and stiffness matrices must be of one size",
+                "Mass, damping and stiffness matrices must be of the same size",
                 value=f"{size}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
                 remedy="Give one row and column for each degree of freedom",
             )

@@ -71,7 +71,7 @@ class MotionsTable(RecordsTable):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.results is not None and (self.sources is not None or self.sets is not None):
-            message = "results exclude sources and sets"
+            message = "results cannot be combined with sources or sets"
             raise ValueError(message)
         return self
 
@@ -162,7 +162,7 @@ class Study(Table):
             If the study is of no ground motions.
         """
         raise InputError(
-            f"A study of the kind {self.kind} is not one of ground motions",
+            f"A study of the kind {self.kind} takes no ground motions",
             value=f"motions {', '.join(sources or sets or ())}",
             remedy="Leave it out",
         )

@@ -45,7 +45,7 @@ def kind_of(folder: Path) -> Kind | None:
     folder = folder.resolve()
     if "." in folder.name:
         raise InputError(
-            "The folder of a study with code has a name without points",
+            "The folder of a study with code must have a name without dots",
             value=folder.name,
             remedy="Rename it",
             where=str(folder),
@@ -56,12 +56,12 @@ def kind_of(folder: Path) -> Kind | None:
         raise InputError(
             "The code of a study must be importable",
             value=error,
-            remedy="Mend it, or install what it imports",
+            remedy="Correct it, or install what it imports",
             where=str(folder / f"{_CODE}.py"),
         ) from error
     if not isinstance(kind, Kind):
         raise InputError(
-            "kind.py of a study holds its KIND, a reliab.study.kind.Kind",
+            "kind.py of a study must define KIND, a reliab.study.kind.Kind",
             value=f"KIND = {kind!r}",
             remedy="See studies/README.md",
             where=str(folder / f"{_CODE}.py"),

@@ -35,7 +35,8 @@ def read_study(path: str | Path) -> Study:
     content = read_toml(
         path,
         rule="A study is a TOML file",
-        remedy="Mend it, or name another; `reliab run --list` lists those that are shipped",
+        remedy="Correct the file, or name another; `reliab run --list` lists the studies that come with "
+        "reliab",
     )
     return study_from(content, where=str(path))
 
@@ -63,7 +64,7 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
     name = content.get("kind")
     if not isinstance(name, str) or name not in KINDS:
         raise InputError(
-            "A study says of which kind it is",
+            "A study must state its kind",
             value=f"kind = {name!r}" if name is not None else "no key kind",
             remedy=f"Choose among {', '.join(KINDS)}",
             where=where,

@@ -68,7 +68,7 @@ class RunFolder:
         strangers = [file for file in path.iterdir() if not file.name.startswith(UNFINISHED)]
         if not (path / MANIFEST).exists() and strangers:
             raise InputError(
-                "The folder for the results must be new or empty, or hold an earlier run of a study",
+                "The folder for the results must be new, empty or that of an earlier run of a study",
                 value=f"{path} holds other files",
                 remedy="Name another folder",
             )
@@ -142,7 +142,7 @@ def study_of(path: Path) -> dict[str, Any]:
     study = _read(path).get("study")
     if study is None:
         raise InputError(
-            "A report is made of the folder of a run",
+            "A report can be made only from the folder of a run",
             value=f"no {MANIFEST} in it that a run wrote",
             remedy="Name the folder that `reliab run --out` wrote",
             where=str(path),

@@ -42,7 +42,7 @@ def share_of(dataset: xr.Dataset) -> float:
     shares = shares_of(dataset)
     if len(shares) > 1:
         raise InputError(
-            "This is asked of one share of the stiffness in the laboratory",
+            "This needs a dataset of one share of the stiffness in the laboratory",
             value=f"a dataset of α = {_list_shares(shares)}",
             remedy="Choose one with reliab.sweep.at_share, or as `alpha` of a command",
         )

@@ -65,7 +65,7 @@ RECORD_FIELDS: dict[str, type | str] = {
 """Data stored for each record, with their types."""
 
 STORED = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
-MEND = "Mend the store with `reliab simulate --resume`, or simulate again to another store"
+MEND = "Repair the store with `reliab simulate --resume`, or simulate again to another store"
 """Rule for stored results, and the remedy where it is broken."""
 
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}

@@ -57,7 +57,7 @@ def tolerances(
     threshold: float = 0.05,
     progress: Progress = silent,
 ) -> pd.DataFrame:
-    """Find what tests with nonlinear specimens tolerate, beside those with linear ones.
+    """Find what tests with nonlinear specimens tolerate, relative to those with linear ones.
 
     `threshold`: RMS^R that is tolerated [-], over the whole record and relative to the specimen's own exact
     response. Result: one row for each motion, structure and specimen: `motion`, `event`, `f` [Hz], `xi` [-],

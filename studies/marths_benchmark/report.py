@@ -57,8 +57,9 @@ def marths_report(
             "Question": "Which controller keeps the error of a test with two coupled actuators small, and "
             "does the error that is rebuilt from the test alone agree with the true one?",
             "Tests": _counted(rows),
-            "Print": "No value could be compared with print: no paper with numbers of the benchmark was at "
-            "hand. An independent prototype gives the nominal plant's values under El Centro.",
+            "Print": "No value could be compared with a published one: no paper with numbers of the "
+            "benchmark was available. An independent prototype gives the nominal plant's values under El "
+            "Centro.",
             "Purpose": purpose,
         },
         blocks=(_criteria(rows), _uncertain(rows), _errors(judged, threshold)),
@@ -70,8 +71,8 @@ def _counted(rows: Sequence[Mapping[str, Any]]) -> Prose:
     lost = sum(bool(row["lost"]) for row in rows)
     plants = len({row["plant"] for row in rows}) - 1
     return prose(
-        "{tests} under {motions}, {plants} uncertain plants beside the nominal one, each under one motion; "
-        "{lost} lost to motions ten times as large as they should be",
+        "{tests} under {motions}, {plants} uncertain plants in addition to the nominal one, each under "
+        "one motion; {lost} lost to motions ten times as large as they should be",
         tests=len(rows),
         motions=", ".join(dict.fromkeys(str(row["motion"]) for row in rows)),
         plants=plants,
@@ -129,10 +130,10 @@ def _criteria(rows: Sequence[Mapping[str, Any]]) -> Section:
         *_columns(_SHOWN),
     )
     text = Paragraph(
-        text="J7 to J10 compare with the undivided structure, of which an idealised bay was taken away that "
-        "is not the frame that answers: perfect actuators do not bring them to zero. What a controller adds "
-        "is "
-        "its value beside that of perfect actuators, and J1 to J6 and the error below tell controllers apart."
+        text="J7 to J10 compare with the undivided structure. The bay that was taken away from it is "
+        "idealised and differs from the frame that is tested, so that perfect actuators do not bring "
+        "these criteria to zero. What a controller adds is the difference from the value of perfect "
+        "actuators; J1 to J6 and the error below distinguish controllers."
     )
     caption = (
         "Nominal plant. J1, J2: delay and RMS of tracking, first and second actuator; J5, J7: x and θ "

@@ -77,7 +77,7 @@ def measured_specimen_report(
 def _method() -> Section:
     text = prose(
         "Structures of 0.5 to 2 Hz with 2 to 5 % damping, of whose stiffness the specimen bears 20 to 100 % "
-        "before it yields; actuators with a gain, a lag, a delay and now and then play; white noise on "
+        "before it yields; actuators with a gain, a lag, a delay and in some tests play; white noise on "
         "displacement and force; 40 s at 1024 Hz. Everything that is stated is exact, and the peak of the "
         "linear response is 1.5 to 5 yield displacements. The specimens share no code with the elements "
         "that learn them. Where the interval is called a 90 % interval, it is meant for such tests: the "

@@ -75,4 +75,4 @@ def _example(material: Material, show: Show) -> Stage:
 
 
 KIND: Final = Kind(name="paper", tables=SimulatedStudy, stages=stages, report=report)
-"""Every table, figure and numbered equation of the paper beside what is printed."""
+"""Every table, figure and numbered equation of the paper, compared with what is printed."""

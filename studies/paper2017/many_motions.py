@@ -62,7 +62,7 @@ def rows_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
         (
             "rows within 10 % in a and b",
             close["a"] & close["b"],
-            "the others stand in the audit of Table 2",
+            "the others are listed in the audit of Table 2",
         ),
         (
             "rows within 10 % in the fitting error",

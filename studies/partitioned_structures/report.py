@@ -56,8 +56,8 @@ def _verdict(table: pd.DataFrame) -> Prose:
     best, worst = str(table["scatter"].idxmin()), str((table["median"] - 1.0).abs().idxmax())
     low, high, median = table["low"][best], table["high"][best], table["median"][worst]
     return prose(
-        "Rely on the error {best}: it lies between {low} and {high} times the simulated error in 90 % of the "
-        "tests. {worst} states {median} times the simulated error in the median.",
+        "Rely on the error {best}: it lies between {low} and {high} times the simulated error in 90 % "
+        "of these tests. {worst} states {median} times the simulated error in the median of these tests.",
         best=_NAMES[best],
         low=f"{low:.2f}",
         high=f"{high:.2f}",

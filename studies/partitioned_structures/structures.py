@@ -44,7 +44,7 @@ def partitioned_structures() -> dict[str, Partition]:
         "three storeys, a heavy specimen": spring(
             frame, floor_interface(frame, 1), Specimen(stiffness=5e5, mass=300.0)
         ),
-        "three storeys, a damper beside the first": beside(
+        "three storeys, a damper parallel to the first": beside(
             frame, floor_interface(frame, 1), Specimen(stiffness=2e4, damping=6e3, mass=20.0)
         ),
         "six storeys, the first one tested": spring(

@@ -174,8 +174,8 @@ def _published(published: pd.DataFrame) -> Section:
         exact=percent(furthest["exact"], 1),
     )
     caption = (
-        "The benchmark's Table 3 beside means over noise histories; J1 in ms, the others in %, in the order "
-        "of its code."
+        "The benchmark's Table 3 compared with means over noise histories; J1 in ms, the others in %, in "
+        "the order of its code."
     )
     return Section(
         title="The published table",

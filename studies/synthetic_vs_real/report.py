@@ -168,7 +168,9 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
             Table(
                 frame=pd.DataFrame(rows),
                 columns=_columns(reference),
-                caption=prose("Measures of each suite beside those of {reference}.", reference=reference),
+                caption=prose(
+                    "Measures of each suite compared with those of {reference}.", reference=reference
+                ),
                 label="tab:measures",
             ),
         ),

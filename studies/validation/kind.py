@@ -117,7 +117,7 @@ def _held_out(study: ValidationStudy) -> str | None:
 
 
 def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
-    """Try actuators that are no constant gain and delay."""
+    """Try actuators that are not a constant gain and delay."""
     # Without records the rigs are tried under the suite that is built in.
     suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
     structure = _structure(study)

@@ -176,7 +176,7 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
 def actuators_section(tests: pd.DataFrame) -> Section:
     """Report tests whose actuators are no constant gain and delay."""
     return Section(
-        title="Actuators that are no constant gain and delay",
+        title="Actuators that are not a constant gain and delay",
         blocks=(
             Paragraph(
                 text=prose(

@@ -45,7 +45,7 @@ def test_numbers_are_those_of_the_verdicts(compared):
 
 def test_what_is_taken_to_be_the_same_is_said(compared):
     comparison, _ = compared
-    assert "their skew, is the same in all of them" in comparison.to_dict()["assumed"]
+    assert "their skew, are the same in all of them" in comparison.to_dict()["assumed"]
     first, second = comparison.tests
     rebuilt = replace(second.assessment.error.rebuilt, seed=1)
     apart = replace(second.assessment, error=replace(second.assessment.error, rebuilt=rebuilt))
@@ -59,14 +59,14 @@ def test_what_is_taken_to_be_the_same_is_said(compared):
 def test_runs_of_other_motions_and_of_one_kind_are_told():
     frames = [runs_of(seed, delays=(0.004,))[0][0] for seed in (3, 4)]
     (note, *_) = reliab.compare(frames, f=1, xi=0.05).notes
-    assert "other motions or scales" in note
+    assert "different ground motions or scales" in note
     frames = [*runs_of(3, delays=(0.004,))[0], *runs_of(5, delays=(0.004,))[0]]
     frames[1] = frames[0].assign(measured_m=frames[0]["measured_m"] * 1.00001)
     assert "cannot be told apart" in reliab.compare(frames, f=1, xi=0.05).notes[-1]
 
 
 def test_one_test_is_no_comparison():
-    with pytest.raises(InputError, match="needs two tests that can be judged; found 1"):
+    with pytest.raises(InputError, match="needs at least two tests that can be judged; found 1"):
         reliab.compare(runs_of(3, delays=(0.004,))[0], f=1, xi=0.05)
 
 

@@ -82,9 +82,12 @@ def of_ground_case(simulate, ground_motions):
 
 CASES = {
     "of_ground": (of_ground_case, "does not belong to this test"),
-    "of_frequency": (of_frequency_case, "the structure at 5 Hz, where the command shows no resonance"),
+    "of_frequency": (
+        of_frequency_case,
+        "the structure is stated at 5 Hz, where the command shows no resonance",
+    ),
     "of_motion": (of_motion_case, "was not found in the record"),
-    "of_specimen": (of_specimen_case, "No representation of the specimen predicts its force"),
+    "of_specimen": (of_specimen_case, "None of the specimen models predicts its force"),
     "of_stability": (of_stability_case, "the loop is unstable"),
     "of_columns": (of_columns_case, "the columns may be swapped"),
 }

@@ -139,7 +139,10 @@ def test_the_ground_motion_must_be_that_of_the_test(
     opposite = _shaken_by(found, -_GROUND)
     assert opposite["exact_roof"].to_numpy() == pytest.approx(true[2], abs=5e-3 * np.abs(true[2]).max())
     other = np.random.default_rng(2).normal(size=_GROUND.size)
-    for ground, says in ((None, "need the ground acceleration"), (other, "taken for another test's")):
+    for ground, says in (
+        (None, "need the ground acceleration"),
+        (other, "assumed to belong to another test"),
+    ):
         corrected = _shaken_by(found, ground)
         assert "exact_roof" not in corrected
         assert "exact_x" in corrected

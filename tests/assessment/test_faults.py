@@ -108,10 +108,10 @@ def test_a_copied_channel_is_never_reliable(good):
     ("factor", "rule"),
     [
         (-1.0, "command's sign"),
-        (1e3, "one unit"),
-        (1e-3, "one unit"),
-        (39.37, "one unit"),
-        (0.01, "one unit"),
+        (1e3, "the same unit"),
+        (1e-3, "the same unit"),
+        (39.37, "the same unit"),
+        (0.01, "the same unit"),
     ],
 )
 def test_another_sign_or_unit_is_refused(good, factor, rule):

@@ -86,7 +86,7 @@ def test_the_largest_error_stands_first_and_its_storey_governs(found):
 
 def test_without_the_ground_motion_errors_are_lengths(test_and_truth, found):
     alone = assess_frame(test_and_truth[0], STATED).responses
-    assert "need the ground motion" in alone.sentence
+    assert "the ground motion of the test is needed" in alone.sentence
     assert alone.to_dict()["needs"] == alone.sentence
     with_motion = {one.name: one.rms_mm.value for one in found.responses.each}
     assert {one.name: one.rms_mm.value for one in alone.each} == pytest.approx(with_motion)
@@ -113,7 +113,7 @@ def test_another_ground_motion_is_noticed(test_and_truth, found):
     assert "when it is multiplied by 2:" in " ".join(half.warnings)
     peaks = {one.name: one.rms.value for one in found.responses.each}
     assert {one.name: one.rms.value for one in half.responses.each} == pytest.approx(peaks, rel=0.01)
-    assert "taken for another test's" in " ".join(unlike.warnings)
+    assert "assumed to belong to another test" in " ".join(unlike.warnings)
     assert all(one.rms is None for one in unlike.responses.each)
 
 
@@ -187,7 +187,7 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
     assert found.to_dict()["governing_storey"] in found.sentence
     lengths = assess_frame(replace(recording, ground=None), stated).responses
     assert all(one.rms is None for one in lengths.each)
-    assert "need the ground motion" in lengths.sentence
+    assert "the ground motion of the test is needed" in lengths.sentence
 
 
 @pytest.mark.slow

@@ -78,12 +78,12 @@ def test_a_structure_that_is_not_as_stated_is_contradicted(yielded):
 def test_two_runs_are_a_line_and_say_so(found):
     together = combine_runs(dict(list(found.judged.items())[:2]))
     assert together.checked is None
-    assert "third one" in together.sentences[0]
+    assert "third run" in together.sentences[0]
 
 
 def test_runs_that_cannot_be_combined_are_refused(found):
     first = found.judged["run 0"]
-    with pytest.raises(InputError, match="two or more"):
+    with pytest.raises(InputError, match="at least two runs"):
         combine_runs({"a": first})
     with pytest.raises(InputError, match="differ in gain or delay"):
         combine_runs({"a": first, "b": first})
@@ -94,5 +94,5 @@ def test_runs_that_cannot_be_combined_are_refused(found):
     with pytest.raises(InputError, match="nearly the same command"):
         combine_runs({"a": first, "b": replace(first, recording=backwards)})
     faster = replace(first.recording, time_step=0.5 * STEP)
-    with pytest.raises(InputError, match="one sampling rate"):
+    with pytest.raises(InputError, match="the same sampling rate"):
         combine_runs({"a": first, "b": replace(first, recording=faster)})

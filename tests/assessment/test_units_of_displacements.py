@@ -20,16 +20,18 @@ def recording(factor, late=0.02):
 @pytest.mark.parametrize(
     ("factor", "units"),
     [
-        (1000.0, "millimetres beside metres"),
-        (1e-3, "millimetres beside metres"),
-        (1.05 / 100.0, "centimetres beside metres"),
-        (0.95 * 25.4, "millimetres beside inches"),
-        (2.54, "centimetres beside inches"),
-        (1.0 / 12.0, "inches beside feet"),
+        (1000.0, "millimetres and the other in metres"),
+        (1e-3, "millimetres and the other in metres"),
+        (1.05 / 100.0, "centimetres and the other in metres"),
+        (0.95 * 25.4, "millimetres and the other in inches"),
+        (2.54, "centimetres and the other in inches"),
+        (1.0 / 12.0, "inches and the other in feet"),
     ],
 )
 def test_two_units_are_told_by_their_ratio(factor, units):
-    with pytest.raises(InputError, match=rf"in one unit; found .* times the command, as {units} would have"):
+    with pytest.raises(
+        InputError, match=f"in the same unit; found .* times the command, as if one were in {units}"
+    ):
         require_plausible(recording(factor))
 
 
@@ -41,7 +43,7 @@ def test_other_ratios_are_no_units(factor):
 def test_a_rig_that_is_so_late_that_it_attenuates_has_no_wrong_unit():
     """A quarter of a period late, the two are not alike enough for their sizes to be compared."""
     require_plausible(recording(2.54, late=0.25))
-    with pytest.raises(InputError, match="in one unit"):
+    with pytest.raises(InputError, match="in the same unit"):
         require_plausible(recording(2.54, late=0.05))
 
 

@@ -60,7 +60,7 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert shown.startswith("RELIABLE: RMS^R is ")
     assert "below 5 % with probability > 0.99" in shown
     assert (
-        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5 % (RMS^R); window of the error: the test's own 40 s" in shown
+        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5 % (RMS^R); window of the error: the whole test, 40 s" in shown
     )
     assert "RMS^R is the root mean square" in " ".join(shown.split())
     assert "Stability margin" in shown
@@ -78,7 +78,7 @@ def test_what_to_improve_first_is_named(folder, name, first):
 def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
     shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
     assert shown.startswith("RELIABLE: RMS^R is 2.27 %, below 5 % with probability 0.9")
-    assert "What would sharpen this most: Calibrate the displacement sensor" in shown
+    assert "What would narrow the interval most: Calibrate the displacement sensor" in shown
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")
     assert left_open["verdict"] == "undecided"  # at resonance half a sample of skew is half of the threshold
@@ -198,28 +198,28 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("good.csv", "--f", 1, "--criterion", "none.json"), "criterion's file must be readable"),
         (
             ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
-            "`threshold` has no meaning beside",
+            "`threshold` has no effect together with",
         ),
         (
             ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
-            "`metric` has no meaning beside",
+            "`metric` has no effect together with",
         ),
         (("good.csv", "--f", 1, "--motion", "none.at2"), "A record must exist"),
         (("good.csv", "--f", 1, "--metric", "peak"), "The metric is rms or mte"),
         (("good.csv", "--f", 1, "--units", "furlong"), "must be one of length"),
         (("good.csv", "--f", 1, "--xi", 2), "damping ratio must lie between"),
-        (("good.csv", "--f", 1, "--date", "2026-01-01"), "`date` has no meaning"),
+        (("good.csv", "--f", 1, "--date", "2026-01-01"), "`date` has no effect"),
         (("good.csv", "--f", 1, "--mass", 2), "without a column of force"),
         (("good.csv", "--f", 1, "--model", "none.toml"), "must be a readable TOML"),
-        (("good.csv", "--f", 1, "--figure", "chart.svg"), "`figure` has no meaning without"),
-        (("good.csv", "--design"), "A test's file has no meaning"),
+        (("good.csv", "--f", 1, "--figure", "chart.svg"), "`figure` has no effect without"),
+        (("good.csv", "--design"), "A test's file has no effect"),
         (("--design", "--alpha", 0.1), "at least 10 ξ"),
-        (("--design", "--check"), "`check` has no meaning"),
-        (("--design", "--report", "a.pdf"), "`report` has no meaning"),
-        (("--design", "--motion", "ground.txt"), "`motion` has no meaning"),
+        (("--design", "--check"), "`check` has no effect"),
+        (("--design", "--report", "a.pdf"), "`report` has no effect"),
+        (("--design", "--motion", "ground.txt"), "`motion` has no effect"),
         (("--design", "--structure", "frame.toml"), "Judge a trial test of the frame"),
         (("--design", "--threshold", 0), "for errors from 0.01 to 0.2"),
-        (("--design", "--f", "1±0.01"), "those of an exact structure"),
+        (("--design", "--f", "1±0.01"), "are computed for exact values"),
         (("--design", "--figure", "none/chart.svg"), "figure's file must be writable"),
     ],
 )

@@ -114,7 +114,9 @@ def test_a_frame_says_what_the_test_is_of(answer):
     assert found["verdict"] in {"reliable", "undecided", "not_reliable"}
     assert found["error"]["rms"]["low"] <= found["error"]["rms"]["value"] <= found["error"]["rms"]["high"]
     for extra in (("--f", "1"), ("--xi", "0.02"), ("--alpha", "0.5")):
-        assert "no meaning beside `structure`" in answer(("test.csv", "--structure", "frame.toml", *extra))
+        assert "no effect together with `structure`" in answer(
+            ("test.csv", "--structure", "frame.toml", *extra)
+        )
 
 
 @pytest.mark.slow

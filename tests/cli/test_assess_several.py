@@ -74,7 +74,7 @@ def test_a_pattern_that_the_shell_leaves_is_matched_without_the_table(ask, folde
 def test_a_report_of_several_tests_is_refused(ask, folder):
     code, _, error = ask("good.csv", "sound.csv", "--report", "verdict.pdf")
     assert (code, (folder / "verdict.pdf").exists()) == (2, False)
-    assert "--report has no meaning beside several tests" in error
+    assert "--report has no effect together with several tests" in error
 
 
 def test_a_shared_file_that_is_faulty_ends_the_call(ask, folder):
@@ -124,7 +124,7 @@ def runs(folder):
 def test_runs_of_the_same_test_are_judged_together(ask, runs):
     content = json.loads(ask(*runs, "--json", "-")[1])
     assert [run["file"] for run in content["runs"]] == ["good.csv", "late.csv"]
-    assert "third one" in content["warnings"][0]
+    assert "third run" in content["warnings"][0]
     _, out, _ = ask(*runs)
     assert "2 runs of one test, RMS against 5 %" in out
     assert f"{100 * content['runs'][0]['error']['value']:.2f} %" in out

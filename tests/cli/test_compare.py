@@ -35,7 +35,7 @@ def test_what_only_a_verdict_has_is_no_option(files, capsys):
     assert run(["compare", *files, "--f", "1", "--check"]) == 2
     assert "--check" in capsys.readouterr().err
     assert run(["compare", files[0], "--f", "1", "--xi", "0.05"]) == 2
-    assert "needs two tests" in capsys.readouterr().err
+    assert "needs at least two tests" in capsys.readouterr().err
 
 
 def test_compare_has_the_options_of_a_verdict_and_no_others(files, capsys):

@@ -154,13 +154,13 @@ def test_rejected_lognormality_is_said():
 @pytest.mark.parametrize(
     ("wrong", "rule"),
     [
-        ((), r"come from one source.*found 0"),
-        (("--law", "guo_2017_11"), "The law must be known"),
+        ((), r"come from exactly one source.*found 0"),
+        (("--law", "guo_2017_11"), "The law must be one of the known ones"),
         (("--law", "guo_2017_15", "--xi", 0.05), "lie where the law is valid"),
-        (("--ellipses", TABLE2, "--law", "magic"), "The law must be known"),
+        (("--ellipses", TABLE2, "--law", "magic"), "The law must be one of the known ones"),
         (
             ("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.95, "--out", "criterion.json"),
-            "holds one criterion",
+            "can hold one criterion only",
         ),
         (("--ellipses", TABLE2, "--method", "tolerance", "--assurance", 2), "assurance must lie between"),
         (("--ellipses", TABLE2, "--distribution", "magic"), "dirichlet has no distribution"),
@@ -188,7 +188,7 @@ def test_rejected_lognormality_is_said():
         (("--law", "guo_2017_18", "--confidence", 0.99), r"states only 95 %.*confidence"),
         (("--law", "guo_2017_18", "--method", "dirichlet"), r"states only 95 %.*method"),
         (("--law", "guo_2017_18", "--metric", "mte"), "for the metric rms only"),
-        (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from one source.*found 2"),
+        (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from exactly one source.*found 2"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
         (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
         (("--ellipses", TABLE2, "--f", 1, "--f", 2), "lie where the law is valid"),

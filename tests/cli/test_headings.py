@@ -130,8 +130,8 @@ def test_limits_of_shares_stand_below_their_headings(drawn, capsys):
             "α [-]": "0.5",
             "error [-]": "0.04",
             "confidence [-]": "0.9",
-            "a over that of the largest α": "1.11",
-            "b over that of the largest α": "-",
+            "a over a of the largest α": "1.11",
+            "b over b of the largest α": "-",
             "law": "1.33",
             "a off by": "-1.2 %",
             "b off by": "-",
@@ -162,7 +162,7 @@ def test_limits_and_the_error_of_a_rig_stand_below_their_headings(drawn, capsys)
         "d_ms, least to largest": "1.500 to 3.000",
     }
     show_criteria({"criteria": [LIMITS], "rig": {**RIG, "stable": False}})
-    assert "leaves the test of this frame unstable" in capsys.readouterr().out
+    assert "the test of this frame is unstable" in capsys.readouterr().out
 
 
 def test_distributions_and_laws_stand_below_their_headings(drawn, capsys):
@@ -385,13 +385,13 @@ def test_channels_that_were_calibrated_stand_below_their_headings(drawn):
     assert list(rows.values()) == [
         ("1.25", "0.05"),
         ("1.002", "0.0005"),
-        ("does not follow", ""),
+        ("not determined", ""),
         ("1.5e-05", ""),
         ("0", ""),
         ("2e-06", ""),
     ]
     assert [name.partition(" ")[0] for name in rows] == [
-        "late",
+        "delay",
         "scale",
         "hysteresis",
         "noise",

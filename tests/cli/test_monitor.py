@@ -361,7 +361,7 @@ def test_equipment_that_nothing_would_use_is_refused(good, tmp_path, capsys):
     sizes = tmp_path / "ours.toml"
     sizes.write_text("scale = 0.0\n", encoding="utf-8")
     assert run(follow(good, "--exact", "--equipment", str(sizes))) == 2
-    assert "no meaning beside --exact" in capsys.readouterr().err
+    assert "no effect together with --exact" in capsys.readouterr().err
 
 
 def test_messages_state_how_often_alarms_are_false(good, capsys):
@@ -409,7 +409,7 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("driven", "more", "sentence"),
     [
-        (ONE, ["--f", "1"], "--f has no meaning beside"),
+        (ONE, ["--f", "1"], "--f has no effect together with"),
         (TWO, [], "measured displacement for each"),
     ],
 )

@@ -23,7 +23,7 @@ NAMES = {
     "separators of paths": "../../a/b\\c:d|e",
     "right to left": "\u202eזלזלה\u2066 العربية\u2028",
     "long": "n" * 10_000,
-    "bytes that are no text": "\udcff\udc80",
+    "bytes that are not text": "\udcff\udc80",
     "other scripts": "地震 землетрясение 🌋",
 }
 

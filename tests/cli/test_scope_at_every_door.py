@@ -83,7 +83,7 @@ def said(capsys, *arguments):
 
 def test_the_criterion(case, capsys):
     screen = said(capsys, *case.asked())
-    assert ("What it is asked for lies" in screen) == (case.position != "inside")
+    assert ("The case asked for lies" in screen) == (case.position != "inside")
     assert ("No share below 80 % is promised" in screen) == (case.share < 0.8)
     content = json.loads(said(capsys, *case.asked("--json", "-")))
     assert (content["position"], content["confidence"]) == (case.position, case.promised)
@@ -102,7 +102,7 @@ def test_the_design(case, capsys):
     screen = said(capsys, *asked)
     assert "100 ground motions of 19 earthquakes" in screen
     assert case.states(screen) == (case.promised is not None)
-    assert ("What it is asked for lies" in screen) == (case.position != "inside")
+    assert ("The case asked for lies" in screen) == (case.position != "inside")
     tolerance = json.loads(said(capsys, *asked, "--json", "-"))["design"][0]
     assert (tolerance["position"], tolerance["confidence"]) == (case.position, case.promised)
 

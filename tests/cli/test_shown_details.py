@@ -253,7 +253,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
 
 def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_notes(capsys):
     sentence = (
-        "The critical delay is one of all actuators: the loop then oscillates at 3.21 Hz in the motion "
+        "The critical delay is common to all actuators: with it the loop oscillates at 3.21 Hz in the motion "
     )
     lines = shown_of_several(capsys, SEVERAL, details=True)
     assert f"{sentence}x 0.9, theta 0.43." in lines
@@ -287,7 +287,7 @@ def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(caps
     show_added(content)
     lines = lines_of(capsys.readouterr().out)
     for line in (
-        "Tests added to r: 2", "Tests in the rig: 7.", "There already: a.csv, b.csv.",
+        "Tests added to r: 2", "Tests in the rig: 7.", "Already in the rig: a.csv, b.csv.",
         "Not judged: c.csv: no column",
         "t1 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 4.56 % not reliable delay",
         "t2 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 not reliable",

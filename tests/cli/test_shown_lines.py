@@ -53,13 +53,13 @@ def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
         "Window: record.",
     ):  # fmt: skip
         assert sentence in text
-    assert "What it is asked for lies" not in text
+    assert "The case asked for lies" not in text
 
 
 @pytest.mark.parametrize("joint", [True, False])
 def test_a_population_elsewhere_and_separate_limits_are_told(capsys, joint):
     text = shown_of(capsys, [{**ROW, "position": "outside", "joint": joint}])
-    assert "What it is asked for lies outside of them." in text
+    assert "The case asked for lies outside of these motions." in text
     assert ("a and b together" in text) is joint
     without = shown_of(capsys, [{**ROW, "population": "", "warnings": []}])
     assert "For ground motions like these" not in without
@@ -70,7 +70,7 @@ def test_a_population_elsewhere_and_separate_limits_are_told(capsys, joint):
 def test_a_posterior_says_whether_it_has_converged(capsys, converged):
     complaint = [] if converged else ["R-hat of mean is 1.2"]
     text = shown_of(capsys, [ROW], [{**POSTERIOR, "converged": converged, "complaints": complaint}])
-    title = "Posterior at 0.04 of rms: 4 ensembles of 32 walkers, 900 steps, 31 % of the moves taken"
+    title = "Posterior at 0.04 of rms: 4 ensembles of 32 walkers, 900 steps, 31 % of the moves accepted"
     assert title in " ".join(text.split())
     assert ("Converged:" in text) is converged
     assert ("THIS POSTERIOR HAS NOT CONVERGED." in text) is not converged
@@ -101,5 +101,5 @@ def test_files_elsewhere_keep_their_whole_path():
 
 
 def test_cells_of_a_calibration():
-    assert _cells(None) == ("does not follow", "")
+    assert _cells(None) == ("not determined", "")
     assert _cells(StatedValue(1.0025, 0.0005)) == ("1.0025", "0.0005")

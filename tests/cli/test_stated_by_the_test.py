@@ -102,8 +102,8 @@ def test_a_filter_of_the_laboratory_widens_what_is_followed(filtered):
 def test_a_calibrated_skew_holds_the_delay_of_filters(filtered):
     _, file, channels = filtered
     channels.write_text(FILTERS + OF_ALL_TESTS, encoding="utf-8")
-    with pytest.raises(InputError, match="has the delay of the filters"):
+    with pytest.raises(InputError, match="includes the delay of the filters"):
         reliab.assess(file, **STRUCTURE, channels=channels)
     channels.write_text(OF_ALL_TESTS, encoding="utf-8")
-    with pytest.raises(InputError, match="has the delay of the filters"):
+    with pytest.raises(InputError, match="includes the delay of the filters"):
         reliab.assess(file, **STRUCTURE, channels=channels, filter=["measured=30"])

@@ -141,12 +141,12 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
 @pytest.mark.parametrize(
     ("wrong", "rule"),
     [
-        ((), r"come from one source.*found 0"),
-        (("--ellipses", TABLE2, "--results", "real_suite"), r"come from one source.*found 2"),
-        (("--ellipses", TABLE2, "--scheme", "magic"), "The scheme must be known"),
-        (("--ellipses", TABLE2, "--law", "magic"), "The law must be known"),
+        ((), r"come from exactly one source.*found 0"),
+        (("--ellipses", TABLE2, "--results", "real_suite"), r"come from exactly one source.*found 2"),
+        (("--ellipses", TABLE2, "--scheme", "magic"), "The scheme must be one of the known ones"),
+        (("--ellipses", TABLE2, "--law", "magic"), "The law must be one of the known ones"),
         (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
-        (("--ellipses", TABLE2, "--leave-out", "kp"), "What is left out is f or xi"),
+        (("--ellipses", TABLE2, "--leave-out", "kp"), "What is left out in turn must be f or xi"),
         (("--ellipses", TABLE2, "--learn", "far_field"), "are needed; found only some"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
         (("--case", "KOBE/KJM000"), "cases need a ground motion"),

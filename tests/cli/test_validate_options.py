@@ -89,7 +89,7 @@ def test_an_option_that_the_table_cannot_serve_is_refused(option):
 )
 def test_calibration_refuses_what_is_about_criteria(beside):
     result = invoke(app, "--ellipses", TABLE2, "--calibration", *beside)
-    assert "has no meaning beside `calibration`" in str(result.exception)
+    assert "has no effect together with `calibration`" in str(result.exception)
 
 
 def test_calibration_answers_by_bins():

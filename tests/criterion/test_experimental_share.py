@@ -37,7 +37,7 @@ def test_carried_ellipses_are_near_those_that_are_traced():
     )
     carried = carry_to_share(whole, 0.5)
     assert carried.attrs["experimental_fraction"] == 0.5
-    assert "carried" in carried.attrs["caution"]
+    assert "transferred" in carried.attrs["caution"]
     for name in ("a", "b"):
         ratio = (part[name] / carried[name]).values
         assert np.median(ratio) == pytest.approx(1.0, abs=0.05)
@@ -62,5 +62,5 @@ def test_what_is_no_share_is_refused(share):
 
 def test_ellipses_of_a_part_are_not_carried_again():
     ellipses = xr.Dataset(attrs={"experimental_fraction": 0.5})
-    with pytest.raises(InputError, match="wholly in the laboratory"):
+    with pytest.raises(InputError, match="with all stiffness in the laboratory"):
         carry_to_share(ellipses, 0.4)

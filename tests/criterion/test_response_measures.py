@@ -43,7 +43,7 @@ def test_errors_between_stored_ones_are_interpolated():
 
 @pytest.mark.slow
 def test_a_criterion_by_response_keeps_every_share_of_earthquakes_left_out():
-    """Also at 50 and 80 %: by a and b each for itself 69 and 93 % were kept."""
+    """Also at 50 and 80 %: by a and b separately 69 and 93 % were kept."""
     at = {"f": [1.0], "xi": [0.05]}
     ellipses = read_ellipses("real_suite").sel(
         metric=["rms"], threshold=[0.05], side=["lag"], curve=["inscribed"], **at

@@ -47,9 +47,9 @@ def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_pa
     model = read_model(tmp_path / "model.toml")
     assert model.test.structure is None
     assert model.test.specimen.stiffness == 1e5
-    assert "the frame of these tests stands in their campaign.toml" in (tmp_path / "model.toml").read_text(
-        encoding="utf-8"
-    )
+    assert "the frame of these tests is described in their campaign.toml" in (
+        tmp_path / "model.toml"
+    ).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ SPOILT_TOML = [
     ("damping_ratio = 0.05", 'damping_ratio = "two"', "line 4.*number"),
     ("delay_s = 0.005", "dealy_s = 0.005", "line 8.*actuator.dealy_s is not a known key"),
     ("rate_hz = 256\n", "", "sampling.rate_hz is missing"),
-    (r"\[sampling\]", "[sampling", "that is TOML"),
+    (r"\[sampling\]", "[sampling", "with a readable campaign.toml"),
     ('file = "b.csv"', 'file = "c.csv"', "c.csv.*readable.*No such file"),
     ('file = "a.csv"\n', 'file = "a.csv"\nheld_out = 3\n', "held_out"),
     ("rate_hz = 256", "rate_hz = 512", "agree with the sampling rate"),
@@ -64,7 +64,7 @@ SPOILT_TABLES = [
     (11, "0.5,0.1,0.1", "line 11.*equal steps"),
     (1, "time_s,command,measured", "state its unit.*command_m"),
     (1, "command_m,measured_m,time_s", "equal steps|Samples"),
-    (1, "time_s,command_m,command_m", "stand once only"),
+    (1, "time_s,command_m,command_m", "must occur only once"),
 ]
 
 

@@ -85,11 +85,11 @@ def test_what_remains_is_called_an_error_only_where_it_stands_above_the_noise(bl
 def test_the_report_calls_no_more_noise_than_remains(block):
     said = _floor(block)
     said = said if isinstance(said, str) else str(said)
-    if "no model can explain" in said:
+    if "no model explains" in said:
         floor, left = numbers(said)[:2]
         assert 0.0 < floor < PRINTED * 100.0 * block.gap.after
         assert 0.0 < left <= PRINTED * 100.0 * block.gap.after
-    elif "at the noise" in said:
+    elif "at the level of the noise" in said:
         after, floor = numbers(said)[:2]
         assert after <= PRINTED * UNCERTAINTY * floor
 
@@ -97,7 +97,7 @@ def test_the_report_calls_no_more_noise_than_remains(block):
 @given(st.lists(blocks(), min_size=1, max_size=3), st.sampled_from(Verdict))
 def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, verdict):
     said = statement(verdict, observed)
-    if "nothing is missing" in said:
+    if "no missing effect" in said:
         assert verdict is Verdict.NO_MISSING_EFFECT
         for block in observed:
             floor = block.gap.floor
@@ -109,7 +109,7 @@ def test_a_gap_is_wholly_closed_only_at_the_noise(block):
     block.effects = ()
     said = (_proved(block), _closed(SimpleNamespace(gap=block.gap, blocks=[block], effects=())))
     assert all(block.gap.conclusion in one for one in said)
-    wholly = any("100.0 % of the gap closed" in one or "at the noise" in one for one in said)
+    wholly = any("100.0 % of the gap closed" in one or "at the level of the noise" in one for one in said)
     assert not wholly or block.gap.at_noise_before or block.gap.remainder is Remainder.AT_NOISE
     if block.gap.remainder is Remainder.NOT_KNOWN:
         assert "noise not known" in _proved(block)

@@ -98,7 +98,7 @@ def test_of_a_test_outside_of_the_motions_no_share_is_promised(page, tmp_path):
     path.write_text("\n".join([header, *lines, *resting]), encoding="utf-8")
     drop(page, path)
     assert "motionsoutside: length of the record 110" in text(page, "numbers")
-    assert "none: the criterion says nothing of such a test" in text(page, "numbers")
+    assert "none: the criterion does not cover such a test" in text(page, "numbers")
     assert text(page, "meaning").startswith("No share of the population's ground motions is promised for")
 
 

@@ -368,7 +368,7 @@ def table(rows):
         (table([(k, k % 7, 1) for k in range(90)]).replace("measured", "force"), "measured"),
         (table([(k / 50, k % 7, 1) for k in range(900)]), "must move"),
         (table([(k / 50, k % 7, -(k % 7)) for k in range(900)]), "sign"),
-        (table([(k / 50, k % 7, 1000 * (k % 7)) for k in range(900)]), "one unit"),
+        (table([(k / 50, k % 7, 1000 * (k % 7)) for k in range(900)]), "the same unit"),
         (table([(k / 50, k % 7, k % 7) for k in range(900)]), "identical"),
         (table([(k / 50, k % 7, k % 5 if k < 400 else 4) for k in range(900)]), "stands still"),
     ],

@@ -259,7 +259,7 @@ def test_a_value_of_a_campaign_that_no_sensor_reads_is_refused(tmp_path, column)
 def test_a_held_out_test_is_no_other_test(tmp_path):
     description = corpus.campaign()[0]["campaign.toml"].replace(b'"b.csv"', b'"./a.csv"')
     write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
-    with pytest.raises(InputError, match="A file must stand for one test only"):
+    with pytest.raises(InputError, match="A file must be listed for one test only"):
         read_campaign(tmp_path)
 
 

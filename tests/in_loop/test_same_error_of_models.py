@@ -100,5 +100,5 @@ def test_the_structure_of_a_model_is_not_stated_twice(tmp_path, stated):
         lambda: export_monitor(("c", tmp_path), model=model, rate=256, **stated),
         lambda: next(follow_test("sample_test", model=model, **stated)),
     ):
-        with pytest.raises(InputError, match="has no meaning beside `model`"):
+        with pytest.raises(InputError, match="has no effect together with `model`"):
             ask()

@@ -115,7 +115,7 @@ def test_steps_of_an_actuator_give_scale_and_hysteresis_but_no_skew():
     truth, recording = calibration(steps, seed=8, actuator=actuator)
     measured = calibrate_channels(recording)
     assert measured.skew_ms is None
-    assert "actuator's own motion" in measured.notes[0]
+    assert "actuator's own dynamics" in measured.notes[0]
     assert measured.scale.value == pytest.approx(truth.scale, abs=5e-4)
     assert abs(measured.hysteresis.value - truth.hysteresis) < 3.0 * measured.hysteresis.deviation
 
@@ -147,7 +147,7 @@ def test_a_locked_actuator_gives_noise_and_resolution():
 
 def test_a_channel_that_does_something_else_is_refused():
     time = np.arange(0.0, 10.0, 1e-3)
-    with pytest.raises(InputError, match="must be the command but for the channels"):
+    with pytest.raises(InputError, match="may differ by their channels only"):
         calibrate_channels(Recording(command=np.sin(time), measured=np.cos(3.0 * time), time_step=1e-3))
 
 

@@ -145,7 +145,7 @@ def test_unit_stated_for_one_column_is_taken_for_both_and_said(tmp_path):
 
 
 def test_choice_among_nameless_columns_is_said(tmp_path):
-    assert any("by what they do" in note for note in read_recording(of_no_header(tmp_path)).notes)
+    assert any("by their histories" in note for note in read_recording(of_no_header(tmp_path)).notes)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_choice_among_nameless_columns_is_said(tmp_path):
     [
         ("time,command,command_filtered,measured", None),
         ("time,cmd_1,cmd_2,measured", "One column must be the command"),
-        ("time,command,command,measured", "A column must stand once only"),
+        ("time,command,command,measured", "Each column must occur only once"),
     ],
 )
 def test_ambiguous_columns_are_said(tmp_path, header, message):
@@ -250,7 +250,7 @@ def test_columns_of_a_matrix_without_names_of_their_own_are_told_by_what_they_do
         file["rate"] = RATE
         file.create_dataset("samples", data=np.array([COMMAND, MEASURED]).T).attrs["columns"] = named
     found = read_recording(tmp_path / "t.h5")
-    assert any("by what they do" in note for note in found.notes)
+    assert any("by their histories" in note for note in found.notes)
     np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
 
 

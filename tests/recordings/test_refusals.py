@@ -28,8 +28,8 @@ def with_a(value):
 @pytest.mark.parametrize(
     ("changed", "rule"),
     [
-        ({"command": MOVING[1:]}, "one length, at least 64; found 1999 and 2000"),
-        ({"command": MOVING[:63], "measured": MOVING[:63]}, "one length, at least 64; found 63 and 63"),
+        ({"command": MOVING[1:]}, "the same length, at least 64; found 1999 and 2000"),
+        ({"command": MOVING[:63], "measured": MOVING[:63]}, "the same length, at least 64; found 63 and 63"),
         ({"time_step": 0.0}, "time step must be positive; found 0.0 s"),
         ({"time_step": np.nan}, "time step must be positive; found nan s"),
         ({"time_step": np.inf}, "time step must be positive; found inf s"),
@@ -96,10 +96,10 @@ def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
 @pytest.mark.parametrize(
     ("test", "stated", "rule"),
     [
-        (recording(), {"units": "m"}, "`units` has no meaning beside a test that was read already"),
+        (recording(), {"units": "m"}, "`units` has no effect together with a test that was already read"),
         (TABLE, {"rate": 0.0}, "`rate` must be positive and finite; found 0.0"),
         (TABLE, {"rate": float("inf")}, "`rate` must be positive and finite; found inf"),
-        (TABLE, {"delimiter": ";"}, "`delimiter` has no meaning beside a data frame"),
+        (TABLE, {"delimiter": ";"}, "`delimiter` has no effect together with a data frame"),
         (TABLE, {"command": "commanded"}, "Did you mean 'command'"),
         (TABLE, {"measured": "zzzz"}, "The file has"),
     ],

@@ -64,7 +64,7 @@ def test_what_is_missing_is_said_first(damped):
     found = text_of(discrepancy_report(damped, provenance={"seed": 1}))
     verdict = "".join(piece["text"] for piece in found["verdict"])
     assert verdict.startswith("The model lacks viscous damping. With it the error in force_n on held-out")
-    assert verdict.endswith(" of the signal: what remains is at the noise.")
+    assert verdict.endswith(" of the signal: what remains is at the level of the noise.")
 
 
 @pytest.mark.slow
@@ -114,7 +114,7 @@ def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
 def test_nothing_missing_is_said_so():
     document = discrepancy_report(diagnose(campaign_with()), provenance={})
     assert document.tone == "good"
-    assert "".join(document.verdict) == "Calibration alone explains the tests: nothing is missing."
+    assert "".join(document.verdict) == "Calibration alone explains the tests: they show no missing effect."
     assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
 
 

@@ -94,7 +94,10 @@ def test_fewer_than_three_tests_are_refused(table):
     with pytest.raises(InputError, match="0 tests of the frame"):
         predict_next(table, None, NextTest(), threshold=0.05, frame="three storeys")
     frames = rig_table(performed(4, structure="two storeys"))
-    with pytest.raises(InputError, match=r"beside those of 'two storeys'. .*plans are for structures"):
+    with pytest.raises(
+        InputError,
+        match=r"in addition to those of 'two storeys'. .*plans are for single-degree-of-freedom structures",
+    ):
         predict_next(frames, STRUCTURE, NextTest(), threshold=0.05)
 
 

@@ -65,7 +65,7 @@ def test_a_file_that_is_no_test_costs_no_other(tests_of_lab, tmp_path, capsys):
     assert code == 2
     assert list(content["faults"]) == [str(tmp_path / "wrong.csv")]
     assert len(content["added"]) == 1
-    assert "the others are in the rig" in err
+    assert "the other tests are in the rig" in err
 
 
 @pytest.mark.parametrize("text", ["current", "A=1", "current=much", "=3"])

@@ -49,7 +49,7 @@ def test_a_rig_of_frames_is_kept_and_predicted(frame_and_tests, tmp_path, capsys
     delay = json.loads(capsys.readouterr().out)["d_ms"]
     assert delay["median"] == pytest.approx(4.3, abs=0.2)  # 2 ms of the lag, 2.3 ms of the delay
     assert run(["rig", "plan", rig, "--f", "1"]) == 2
-    assert "plans are for structures of one mass" in " ".join(capsys.readouterr().err.split())
+    assert "plans are for single-degree-of-freedom structures" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_test_of_several_actuators_is_refused_in_a_sentence(tmp_path, capsys):

@@ -118,7 +118,7 @@ def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
 
     kept = vars(chain_file)["_store"]
     monkeypatch.setattr(chain_file, "_store", full)
-    with pytest.raises(IncompleteError, match=r"run\.h5 failed.*draws of before are safe"):
+    with pytest.raises(IncompleteError, match=r"run\.h5 failed.*Earlier draws are safe"):
         sample(MODEL, QUICK, file=tmp_path / "run.h5")
     monkeypatch.setattr(chain_file, "_store", kept)
     resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")

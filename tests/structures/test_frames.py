@@ -116,7 +116,7 @@ def test_poles_are_those_of_the_modes():
         ({"mass": [[1.0, 0.0], [0.0, -1.0]]}, "mass matrix must be positive definite"),
         ({"damping": [[-1.0, 0.0], [0.0, 0.0]]}, "must not have a negative eigenvalue"),
         ({"damping": [[np.nan, 0.0], [0.0, 0.0]]}, "must be finite"),
-        ({"mass": [[1.0]]}, "must be of one size"),
+        ({"mass": [[1.0]]}, "must be of the same size"),
         ({"mass": [[1.0, 0.0]]}, "must be square"),
         ({"influence": [0.0, 0.0]}, "influence vector"),
         ({"names": ("roof", "roof")}, "different names"),

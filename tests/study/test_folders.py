@@ -50,7 +50,7 @@ def test_a_copy_under_another_name_is_a_study_of_its_own(name, tmp_path):
 @pytest.mark.parametrize(
     ("code", "said"),
     [
-        ("KIND = 1", "holds its KIND"),
+        ("KIND = 1", "must define KIND"),
         ("import nothing_of_this_name", "must be importable"),
         ("KIND = (", "must be importable"),
     ],

@@ -44,7 +44,7 @@ def text_of_run(study, folder, text_of):
     [
         pytest.param(
             "validation",
-            ("held-out earthquakes", "Actuators that are no constant gain and delay"),
+            ("held-out earthquakes", "Actuators that are not a constant gain and delay"),
             marks=pytest.mark.slow,
         ),
         pytest.param(

@@ -1,4 +1,4 @@
-"""Verdicts through the indices on actuators that are no constant gain and delay."""
+"""Verdicts through the indices on actuators that are not a constant gain and delay."""
 
 import numpy as np
 import pytest

@@ -96,10 +96,14 @@ _REMEDIES = {
     "hysteresis": "Measure the sensor's hysteresis by a slow cycle, and state it.",
     "lagging_hysteresis": "Measure the sensor's hysteresis by a slow cycle, and state it.",
     "sensor_drift": "Record rest before and after the test, which shows the sensor's drift.",
-    "open_offset": "Find out whether the controller used this sensor, and mend the recording if it did not.",
-    "open_drift": "Find out whether the controller used this sensor, and mend the recording if it did not.",
+    "open_offset": (
+        "Find out whether the controller used this sensor, and correct the recording if it did not."
+    ),
+    "open_drift": (
+        "Find out whether the controller used this sensor, and correct the recording if it did not."
+    ),
     "open_filter": "State the filters of both channels, or use the same on both.",
-    "yielding": "Record the force of the specimen, or state it as linear where it stayed so.",
+    "yielding": "Record the force of the specimen, or state it as linear if it stayed linear.",
     "specimen": "Repeat the test with less actuator error or a better force sensor, or calibrate a model "
     "of the specimen with `reliab diagnose`.",
     "mass": "Calibrate the load cell, and state mass and force to a smaller deviation.",

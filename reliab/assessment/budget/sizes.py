@@ -28,7 +28,7 @@ _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budge
 
 @dataclass(frozen=True, kw_only=True)
 class Equipment:
-    """What equipment and preparation leave unknown of a test, one standard deviation each.
+    """Uncertainties of a test from equipment and preparation, one standard deviation each.
 
     Attributes
     ----------
@@ -75,8 +75,9 @@ class Equipment:
         return (
             f"The recording has {significant(1.0 / time_step, 3)} samples a second, and the skew of its "
             f"channels was not stated: {significant(MILLI * self.skew(time_step), 2)} ms is assumed, one "
-            "standard deviation, as converters have it that run no faster. Where it was thinned from a "
-            "faster controller, state the skew of that, for the test or in the file of its equipment."
+            "standard deviation, as for converters that run at this rate. If the recording was thinned "
+            "from that of a faster controller, state the skew of that controller, for the test or in the "
+            "file of its equipment."
         )
 
 

@@ -407,9 +407,9 @@ LINEAR: Final = "linear"
 FAMILIES: Final[Mapping[str, str]] = {
     LINEAR: "a spring and a dashpot",
     "plain": "elastic-plastic springs, hardening and dashpots",
-    "gaps": "the plain ones and gaps",
-    "smooth": "the plain ones and smooth hysteresis",
-    "memory": "the smooth ones and memory of the largest excursion",
+    "gaps": "elastic-plastic springs, hardening, dashpots and gaps",
+    "smooth": "elastic-plastic springs, hardening, dashpots and smooth hysteresis",
+    "memory": "the same with smooth hysteresis and memory of the largest excursion",
     "all": "all elements",
     "laws": "springs, dashpots and four laws of hysteresis",
     "everything": "all elements and four laws of hysteresis",

@@ -20,7 +20,7 @@ _SLOW = 0.02  # of the largest speed, below which friction follows the velocity
 
 @dataclass(frozen=True, kw_only=True)
 class ForceChannel:
-    """What is stated of the recorded force, each with its standard deviation.
+    """Stated properties of the recorded force, each with its standard deviation.
 
     >>> ForceChannel.parse(["lag_ms=2±0.5"]).lag_ms
     StatedValue(value=2.0, deviation=0.5)

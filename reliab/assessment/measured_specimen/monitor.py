@@ -28,7 +28,7 @@ _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has 
 
 @dataclass(frozen=True, kw_only=True)
 class StatedForce:
-    """What is stated of a test whose specimen is known by its force, beside its structure."""
+    """Stated properties of a test whose specimen is learned from its force, apart from its structure."""
 
     mass_deviation: float = 0.0  # Of the mass, over the mass [-]
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]

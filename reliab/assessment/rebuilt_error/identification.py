@@ -81,7 +81,7 @@ def fit_spring(measured: Array, force: Array, kernel: Kernel) -> Spring:
 
 @dataclass(frozen=True, kw_only=True)
 class Identified:
-    """A parameter estimated from the test, beside its stated value."""
+    """A parameter estimated from the test, together with its stated value."""
 
     value: float  # value, deviation: Value and standard error, in the parameter's own unit (Hz, -, s)
     deviation: float
@@ -249,7 +249,7 @@ def _check(
     sizes = {values.size for values in (command, measured, ground, force) if values is not None}
     if len(sizes) > 1:
         raise InputError(
-            "Recorded histories must have one length",
+            "Recorded histories must have the same length",
             value=", ".join(map(str, sorted(sizes))),
             remedy="Give all channels over the whole test",
         )

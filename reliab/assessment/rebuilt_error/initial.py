@@ -174,7 +174,7 @@ def checked_histories(
     shape = command.shape
     if len(shape) != 1 + several or shape != measured.shape or shape[-1] < FEWEST_SAMPLES:
         raise InputError(
-            f"Command and measured displacement must have one length, at least {FEWEST_SAMPLES} samples",
+            f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES} samples",
             value=f"shapes {shape} and {measured.shape}",
             remedy="Give the histories of the whole test, of every actuator if there are several",
         )

@@ -242,7 +242,7 @@ class Monitor(RunningTest):
         """
         if command.shape != measured.shape or command.ndim != 1:
             raise InputError(
-                "Command and measured displacement must have one length",
+                "Command and measured displacement must have the same length",
                 value=f"{command.shape} and {measured.shape}",
             )
         require_readings(command, measured)

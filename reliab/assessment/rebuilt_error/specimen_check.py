@@ -58,7 +58,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     """
     if measured.shape != force.shape:
         raise InputError(
-            "Displacement and force must have one length", value=f"{measured.size}, {force.size}"
+            "Displacement and force must have the same length", value=f"{measured.size}, {force.size}"
         )
     if measured.size * time_step * frequency < FEWEST_PERIODS:
         raise InputError(

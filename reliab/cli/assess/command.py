@@ -44,16 +44,17 @@ class Answered(Demand):
         callback=written_as(".csv", ".nc"),
     )
     same_test: bool = flag(
-        "The tests are runs of one test with different delay or gain of the actuator: their "
-        "responses are extrapolated to no error, which needs neither structure nor specimen."
+        "The files are runs of one test with different delays or gains of the actuator: their "
+        "responses are extrapolated to zero error, for which neither structure nor specimen needs to be "
+        "known."
     )
     report: Path | None = option(
-        "FILE.pdf", "Write a report of two pages to file with the test.", callback=written_as(".pdf")
+        "FILE.pdf", "Write a report of two pages, to be filed with the test.", callback=written_as(".pdf")
     )
     out: Path | None = option(
         "FILE.csv", "Write the verdicts as a table, one row for each test.", callback=written_as(".csv")
     )
-    details: bool = flag("Print all that was found, not only what matters most.")
+    details: bool = flag("Print all results, not only the most important ones.")
     check: bool = flag("Exit with code 1 unless the test is reliable.")
     json_target: str | None = JSON_TARGET
 
@@ -64,8 +65,8 @@ class AssessDemand(JudgesTests, Answered, ReadsTests, Reported):
 
     tests: list[Path] | None = argument(
         "[TEST]...",
-        "Command and measured displacement: text, MATLAB, HDF5, TDMS, NetCDF; or sample_test, "
-        "which ships. Several give a table.",
+        "File with command and measured displacement: text, MATLAB, HDF5, TDMS or NetCDF; or sample_test, "
+        "which comes with reliab. Several files give a table.",
         default=None,
         autocompletion=samples,
     )
@@ -88,15 +89,16 @@ def _answer_design(demand: AssessDemand) -> None:
     from reliab.cli.output import write_json
 
     if "tests" in demand.given:
-        raise InputError("A test's file has no meaning beside `design`", remedy="Leave it out")
+        raise InputError("A test's file has no effect together with `design`", remedy="Leave it out")
     if "structure" in demand.given:
         raise InputError(
-            "Tolerable errors before a test are those of structures of one mass, not of frames",
+            "Tolerable errors before a test are computed for single-degree-of-freedom structures, not for "
+            "frames",
             value=f"`structure={demand.structure}`",
             remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
         )
-    design = demand.ask(design_test, "design", "figure", "json_target", why="beside `design`")
+    design = demand.ask(design_test, "design", "figure", "json_target", why="together with `design`")
     if demand.figure is not None:
         draw_design(design, demand.figure)
     if not write_json(design.to_dict(), demand.json_target):
@@ -111,9 +113,9 @@ def _answer_tests(demand: AssessDemand) -> bool:
     files = files_of(demand.tests, demand.out)
     several = len(files) != 1 or demand.test_name == "all"
     if demand.report is not None and several and files:
-        raise api.unused("report", "beside several tests, since it is the report of one")
+        raise api.unused("report", "together with several tests, since a report is of one test")
     if demand.corrected is not None and several and files:
-        raise api.unused("corrected", "beside several tests, since it is the response of one")
+        raise api.unused("corrected", "together with several tests, since the response is that of one test")
     if demand.same_test and not several:
         raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
     with progress_bar("tests") as progress:
@@ -193,7 +195,7 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
         raise InputError(
             "Every file must be a test that can be judged",
             value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
-            remedy="Mend them as the reasons say, or leave them out; the others are answered",
+            remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
         )
 
 

@@ -92,14 +92,14 @@ def _widest(content: dict[str, Any]) -> Iterator[str]:
         )
         yield f"Most uncertain: {', '.join(entries)}."
     if budget and not content["would_decide"]:
-        yield f"What would sharpen this most: {budget[0]['remedy']}"
+        yield f"What would narrow the interval most: {budget[0]['remedy']}"
 
 
 def budget_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     """Tabulate what is not known exactly, the largest contribution to the interval first."""
     shown = table(
         "Uncertain quantities, and the standard deviation of the error that each causes alone",
-        {"quantity": "left", "std. deviation": "right", "source": "left", "of the error": "right"},
+        {"quantity": "left", "std. deviation": "right", "source": "left", "effect on the error": "right"},
     )
     for item in content["budget"]:
         size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
@@ -119,7 +119,7 @@ def _tracking(content: dict[str, Any]) -> str:
     if by_index is None or by_index["index"] is None:
         return f"{tracked}."
     word, index = by_index["verdict"].replace("_", " "), significant(by_index["index"])
-    return f"{tracked}; by the criterion for A and d {word} (index {index}, at most 1)."
+    return f"{tracked}; verdict of the criterion for A and d: {word} (index {index}, limit 1)."
 
 
 def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:

@@ -41,11 +41,11 @@ def show_design(design: "Design") -> None:
     terminal = console()
     say(*populations_in_words((row.promise, row.population) for row in rows))
     if first.population and first.position != Position.INSIDE:
-        terminal.print(f"What it is asked for lies {first.position} of them.", style="yellow")
+        terminal.print(f"The case asked for lies {first.position} of these motions.", style="yellow")
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(
-            "Note: * lies outside of the criterion's validity and is carried over by dimensionless errors."
+            "Note: * lies outside of the criterion's validity; its limits are scaled by dimensionless errors."
         )
     _show_chart(design.chart, terminal)
 

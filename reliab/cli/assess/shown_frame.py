@@ -111,7 +111,7 @@ def _sentences(content: dict[str, Any]) -> Iterator[str]:
             f"{name} {significant(value, 2)}" for name, value in content["critical_direction"].items()
         )
         yield (
-            "The critical delay is one of all actuators: the loop then oscillates at "
+            "The critical delay is common to all actuators: with it the loop oscillates at "
             f"{significant(content['critical_frequency_hz'])} Hz in the motion {moved}."
         )
     resolved = content.get("over_frequency")

@@ -33,10 +33,9 @@ def _asked(assessment: "Assessment") -> str:
     )
     return (
         f"Structure {stated}; threshold {percent(assessment.criterion.threshold)} "
-        f"({ERROR_NAMES[assessment.metric]}); "
-        f"window of the error: the test's own {assessment.recording.duration:.4g} s. RMS^R is the root mean "
-        "square, MTE^R the largest value, of measured minus exact displacement, both over the peak of the "
-        "exact displacement."
+        f"({ERROR_NAMES[assessment.metric]}); window of the error: the whole test, "
+        f"{assessment.recording.duration:.4g} s. RMS^R is the root mean square, MTE^R the largest value, "
+        "of measured minus exact displacement, both over the peak of the exact displacement."
     )
 
 
@@ -64,16 +63,19 @@ def _errors(summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    share = share_in_words(summary["confidence"], decimals=0)
+    share = (
+        "" if summary["confidence"] is None else f" for {share_in_words(summary['confidence'], decimals=0)}"
+    )
+    promise = f"{share} of the population's ground motions" if share else "; no share of motions is promised"
     against = (
-        f"{share} of the population's ground motions, window {assessment.criterion.provenance.window}"
+        f"{promise}, window {assessment.criterion.provenance.window}"
         if assessment.placement is None
-        else f"{assessment.placement.motion}, {significant(assessment.placement.window[0])} to "
+        else f" for {assessment.placement.motion}, {significant(assessment.placement.window[0])} to "
         f"{assessment.placement.window[1]:.4g} s of its record"
     )
-    size = "no limits for leads" if assessment.index is None else f"{significant(assessment.index)} against 1"
+    size = "no limits for leads" if assessment.index is None else f"{significant(assessment.index)} (limit 1)"
     shown = table(
-        f"By index: {assessment.verdict_by_index.word.shout.lower()}, {size} for {against}",
+        f"By the index: {assessment.verdict_by_index.word.shout.lower()}, {size}{against}",
         {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
     )
     a, b = assessment.limits
@@ -97,17 +99,16 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
 
     if assessment.placement is not None:
         yield (
-            "A gain A and a delay d alone would err by "
-            f"{percent(assessment.placement.error, decimals=2)} under "
-            f"{assessment.placement.motion} "
-            f"({significant(assessment.placement.window[0])} to {assessment.placement.window[1]:.4g} s "
-            "of its record)."
+            "A constant gain A and delay d alone would cause an error of "
+            f"{percent(assessment.placement.error, decimals=2)} under {assessment.placement.motion} "
+            f"({significant(assessment.placement.window[0])} to {assessment.placement.window[1]:.4g} s of "
+            "its record)."
         )
     if assessment.index_probability is not None:
         basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
         yield (
-            f"By A and d under {basis}: probability {probability_text(assessment.index_probability)} of "
-            "staying below the threshold."
+            f"Probability, by A and d under {basis}, that the error stays below the threshold: "
+            f"{probability_text(assessment.index_probability)}."
         )
     for reason in assessment.verdict_by_index.would_decide:
         yield f"The index: {reason}"
@@ -119,9 +120,8 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
     advice = summary["improve"]
     share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
     yield (
-        f"By the index the {advice['first']} weighs most ({percent(share, decimals=0)}). Tolerable with "
-        "the other as it is: "
-        f"{_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
+        f"Of the index, most comes from the {advice['first']} ({percent(share, decimals=0)}). Tolerable "
+        f"while the other stays as it is: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
         f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
     )
     yield _tracking(summary["tracking"])
@@ -135,10 +135,8 @@ def _tracking(measures: dict[str, Any]) -> str:
     force = "recorded force" if measures["energy_of_recorded_force"] else "a linear specimen"
     return (
         f"Tracking of the command: largest error {percent(measures['mte'], decimals=2)} of its peak, RMS "
-        f"{percent(measures['rms'], decimals=2)} of its own; tracking indicator "
-        f"{significant(measures['tracking_indicator_m2'])} m²; "
-        f"phase and amplitude error indices {significant(measures['paei_phase_rad'])} rad and "
-        f"{measures['paei_amplitude']:+.4f}; energy error {100.0 * measures['energy_error']:+.1f} % of "
-        "the largest "
-        f"strain energy ({force})."
+        f"error {percent(measures['rms'], decimals=2)} of its own; tracking indicator "
+        f"{significant(measures['tracking_indicator_m2'])} m²; phase and amplitude error indices "
+        f"{significant(measures['paei_phase_rad'])} rad and {measures['paei_amplitude']:+.4f}; energy "
+        f"error {100.0 * measures['energy_error']:+.1f} % of the largest strain energy ({force})."
     )

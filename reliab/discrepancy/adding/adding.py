@@ -21,8 +21,8 @@ from reliab.threads import one_thread
 
 _REACH = 1.645  # standard deviations to either end of a central 90 % interval
 _WITHOUT_FRAME = (
-    "This file holds the actuator, the specimen and the effects; the frame of these tests stands in their"
-    " campaign.toml, and without it no closed loop can be computed."
+    "This file holds the actuator, the specimen and the effects; the frame of these tests is described in"
+    " their campaign.toml, and no closed loop can be computed without it."
 )
 
 

@@ -27,7 +27,7 @@ _INTERVAL = (0.05, 0.95)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
-    """What is known of a model's parameters."""
+    """Posterior of a model's parameters."""
 
     names: tuple[str, ...]  # names, units: Parameters, those of effects as "effect.parameter"
     units: tuple[str, ...]

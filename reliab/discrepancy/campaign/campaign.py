@@ -14,7 +14,7 @@ from reliab.structures import Partition, Specimen, Structure
 
 
 class Channel(StrEnum):
-    """Columns of a test beside the time."""
+    """Columns of a test apart from the time."""
 
     GROUND = "ground_acceleration_mps2"
     COMMAND = "command_m"

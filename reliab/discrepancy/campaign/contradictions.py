@@ -163,7 +163,7 @@ def _same_unit(test: _Moved, rival: _Moved, pair: Pair) -> bool:
 def _reversed(_test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
     beside = ", ".join(sorted({name for pair in pairs if channel in pair for name in pair} - {channel}))
     against = f"against {others[0].file}" if len(others) == 1 else "against most other tests"
-    return f"{channel} reversed {against}, beside {beside}"
+    return f"{channel} reversed {against}, relative to {beside}"
 
 
 def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
@@ -175,4 +175,4 @@ def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pa
     ]
     against = f"in {others[0].file}" if len(others) == 1 else "in the other tests"
     gain = significant(np.exp(np.median(gains)))
-    return f"{channel} {gain} times what it is {against}, beside {', '.join(beside)}"
+    return f"{channel} {gain} times what it is {against}, relative to {', '.join(beside)}"

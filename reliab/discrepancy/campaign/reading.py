@@ -127,10 +127,11 @@ class TestTable(_Table):
     test: Annotated[str, Field(max_length=200)] = Field(
         default="", description="Name of the test, where the file holds several"
     )
-    motion: str = Field(default="", description="What drove the test")
+    motion: str = Field(default="", description="Kind of motion that drove the test")
     held_out: bool = Field(
         default=False,
-        description="Whether the test is kept to verify what is found; if none is marked, the last one is",
+        description="Whether the test is held out to verify what is found; if none is marked, the last "
+        "one is",
     )
 
     @property
@@ -221,7 +222,7 @@ def _check_files(folder: Path, tests: list[TestTable]) -> None:
         files.append((os.path.realpath(path), test.test))
         if files[-1] in files[:-1]:
             raise InputError(
-                "A file must stand for one test only",
+                "A file must be listed for one test only",
                 value=repr(test.name),
                 remedy="Remove the second one, or correct its name",
                 where=f"{CAMPAIGN_FILE}, test {place}",
@@ -255,8 +256,8 @@ def _as_partition(table: FrameTables, described: CampaignDescription) -> Partiti
     """Build the frame with its specimen, and refuse entries that are repeated or have no meaning."""
     if described.specimen is not None:
         raise InputError(
-            "The specimen of a frame is described in [structure.specimen]",
-            value="a table [specimen] beside it",
+            "The specimen of a frame must be described in [structure.specimen]",
+            value="a further table [specimen]",
             remedy="Leave [specimen] out",
             where=CAMPAIGN_FILE,
         )
@@ -285,8 +286,8 @@ def _as_specimen(table: SpecimenTable) -> Specimen:
 
 def _described(path: Path) -> CampaignDescription:
     rule, remedy = (
-        f"A campaign is a folder with a {CAMPAIGN_FILE} that is TOML",
-        "Mend it, or name another folder",
+        f"A campaign must be a folder with a readable {CAMPAIGN_FILE}",
+        "Correct the file, or name another folder",
     )
     text = described_text(path, rule=rule, remedy=remedy)
     try:
@@ -299,7 +300,7 @@ def _explained(error: ValidationError, text: str, path: Path) -> InputError:
     """Say what is wrong, with the line of the first fault."""
     first = error.errors()[0]
     line = _line_of(text, keys_of(first["loc"]))
-    rule = "A campaign is described by known keys with allowed values"
+    rule = "A campaign must be described by known keys with allowed values"
     return InputError(
         "A campaign must have at least one test" if first["type"] == "too_short" else rule,
         value=faults_in_words(error),

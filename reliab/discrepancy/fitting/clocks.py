@@ -28,7 +28,7 @@ def fitted_with_clock(search: Search, fitted: Fit) -> Fit | None:
 
 
 def with_clock(search: Search, fitted: Fit) -> Fit:
-    """Fit a model with an offset of the clocks beside its effects."""
+    """Fit a model with an offset of the clocks together with its effects."""
     space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
     key = frozenset(space.names)
     if key not in search.with_clocks:

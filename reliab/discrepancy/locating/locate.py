@@ -60,7 +60,7 @@ class _Family:
 
 
 _FAMILIES = (
-    _Family("offset", "a constant is left over", lambda _t, x, _v, _a: (np.ones_like(x),)),
+    _Family("offset", "a constant remains", lambda _t, x, _v, _a: (np.ones_like(x),)),
     _Family(
         "time",
         "the residual changes in the course of the tests, whatever the motion",

@@ -148,7 +148,7 @@ def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
     return Unknown(
         block=str(problem.block.block),
         expression=f"{problem.block.channel} held {halt.events} times, for {significant(halt.seconds)} s "
-        "as a rule",
+        "typically",
         description="the reading stands still now and then while the model moves on: the sensor drops out",
         held_out_nrmse=error,
     )

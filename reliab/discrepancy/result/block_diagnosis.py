@@ -33,7 +33,7 @@ class NominalValue:
 _TABLE = "check the table [structure] of the campaign"
 NOMINAL_VALUES = {
     "structure_mass": NominalValue(
-        "mass", 0.01, f"{_TABLE}, and the scale of the load cell, which looks the same"
+        "mass", 0.01, f"{_TABLE}, and the scale of the load cell, which has the same effect"
     ),
     "structure_frequency": NominalValue("natural frequency", 0.005, _TABLE),
     "structure_damping": NominalValue("damping ratio", 0.05, _TABLE),

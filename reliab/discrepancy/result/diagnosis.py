@@ -30,8 +30,8 @@ _CLOCK = "clock_offset"
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping", "structure_damping"}
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
-    Verdict.UNKNOWN_EFFECT: "Something is missing that is none of the known effects.",
-    Verdict.NOT_IDENTIFIABLE: "Something is missing, but these tests do not show which effect it is.",
+    Verdict.UNKNOWN_EFFECT: "The model lacks an effect that is none of the known ones.",
+    Verdict.NOT_IDENTIFIABLE: "The model lacks an effect, but these tests do not show which one.",
 }
 
 
@@ -155,8 +155,8 @@ def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
     ]
     remarks += [
         f"{estimate.name} of {effect.name} is known to ± {significant(estimate.sd, 2)} {estimate.units} only:"
-        " models that explain the tests as well, with clocks that differ or with a further effect, give other"
-        " values."
+        " models that explain the tests equally well, with differing clocks or with a further effect,"
+        " give other values."
         for effect in effects
         for estimate in effect.estimates
         if estimate.between > _OTHER_MODELS * estimate.sd
@@ -170,7 +170,7 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
     remarks = _limits_of_parameters((*block.effects, *block.doubtful))
     if block.not_fed_back is not None:
         remarks.append(
-            f"The recorded force holds an offset of {significant(block.not_fed_back.value)} ± "
+            f"The recorded force contains an offset of {significant(block.not_fed_back.value)} ± "
             f"{significant(block.not_fed_back.sd, 1)} N that the controller did not feel."
         )
     remarks += [offset.remark for offset in block.uncertain_offsets]
@@ -183,8 +183,8 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         )
     if block.block.block is not Block.NUMERICAL and gap.after > 1.0:
         remarks.append(
-            f"The model of the {name} misses held-out tests by more than their signal: check the units and"
-            " signs of the columns, and the nominal values."
+            f"On held-out tests the error of the model of the {name} is larger than the signal: check the "
+            "units and signs of the columns, and the nominal values."
         )
     if block.converged is False:
         remarks.append(
@@ -303,11 +303,12 @@ def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
     if open_ones:
         channels = ", ".join(open_ones)
         return (
-            f"{first}Calibration explains the tests but for a remainder in {channels} that may not be noise."
+            f"{first}Calibration explains the tests except for a remainder in {channels} that may not be "
+            "noise."
         )
     if first:
-        return f"{first}With the calibrated values nothing is missing."
-    return "Calibration alone explains the tests: nothing is missing."
+        return f"{first}With the calibrated values these tests show no missing effect."
+    return "Calibration alone explains the tests: they show no missing effect."
 
 
 def _times(item: Estimate) -> str:

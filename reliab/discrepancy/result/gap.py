@@ -86,7 +86,7 @@ class Gap:
 
     @property
     def remainder(self) -> Remainder:
-        """Whether what remains is at the noise, within the uncertainty of the floor."""
+        """Whether what remains is at the level of the noise, within the uncertainty of the floor."""
         if self.floor is None:
             return Remainder.NOT_KNOWN
         at_noise = self.after <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
@@ -144,14 +144,16 @@ class Gap:
     def conclusion(self) -> str:
         """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
         if self.at_noise_before:
-            return "the calibrated model is at the noise: there is nothing to explain"
+            return (
+                "the error of the calibrated model is at the level of the noise: there is nothing to explain"
+            )
         if not self.missing:
-            whether = "more than the noise, but" if self.floor is not None else "noise or not, it is"
-            return f"{whether} too small to be called an effect"
+            known = "above the noise" if self.floor is not None else "of unknown cause"
+            return f"the error is {known}, but too small to be called an effect"
         share = "" if self.stated_share is None else percent(self.stated_share, decimals=1)
         match self.remainder:
             case Remainder.AT_NOISE:
-                return "what remains is at the noise"
+                return "what remains is at the level of the noise"
             case Remainder.ABOVE_NOISE:
                 return f"{share} of the gap closed, and what remains is an error of the model"
             case Remainder.NOT_KNOWN if self.looks_like_noise:

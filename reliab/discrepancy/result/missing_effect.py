@@ -207,12 +207,11 @@ def remark(name: str, probability: float, rival: tuple[str, float] | None) -> st
     """State from which other effect an effect cannot be distinguished."""
     words = name.replace("_", " ")
     if rival is None:
-        return f"The data hint at {words} without settling it. {_OTHERWISE}."
+        return f"The data suggest {words}, but do not settle it. {_OTHERWISE}."
     rival_name = rival[0].replace("_", " ")
     return (
-        f"The data do not tell {words} ({percent(probability, decimals=0)}) from {rival_name} "
-        f"({percent(rival[1], decimals=0)}). "
-        f"{telling_test(name, rival[0])}."
+        f"The data do not distinguish {words} ({percent(probability, decimals=0)}) from {rival_name} "
+        f"({percent(rival[1], decimals=0)}). {telling_test(name, rival[0])}."
     )
 
 

@@ -57,7 +57,7 @@ class LeadingReading(SteppedEffect):
     reported_name = "clock_offset"
     block = Block.SENSOR
     role = Role.DISPLACEMENT_READING
-    description = "the measured displacement leads the command, as that of no actuator does: clocks differ"
+    description = "the measured displacement leads the command, which no actuator does: the clocks differ"
     parameters = (
         Parameter(
             name="lead_s", units="s", meaning="time by which the displacement is recorded earlier",

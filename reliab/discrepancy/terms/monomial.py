@@ -109,7 +109,7 @@ def monomial(
         "name": f"{role}: {expression}",
         "block": Block.SPECIMEN if channel == "force" else Block.ACTUATOR,
         "role": role,
-        "description": f"a term in {expression} that is no effect of the library",
+        "description": f"a term in {expression} that is not an effect of the library",
         "parameters": (parameter,),
         "kernel": _ON_PISTON if role is Role.PISTON else _ON_FORCE,
         "exponents": exponents,

@@ -18,7 +18,7 @@ export function examine({ command, measured, step, notes }) {
 // A [-] and d [s] of an examined test, without the drift where it is too large for a threshold; and sentences.
 export function place({ notes, plain, rise, straight }, threshold) {
   if (rise.size < 0.1 * threshold) return { ...plain, notes };
-  const sentence = `The measured displacement drifts by ${(100 * rise.size).toFixed(2)} % of the command's peak, which was taken away.`;
+  const sentence = `The measured displacement drifts by ${(100 * rise.size).toFixed(2)} % of the command's peak; the drift was subtracted.`;
   return { ...straight, notes: [...notes, sentence] };
 }
 

@@ -83,7 +83,7 @@ export function refusal(command, measured) {
   const sizes = [Math.sqrt(product(x, x)), Math.sqrt(product(y, y))];
   if (!(sizes[0] > 0 && sizes[1] > 0)) return "Command and measured displacement must move.";
   if (largest(command.map((value, i) => measured[i] - value)) <= 1e-6 * peak) {
-    return "Command and measured displacement are identical, which no sensor reading is: was one channel exported twice?";
+    return "Command and measured displacement are identical, which sensor readings never are: was one channel exported twice?";
   }
   for (const [name, history, other] of [["measured displacement", measured, command], ["command", command, measured]]) {
     if (standsStill(history, other, peak)) return `The ${name} stands still while the other channel moves: use reliab assess.`;
@@ -93,7 +93,7 @@ export function refusal(command, measured) {
   const ratio = sizes[1] / sizes[0];
   const units = [1000, 100, 10, 39.3701, 25.4, 2.54, 3.28084, 12].flatMap((unit) => [unit, 1 / unit]);
   if (units.some((unit) => Math.abs(ratio / unit - 1) < 0.1)) {
-    return `The measured displacement is ${ratio.toPrecision(3)} times the command: are they in one unit?`;
+    return `The measured displacement is ${ratio.toPrecision(3)} times the command: are they in the same unit?`;
   }
   return correlation < 0.2 ? "The measured displacement does not follow the command." : "";
 }

@@ -89,7 +89,7 @@ function explain() {
       ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
       : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
   if (panel.among()?.position === "outside") {
-    field("meaning").textContent = "No share of the population's ground motions is promised for this test: it lies outside of those behind the criterion.";
+    field("meaning").textContent = "No share of the population's ground motions is promised for this test: it lies outside of the motions behind the criterion.";
     return;
   }
   field("meaning").textContent = `A test inside the region has an error below ${inWords(now).split(" for ")[0]} with a ` +

@@ -36,13 +36,13 @@ export class TestPanel {
     const placed = place(this.test, asked.threshold), { amplitude, delay, notes } = placed;
     const value = index(delay < 0 && limits.lead ? limits.lead : limits.lag, amplitude, delay);
     const lies = this.among();
-    const where = lies?.position === "outside" ? "none: the criterion says nothing of such a test"
+    const where = lies?.position === "outside" ? "none: the criterion does not cover such a test"
       : Number.isFinite(value) ? `${value.toPrecision(4)}: ${value <= 1 ? "inside" : "outside"} the region` : "none: no test is accepted";
     this.#write([
       ["Amplitude A", amplitude.toFixed(5)],
       ["Equivalent delay d", `${(1e3 * delay).toFixed(4)} ms`],
       ["Index by the criterion", where],
-      ...(lies ? [["Among the criterion's motions", `${lies.position}: ${lies.words} ${lies.value.toPrecision(3)}${lies.unit}, of theirs ${lies.least.toPrecision(3)} to ${lies.greatest.toPrecision(3)}${lies.unit}`]] : []),
+      ...(lies ? [["Among the criterion's motions", `${lies.position}: ${lies.words} ${lies.value.toPrecision(3)}${lies.unit}; range of the motions ${lies.least.toPrecision(3)} to ${lies.greatest.toPrecision(3)}${lies.unit}`]] : []),
       ["Length and sampling rate", `${this.test.duration.toFixed(2)} s at ${(1 / this.test.step).toPrecision(5)} Hz`],
     ]);
     field("notes").replaceChildren(...notes.map((text) => node("li", "", text)));

@@ -178,7 +178,7 @@ def header_of(lines: Sequence[str], width: int, delimiter: str) -> Header:
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise InputError(
-            "A column must stand once only", value=repr(repeated), remedy="Rename one of the columns"
+            "Each column must occur only once", value=repr(repeated), remedy="Rename one of the columns"
         )
     return Header(names=names, units=list(units), named=True)
 
@@ -365,7 +365,7 @@ def _numbers(row: Line, names: Sequence[str], texts: set[int], path: Path) -> It
         raise InputError(
             f"Every line must have {len(names)} columns, as the first has",
             value=len(row.cells),
-            remedy="Mend the line, or leave it and all later ones out",
+            remedy="Correct the line, or leave out this line and all later ones",
             where=where,
         )
     for place, (name, cell) in enumerate(zip(names, row.cells, strict=True)):
@@ -374,7 +374,7 @@ def _numbers(row: Line, names: Sequence[str], texts: set[int], path: Path) -> It
             raise InputError(
                 "Every value must be a number",
                 value=repr(cell),
-                remedy="Mend the line, or leave it and all later ones out",
+                remedy="Correct the line, or leave out this line and all later ones",
                 where=f"{where}, column {name}",
             )
         yield number

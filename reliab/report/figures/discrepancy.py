@@ -145,8 +145,8 @@ def discrepancy_blocks(*, lacking: Mapping[Block, str], observed: Collection[Blo
         _box(axes, place, _NAMES[block], lacking.get(block, ""), _LOOKS[kind])
     for k, (kind, text) in enumerate(
         (
-            ("lacking", "something is missing"),
-            ("sound", "observed, nothing missing"),
+            ("lacking", "missing effect"),
+            ("sound", "observed, no missing effect"),
             ("unseen", "not observed"),
         )
     ):
@@ -215,7 +215,7 @@ def discrepancy_histories(history: ModelledHistory) -> Figure:
     every = max(1, history.time.size // _MOST_SAMPLES)
     cut = slice(None, None, every)
     for row, (values, colour, name) in enumerate(
-        ((history.before, VERMILION, "calibrated model"), (history.after, BLUE, "with what was found"))
+        ((history.before, VERMILION, "calibrated model"), (history.after, BLUE, "with the effects found"))
     ):
         _lines(axes[row, 0], history.time[cut], history.measured[cut], values[cut], colour, name)
         _lines(axes[row, 1], history.driven[cut], history.measured[cut], values[cut], colour, name)

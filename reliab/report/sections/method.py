@@ -106,7 +106,7 @@ def _boundary(criterion: Criterion | None) -> Section:
             Paragraph(
                 text=prose(
                     "For each ground motion the contour of equal error around $A = 1$, $d = 0$ is traced, "
-                    "late actuators ($d >= 0$) and early ones each for themselves, and {ellipse}, with $d$ "
+                    "late actuators ($d >= 0$) and early ones separately, and {ellipse}, with $d$ "
                     "in milliseconds:",
                     ellipse=_INSCRIBED
                     if criterion is not None and criterion.provenance.curve == CurveName.INSCRIBED

@@ -85,7 +85,7 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str, *, leads: bo
         caption=prose(
             "A criterion keeps its promise for the motions of a study where its line follows the diagonal; "
             "below the diagonal it promises too much.{printed}",
-            printed=" Printed laws state one confidence only and stand in the table."
+            printed=" Printed laws state one confidence only and are listed in the table."
             if several.any() and not several.all()
             else "",
         ),
@@ -100,8 +100,8 @@ def _figures(contained: pd.DataFrame, confidence: float, mark: str, *, leads: bo
             drawing=coverage_by_frequency(chosen, confidence=nearest),
             caption=prose(
                 "Containment by natural frequency at a stated {share}: a point below the dotted line is "
-                "unsafe at that frequency, as far as its interval lies below it. Criteria that contain far "
-                "fewer motions than they state are drawn in separate axes.",
+                "unsafe at that frequency, as far as its interval lies below it. Criteria that are contained "
+                "by far fewer motions than they state are drawn in separate axes.",
                 share=percent(nearest),
             ),
             label=f"fig:by-frequency{mark}",

@@ -201,7 +201,7 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
         description = described(
             FrameDescription,
             with_matrices(content, folder),
-            rule="A description of a frame holds known keys with allowed values",
+            rule="A frame must be described by known keys with allowed values",
             remedy=REMEDY,
         )
         return _build(description, folder)
@@ -261,7 +261,7 @@ def _partition(description: FrameDescription) -> Partition:
     mass, stiffness = map(square_matrix, table.matrices, ("mass matrix", "stiffness matrix"))
     if mass.shape != stiffness.shape:
         raise InputError(
-            "Mass and stiffness matrices must be of one size",
+            "Mass and stiffness matrices must be of the same size",
             value=f"shapes {mass.shape} and {stiffness.shape}",
         )
     names = table.names or tuple(str(place + 1) for place in range(len(mass)))

@@ -168,7 +168,7 @@ class FrameDescription(DescribedTable):
     frame: FrameTable = Field(description="Mass and stiffness")
     damping: DampingTable = Field(description="Damping")
     specimen: SpecimenTable = Field(description="Specimen and interface")
-    error: ErrorTable = Field(default=ErrorTable(), description="Whose error counts")
+    error: ErrorTable = Field(default=ErrorTable(), description="Response whose error is judged")
     tolerances: TolerancesTable = Field(
         default=TolerancesTable(), description="How exactly the structure is known, for `reliab assess`"
     )

@@ -48,7 +48,7 @@ def _rows(name: str, folder: Path) -> list[list[float]]:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or "bytes that are no text"
+        reason = getattr(error, "strerror", None) or "bytes that are not text"
         raise InputError(
             "The file of a matrix must be readable text", value=reason, remedy=_REMEDY, where=name
         ) from None

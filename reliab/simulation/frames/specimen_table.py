@@ -26,7 +26,7 @@ class EffectTable(BaseModel):
 
     model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
 
-    name: str = Field(description="Name of the effect; its parameters stand beside it")
+    name: str = Field(description="Name of the effect; its parameters are further keys of the same table")
 
     @property
     def effect(self) -> Effect:

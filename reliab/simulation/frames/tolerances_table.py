@@ -31,9 +31,9 @@ class EntriesTable(DescribedTable):
     places: tuple[tuple[str | int, str | int], ...] = Field(
         description="Degrees of freedom of the row and the column of each entry"
     )
-    deviation: Deviation = Field(description="Of each of these entries")
+    deviation: Deviation = Field(description="Deviation of each of these entries")
     correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
-        default=0.0, description="Between these entries; 1 for entries that are off together"
+        default=0.0, description="Correlation between these entries; 1 for entries that deviate together"
     )
 
     @property
@@ -76,7 +76,7 @@ class EntriesTable(DescribedTable):
 def _number(name: str | int, names: tuple[str, ...]) -> int:
     if str(name) not in names:
         raise InputError(
-            "An entry stands in the row and column of degrees of freedom",
+            "An entry must be named by the degrees of freedom of its row and column",
             value=repr(name),
             remedy=f"Name two of {', '.join(names)}",
         )
@@ -86,42 +86,53 @@ def _number(name: str | int, names: tuple[str, ...]) -> int:
 class TolerancesTable(DescribedTable):
     """Relative standard deviations of factors of the whole structure, and of its parts."""
 
-    mass: Deviation = Field(default=0.0, description="Of a factor of the mass matrix")
+    mass: Deviation = Field(default=0.0, description="Deviation of a factor on the mass matrix")
     stiffness: Deviation = Field(
-        default=0.0, description="Of a factor of the stiffness matrix and of the specimen’s stiffness"
+        default=0.0,
+        description="Deviation of a factor on the stiffness matrix and of the specimen’s stiffness",
     )
     frequency: Deviation | None = Field(
-        default=None, description="Of the measured natural frequencies, in place of `mass` and `stiffness`"
+        default=None,
+        description="Deviation of the measured natural frequencies, in place of `mass` and `stiffness`",
     )
     damping: Deviation | None = Field(
-        default=None, description="Of a factor of the damping matrix, in place of `damping_ratio`"
+        default=None, description="Deviation of a factor on the damping matrix, in place of `damping_ratio`"
     )
-    damping_ratio: Deviation = Field(default=0.0, description="Of a factor of all damping ratios")
+    damping_ratio: Deviation = Field(default=0.0, description="Deviation of a factor on all damping ratios")
     specimen_stiffness: Deviation = Field(
-        default=0.0, description="Of the specimen’s share of the stiffness, beside the factors above"
+        default=0.0,
+        description="Deviation of the specimen’s share of the stiffness, in addition to the factors above",
     )
     specimen_changes_structure: bool = Field(
         default=False,
-        description="Whether the matrices change with the specimen, since the computer’s part is as stated",
+        description="Whether a deviation of the specimen changes the matrices, since the computed part is "
+        "as stated",
     )
     floor_masses: Deviations = Field(
-        default=(), description="Of the mass of each floor, each by itself: one number or one for each"
+        default=(),
+        description="Deviation of the mass of each floor, each by itself: one number or one for each",
     )
     storey_stiffnesses: Deviations = Field(
-        default=(), description="Of the stiffness of each storey, likewise"
+        default=(), description="Deviation of the stiffness of each storey, likewise"
     )
-    storey_dampings: Deviations = Field(default=(), description="Of the damping of each storey, likewise")
+    storey_dampings: Deviations = Field(
+        default=(), description="Deviation of the damping of each storey, likewise"
+    )
     storey_correlation: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
         default=0.0, description="Correlation between floors or storeys whose deviation is one number"
     )
     mode_frequencies: Deviations = Field(
-        default=(), description="Of the natural frequency of each mode, in place of masses and stiffnesses"
+        default=(),
+        description="Deviation of the natural frequency of each mode, in place of masses and stiffnesses",
     )
     mode_damping_ratios: Deviations = Field(
-        default=(), description="Of the damping ratio of each mode, in place of other tolerances of damping"
+        default=(),
+        description="Deviation of the damping ratio of each mode, in place of other tolerances of damping",
     )
 
-    entries: tuple[EntriesTable, ...] = Field(default=(), description="Of single entries of matrices")
+    entries: tuple[EntriesTable, ...] = Field(
+        default=(), description="Deviations of single entries of matrices"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -61,7 +61,7 @@ class ServoHydraulicTable(DescribedTable):
 class TransferTable(DescribedTable):
     """The actuators with their inner control: one, in one of its ways with a pure delay beside it, or all."""
 
-    gain: Positive | None = Field(default=None, description="Gain at rest, alone or beside `poles_per_s`")
+    gain: Positive | None = Field(default=None, description="Static gain, alone or with `poles_per_s`")
     numerator: tuple[float, ...] | None = Field(
         default=None, description="Coefficients of the numerator, in descending powers of s"
     )
@@ -73,7 +73,8 @@ class TransferTable(DescribedTable):
         default=None, description="Poles; [real, imaginary] stands for a conjugate pair"
     )
     file: str | None = Field(
-        default=None, description="MATLAB file beside this one with num and den, z, p and k, or A, B, C and D"
+        default=None,
+        description="MATLAB file in the folder of this file, with num and den, z, p and k, or A, B, C and D",
     )
     variable: str | None = Field(default=None, description="Structure in that file which holds them")
     servo_hydraulic: ServoHydraulicTable | None = Field(default=None, description="Plant of the benchmark")
@@ -84,7 +85,7 @@ class TransferTable(DescribedTable):
         "each actuator",
     )
     delay_ms: Annotated[float, Field(ge=0.0)] = Field(
-        default=0.0, description="Pure delay beside each of these"
+        default=0.0, description="Pure delay in addition to each of these"
     )
 
     @model_validator(mode="after")
@@ -109,7 +110,11 @@ class TransferTable(DescribedTable):
             (bool(self.zeros_per_s), self.poles_per_s is not None, "zeros_per_s needs poles_per_s"),
             (self.variable is not None, self.file is not None, "variable needs file"),
             (bool(self.delay_ms), self.servo_hydraulic is None, "servo_hydraulic takes no delay_ms"),
-            (bool(self.delay_ms), self.matrix is None, "a matrix takes no delay_ms beside its entries"),
+            (
+                bool(self.delay_ms),
+                self.matrix is None,
+                "a matrix takes no delay_ms apart from those of its entries",
+            ),
         )
         for present, allowed, message in only_with:
             if present and not allowed:

@@ -133,7 +133,7 @@ class _ModelFile(_Table):
 def _describe(path: Path) -> _ModelFile:
     remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
     content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
-    rule = "A model holds known keys with allowed values"
+    rule = "A model must be described by known keys with allowed values"
     return described(_ModelFile, content, rule=rule, remedy=remedy, where=path.name)
 
 

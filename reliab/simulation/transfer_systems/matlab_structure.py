@@ -187,7 +187,7 @@ class _Elements:
         kind, _ = self.full_tag()
         held = self._number(self._source.take(16)[8:12]) & 0xFF
         if kind != _MATRIX or held != _BYTES:
-            raise ValueError("objects that are kept in no bytes")
+            raise ValueError("objects without bytes")
         self._content(4 * 32)
         self._content(_CHUNK)
         return self._content(_MOST_OBJECTS)

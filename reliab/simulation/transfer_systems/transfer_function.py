@@ -278,7 +278,9 @@ class TransferUncertainty:
                 continue
             ratio = -pole.real / abs(pole) * damped
             if not (modulus > 0.0 and abs(ratio) < 1.0):
-                raise InputError("A drawn pole must oscillate", value=pole)
+                raise InputError(
+                    "The complex poles of a drawn transfer function must stay underdamped", value=pole
+                )
             moved = modulus * complex(-ratio, math.sqrt(1.0 - ratio**2))
             poles.extend([moved, moved.conjugate()])
         return TransferFunction.from_poles(

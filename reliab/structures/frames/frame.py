@@ -187,7 +187,7 @@ class Frame:
         sizes = {self.mass.shape[0], self.damping.shape[0], self.stiffness.shape[0]}
         if len(sizes) > 1:
             raise InputError(
-                "Mass, damping and stiffness matrices must be of one size",
+                "Mass, damping and stiffness matrices must be of the same size",
                 value=f"{self.mass.shape[0]}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
                 remedy="Give one row and column for each degree of freedom",
             )

@@ -193,7 +193,7 @@ def folds_of(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64]
         return list(leave_groups_out(_groups(scheme, events, lengths), events))
     if scheme not in SCHEMES:
         raise InputError(
-            "The scheme must be known",
+            "The scheme must be one of the known ones",
             value=scheme,
             remedy=f"Choose among {', '.join((*SCHEMES, *GROUP_SCHEMES))}",
         )

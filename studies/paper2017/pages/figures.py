@@ -175,7 +175,7 @@ def structures_section(records: Records, printed: PrintedTables) -> Section:
                 drawing=parameters_over_frequency(tuple(_example_over_frequency(records))),
                 caption=prose(
                     "Figure 14 of the paper: the parameters of {motion} over the frequency. $a$ scatters; "
-                    "the exponential (14) takes $b$ away too fast above 1 Hz.",
+                    "the exponential (14) lets $b$ fall too fast above 1 Hz.",
                     motion=EXAMPLE,
                 ),
                 label="fig:paper-14",

@@ -114,8 +114,8 @@ def _facts(records: Records, fraction: float) -> dict[str, Prose]:
         "Example": prose("{motion}, $f = 1$ Hz, $xi = 0.02$", motion=EXAMPLE),
         "Structures": prose("$alpha = {fraction:g}$ of the stiffness in the laboratory", fraction=fraction),
         "Error": prose(
-            '$"RMS"^R$ of 5 % of the peak of the exact response, over the whole record; $"MTE"^R$ beside it '
-            "for the example"
+            '$"RMS"^R$ of 5 % of the peak of the exact response, over the whole record; '
+            'for the example $"MTE"^R$, too'
         ),
     }
 

@@ -135,9 +135,9 @@ def test_four_periods_are_enough_and_histories_have_one_length():
     assert identify(command, measured, ground, STEP, STATED, force=force).frequency.value > 0.0
     with pytest.raises(InputError, match="at least 4 periods"):
         identify(command[:-4], measured[:-4], ground[:-4], STEP, STATED, force=force[:-4])
-    with pytest.raises(InputError, match="one length"):
+    with pytest.raises(InputError, match="the same length"):
         identify(command, measured, ground[:-1], STEP, STATED)
-    with pytest.raises(InputError, match="one length"):
+    with pytest.raises(InputError, match="the same length"):
         identify(command, measured, ground, STEP, STATED, force=force[1:])
 
 

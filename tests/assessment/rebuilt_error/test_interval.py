@@ -212,7 +212,7 @@ def test_forms_that_use_the_force(outcome, noisy):
 @pytest.mark.parametrize(
     ("change", "rule"),
     [
-        ({"measured": np.zeros(10)}, "one length"),
+        ({"measured": np.zeros(10)}, "the same length"),
         ({"command": np.full(20480, np.nan)}, "finite"),
         ({"command": np.zeros(20480)}, "must move"),
         ({"time_step": -1.0}, "positive"),

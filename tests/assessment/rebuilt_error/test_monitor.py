@@ -101,9 +101,9 @@ def test_a_sample_takes_less_than_a_tenth_of_a_millisecond(outcome):
 
 def test_bad_rows_are_refused():
     monitor = Monitor(STRUCTURE, STEP)
-    with pytest.raises(InputError, match="one length"):
+    with pytest.raises(InputError, match="the same length"):
         monitor.feed(np.zeros(3), np.zeros(2))
-    with pytest.raises(InputError, match="one length"):
+    with pytest.raises(InputError, match="the same length"):
         monitor.feed(np.zeros((2, 2)), np.zeros((2, 2)))
     for bad in (np.nan, np.inf, -1e31):
         with pytest.raises(InputError, match="finite"):

@@ -176,7 +176,7 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
     moved = np.sin(6.0 * time)
     nothing = examine_specimen(moved, np.zeros(time.size), 0.005, 1.0)
     assert (nothing.nonlinear, nothing.share, nothing.gain, nothing.linear_residual) == (False, 0.0, 0.0, 0.0)
-    with pytest.raises(InputError, match="one length"):
+    with pytest.raises(InputError, match="the same length"):
         examine_specimen(moved, moved[1:], 0.005, 1.0)
     with pytest.raises(InputError, match="at least 4 periods"):
         examine_specimen(moved[:-1], moved[:-1], 0.005, 1.0)
@@ -192,7 +192,7 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
 @pytest.mark.parametrize(
     ("changes", "rule"),
     [
-        ({"damping": np.eye(3)}, "of one size"),
+        ({"damping": np.eye(3)}, "of the same size"),
         ({"stiffness": np.array([[np.nan]])}, "stiffness matrix"),
         ({"interface": np.array([np.inf])}, "finite numbers"),
         ({"specimen_mass": np.nan}, "must be finite"),

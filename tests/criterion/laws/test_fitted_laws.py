@@ -74,7 +74,7 @@ def test_one_structure_is_enough(law):
 
 
 def test_an_unknown_law_is_refused():
-    with pytest.raises(InputError, match="The law must be known"):
+    with pytest.raises(InputError, match="The law must be one of the known ones"):
         law_from_dict({"name": "magic"})
 
 

@@ -626,7 +626,7 @@ def test_the_loop_names_what_is_missing_and_what_is_not_seen():
         "numerical substructure",
         "excitation",
     } <= set(texts)
-    assert {"something is missing", "observed, nothing missing", "not observed"} <= set(texts)
+    assert {"missing effect", "observed, no missing effect", "not observed"} <= set(texts)
     assert {"$a_g$", "$x_c$", "$x$", "$r$"} <= set(texts)
     looks = [(box.get_edgecolor(), box.get_linestyle()) for box in boxes if box.get_zorder() == 2.0]
     assert len(looks) == 5
@@ -658,12 +658,12 @@ def test_measured_and_modelled_histories():
     history = discrepancy.ModelledHistory(time=time, **values, input_label="command [mm]", label="force [N]")
     figure = discrepancy.discrepancy_histories(history)
     above, beside, below, last = figure.axes
-    assert legend(figure) == ["measured", "calibrated model", "with what was found"]
+    assert legend(figure) == ["measured", "calibrated model", "with the effects found"]
     for place, x, name, model in (
         (above, time, "calibrated model", "before"),
         (beside, values["driven"], "calibrated model", "before"),
-        (below, time, "with what was found", "after"),
-        (last, values["driven"], "with what was found", "after"),
+        (below, time, "with the effects found", "after"),
+        (last, values["driven"], "with the effects found", "after"),
     ):
         np.testing.assert_allclose(curve(place, "measured"), (x[::2], values["measured"][::2]))
         np.testing.assert_allclose(curve(place, name), (x[::2], values[model][::2]))

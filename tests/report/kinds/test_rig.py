@@ -38,7 +38,7 @@ def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
     for words in ("34 of 34 tests were reliable", "delay +2", "Each remedy alone", "R-hat", "the last ten"):
         assert words in text
     text = text_of(rig_report("frames", table, prediction, None, structure=None, provenance={}))
-    assert "structures of one mass" in text
+    assert "single-degree-of-freedom structures" in text
 
 
 def test_the_report_is_written_of_a_folder(tmp_path):

@@ -74,10 +74,10 @@ def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
     ]
     return quantities_table(
         rows,
-        ("Not known exactly", "Its deviation", "Source", "Of the error [%]"),
+        ("Not known exactly", "Its deviation", "Source", "Effect on the error [%]"),
         caption=(
-            "Standard deviations of what is not known exactly, and of the error that each alone makes; what "
-            "would sharpen the verdict most: " + budget[0].remedy
+            "Standard deviations of what is not known exactly, and of the error that each alone causes; "
+            "what would narrow the interval most: " + budget[0].remedy
             if budget
             else "Nothing widens the interval."
         ),
@@ -104,8 +104,8 @@ def responses_table(responses: ResponseErrors) -> Table:
     return quantities_table(
         rows,
         ("Response", f"RMS [{responses.unit}]", f"Largest [{responses.unit}]", "RMSᴿ", "MTEᴿ"),
-        caption="By how much floors and storeys strayed in the computer from those of the undisturbed frame, "
-        f"with 90 % intervals. {responses.sentence.replace('RMS^R', 'RMSᴿ')}",
+        caption="Deviation of the computed floors and storeys from those of the undisturbed "
+        f"frame, with 90 % intervals. {responses.sentence.replace('RMS^R', 'RMSᴿ')}",
         label="tab:responses",
     )
 
@@ -143,7 +143,7 @@ def _label(cause: str) -> str:
 def improve_first(error: ErrorWithThreshold) -> str:
     """Say which part of the error to improve first, and what would remain."""
     if not error.parts.by_name:
-        return "No displacement moves enough to say so."
+        return "No displacement stands out of the noise."
     first = error.parts.first
     if first is None:
         return CANCELLING
@@ -157,7 +157,7 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     """State the verdict on a test, its error, and the probability that it is small enough."""
     size = error.estimate(error.metric)
     if np.isnan(size.value):
-        return f"The test is {spelled_out(word)}: no displacement moves enough for the noise of its sensors."
+        return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],

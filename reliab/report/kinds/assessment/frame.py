@@ -132,7 +132,7 @@ def _specimen(assessment: FrameAssessment) -> str:
     stated, learned = assessment.frame.partition.specimen, assessment.error.specimen
     if learned is not None:
         missed = percent(learned.held_out, decimals=1)
-        return f"learned from its force, of which {missed} is missed where it was held out"
+        return f"learned from its force, of which {missed} is not predicted on held-out parts"
     return (
         f"stiffness {stated.stiffness / _KILO:.4g} kN/m, damping {stated.damping:.4g} N s/m, "
         f"mass {stated.mass:.4g} kg"
@@ -144,7 +144,8 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     of_what = (
         "a linear frame with the stated matrices"
         if not isinstance(error, ErrorOfTest) or error.specimen is None
-        else "the frame whose matrices without the specimen are as stated, and whose specimen its force shows"
+        else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
+        "from its force"
     )
     return [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
@@ -193,7 +194,7 @@ def _indices(assessment: FrameAssessment) -> Table:
             f"{critical:.2f}" if np.isfinite(critical) else "none",
             "",
         ),
-        ("Share of it that is free [%]", MISSING if margin is None else f"{PERCENT * margin:.1f}", ""),
+        ("Free share of this delay [%]", MISSING if margin is None else f"{PERCENT * margin:.1f}", ""),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", ""),
     ]
     return quantities_table(
@@ -310,7 +311,7 @@ def _parts(error: ErrorOfSeveral) -> Table:
             "Part",
             *(text for name in by_degree for text in (f"RMSᴿ of {name} [%]", "Without it [%]")),
         ),
-        caption="RMSᴿ that each part alone makes, and what would remain without it.",
+        caption="RMSᴿ that each part alone causes, and what would remain without it.",
         label="tab:parts",
     )
 
@@ -328,6 +329,7 @@ def _tracking(assessment: CoupledAssessment) -> Table:
     return quantities_table(
         rows,
         ("", "Gain for each command", "Delay for each command [ms]"),
-        caption="What each actuator did with the commands of all, by least squares over the whole test.",
+        caption="Response of each actuator to the commands of all actuators, by least squares over the "
+        "whole test.",
         label="tab:tracking",
     )

@@ -121,7 +121,7 @@ def _numbers(assessment: Assessment) -> Table:
         *_on_own_boundary(assessment),
         *_tracking(assessment),
         (
-            "Delay at which the loop is unstable [ms], share of it that is free [%]",
+            "Delay at which the loop is unstable [ms], free share of this delay [%]",
             (
                 f"{_unstable(assessment)}, "
                 f"{Fixed(decimals=1, factor=PERCENT)(assessment.stability_margin).digits}"
@@ -220,8 +220,8 @@ def _plane(assessment: Assessment) -> Figure:
             windows=windows,
         ),
         caption=(
-            "Left: the index accepts the test inside the ellipse; the grey cloud is what noise leaves open."
-            f"{over_time}"
+            "Left: the index accepts the test inside the ellipse; the grey cloud shows the uncertainty "
+            f"from noise.{over_time}"
         ),
         label="fig:plane",
     )

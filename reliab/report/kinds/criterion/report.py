@@ -31,7 +31,7 @@ from reliab.vocabulary import PERCENT, Metric
 
 _NEXT = (
     "judge a test with reliab assess TEST.csv --criterion FILE.json: it takes the index of the test from its "
-    "command and measured displacement, and states the error of the test itself beside"
+    "command and measured displacement, and also states the error of the test itself"
 )
 
 

@@ -172,7 +172,7 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
         "Residuals on a held-out test before and after the effects are added, and their size over all "
-        "held-out tests beside that of the noise."
+        "held-out tests compared with that of the noise."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)

@@ -27,7 +27,7 @@ from reliab.report.wording import spelled_out
 from reliab.significant import percent, significant
 
 _NEXT = {
-    Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which stand in model.toml, for the next tests",
+    Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which are in model.toml, for the next tests",
     Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next "
     "tests, and compare its prediction with the first of them",
     Verdict.UNKNOWN_EFFECT: "look at the residual of the block below; a term of your own can be given to the "
@@ -94,7 +94,7 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(spelled_out(effect.name) for effect in diagnosis.doubtful)
             return prose(
-                "Something is missing, but these tests do not show which effect it is: *{names}*.",
+                "The model lacks an effect, but these tests do not show which one: *{names}*.",
                 names=doubtful,
             )
 
@@ -142,10 +142,11 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
 
 def _shift(ratios: Mapping[str, float]) -> Section:
     text = prose(
-        "With the effects, the actuator may err for 5 % error by {gain:.2f} times the amplitude and "
-        "{delay:.2f} times the delay of before (the half axes of the criterion's ellipse; its parameters "
-        "$a$ and $b$ are their squares, {a:.2f} and {b:.2f} times). Gain and delay are those of the actuator "
-        "alone; what the specimen does belongs to the behaviour under test.",
+        "With the effects, an error of 5 % allows {gain:.2f} times the amplitude error and {delay:.2f} "
+        "times the delay of the actuator that it allowed without them (the half axes of the criterion's "
+        "ellipse; its parameters $a$ and $b$ are their squares, {a:.2f} and {b:.2f} times). Gain and "
+        "delay are those of the actuator alone; what the specimen does belongs to the behaviour under "
+        "test.",
         gain=np.sqrt(ratios["a"]),
         delay=np.sqrt(ratios["b"]),
         a=ratios["a"],

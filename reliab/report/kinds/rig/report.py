@@ -24,7 +24,7 @@ _QUANTITIES = {
     "d_ms": "Equivalent delay d [ms]",
     "remainder": "Remainder, neither gain nor delay [%]",
     "rms": "Error of the whole test, RMSᴿ [%]",
-    "ratio": "Error over what A, d and remainder explain, logarithm",
+    "ratio": "Logarithm of the error relative to that from A, d and remainder",
 }
 _IN_PERCENT = ("remainder", "rms")
 
@@ -111,9 +111,9 @@ def _what_it_does(
     figure = Figure(
         drawing=rig_over_time(table, chart, prediction.intervals, prediction.threshold),
         caption=(
-            "Every test beside its 90 % interval from those before it, which begins anew after a change and "
-            "needs some tests; at the right end the next test. Broken lines: a change was noticed; dotted: "
-            "the next tests did not confirm it."
+            "Every test with its 90 % interval, predicted from the tests before it; the prediction begins "
+            "anew after a change and needs some tests. At the right end: the next test. Broken lines: a "
+            "change was noticed; dotted: the next tests did not confirm it."
         ),
         label="fig:time",
     )
@@ -153,7 +153,7 @@ def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]
     first = max(prediction.drivers, key=lambda name: prediction.drivers[name])
     shares = ", ".join(f"{percent(share, 2)} from {name}" for name, share in prediction.drivers.items())
     says = (
-        f"The error comes first of all from {_article(first)}{first}: of its square, {shares}. "
+        f"Most of the error comes from {_article(first)}{first}: of its square, {shares}. "
         f"The prediction follows from {prediction.basis}."
     )
     notes = (Points(items=prediction.notes),) if prediction.notes else ()
@@ -161,13 +161,16 @@ def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]
 
 
 def _article(cause: str) -> str:
-    return "what is neither gain nor delay, the " if cause == "remainder" else "the "
+    return "errors that are neither gain nor delay, the " if cause == "remainder" else "the "
 
 
 def _changes(plan: Plan | None) -> tuple[Paragraph | Points | Table, ...]:
     if plan is None:
         return (
-            Paragraph(text="Remedies are searched for structures of one mass; the last test had a frame."),
+            Paragraph(
+                text="Remedies are searched for single-degree-of-freedom structures only; the last "
+                "test had a frame."
+            ),
         )
     begins = (
         f"{percent(plan.share_now)} of the coming tests would have an error below {percent(plan.threshold)}, "
@@ -203,7 +206,7 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
         ("Quantity", "R-hat", "Effective draws", "Score of the model", *(f"Of {name}" for name in names)),
         caption=(
             "Draws of the variances between earthquakes, days, specimens, over time: R-hat is near 1 where "
-            "they converged. Mean log scores of tests whose earthquake was left out: more is better."
+            "they converged. Mean log scores of tests whose earthquake was left out: higher is better."
         ),
         label="tab:diagnostics",
     )
@@ -211,7 +214,8 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
     best = f"Best on left-out earthquakes: {prediction.better}. The hierarchical model makes the predictions."
     noticing = (
         f"Changes are noticed by cumulative sums of each test against its prediction, with at most {alarms} "
-        "of false alarms a test in simulated rigs. The next five tests confirm one, or it is said not to be."
+        "of false alarms a test in simulated rigs. After five further tests, each change is stated as "
+        "confirmed or not confirmed."
     )
     return table, Points(items=(best, noticing))
 
