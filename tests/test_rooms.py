@@ -59,7 +59,6 @@ GROUND = {
     "steps_of_logarithm",
     "threads",
     "stated_value",
-    "unfinished",
     "version",
     "vocabulary",
 }

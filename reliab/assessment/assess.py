@@ -22,13 +22,11 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.moving_windows import track_windows
 from reliab.assessment.own_equation import Explanation, OwnEquation, error_under, examine_equation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
-from reliab.assessment.tracking_index import TrackingIndex, track
-from reliab.assessment.tracking_measures import measure_tracking
+from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion

@@ -1,20 +1,219 @@
-"""What is found about a test, in numbers and in words, as a table and as a plot."""
+"""What is found about a test: in numbers, as a table and as a plot, and what to read before relying on it."""
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.assessment.cautions import cautions
-from reliab.assessment.doubts import probability_text
-from reliab.assessment.findings import Findings
+from reliab.assessment.doubts import ERROR_NAMES, probability_text, sizes_otherwise
+from reliab.assessment.findings import FaultEffect, Findings
+from reliab.assessment.recorded_force import unexamined_unit
 from reliab.assessment.summary import summarise
+from reliab.assessment.verdict import Word
+from reliab.criterion import whole_is_worst
 from reliab.html_table import html_table
-from reliab.significant import percent_with_interval, significant
-from reliab.vocabulary import MILLI
+from reliab.significant import percent, percent_with_interval, share_in_words, significant
+from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+_BY_SHAPE = "shape of the response"
+_FEW_PERIODS = 10.0
+_FEW_SAMPLES = 20.0  # of a period
+_NOISY = 0.05
+_FAR_FROM_ONE = 0.2
+_VARYING = 0.1  # share of a limit
+_UNEXPLAINED = 0.3  # share of the amplitude limit
+
+
+def cautions(findings: Findings) -> tuple[str, ...]:
+    """List what limits a verdict."""
+    sentences = (
+        sentence
+        for group in (
+            _of_faults,
+            _of_error,
+            _of_what_was_not_stated,
+            _of_columns,
+            _of_force,
+            _of_signal,
+            _of_constancy,
+            _of_validity,
+            _of_scope,
+            _of_motion,
+            _of_contradictions,
+        )
+        for sentence in group(findings)
+    )
+    return tuple(dict.fromkeys([*findings.assumed, *sentences]))
+
+
+def _of_scope(findings: Findings) -> Iterator[str]:
+    if findings.placement is None:
+        yield from findings.scope.sentences
+    if findings.speaks_for_none:
+        yield (
+            "No share of the population's ground motions is stated for such a test; the error of the "
+            "test itself does not depend on it."
+        )
+
+
+def _of_faults(findings: Findings) -> Iterator[str]:
+    for effect in findings.faults:
+        yield " ".join([effect.fault.finding, *_consequence(effect, findings)])
+
+
+def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
+    if effect.otherwise is None:
+        return
+    metric = Metric(findings.criterion.metric)
+    counted, otherwise = findings.error.estimate(metric).value, effect.otherwise.estimate(metric).value
+    name, fault = ERROR_NAMES[metric], effect.fault
+    sizes = [percent(size, decimals=2) for size in (counted, otherwise)]
+    if fault.in_loop is True:
+        yield (
+            f"The command responds to it, so that the structure felt it: {name} is {sizes[0]} with it and "
+            f"would be {sizes[1]} without."
+        )
+    elif fault.in_loop is False:
+        why = (
+            ""
+            if fault.kind in ("spike", "held")
+            else "The command does not respond to it, so that only the sensor reading is wrong: "
+        )
+        yield f"{why}{name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
+    else:
+        yield f"{name} is {sizes[0]} as recorded and {sizes[1]} without it."
+
+
+def _of_error(findings: Findings) -> Iterator[str]:
+    yield from findings.equation.contradictions
+    yield from findings.equation.notes
+    if findings.equation.identified is None:
+        yield from findings.error.frequency_shown
+    if findings.otherwise_stated:
+        yield sizes_otherwise(findings.error, findings.otherwise_stated)
+    by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
+    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
+        return
+    size = findings.error.estimate(Metric(findings.criterion.metric)).value
+    basis = (
+        f"{share_in_words(findings.promise, decimals=0)} of the population's ground motions"
+        if findings.placement is None
+        else "a gain and a delay alone"
+    )
+    why = (
+        f"gain and delay leave {percent(findings.tracking.unexplained_share, decimals=2)} of the rig's "
+        "motion unexplained"
+        if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
+        else "this test's ground motion and length are more or less demanding than those"
+    )
+    yield (
+        f"The error of this very test ({percent(size, decimals=2)}) and the index "
+        f"({significant(findings.index)} against 1) "
+        f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
+    )
+
+
+def _of_what_was_not_stated(findings: Findings) -> Iterator[str]:
+    yield from findings.turning.warnings(findings.verdict)
+
+
+def _of_columns(findings: Findings) -> Iterator[str]:
+    tracking = findings.tracking
+    yield from (doubt.finding for doubt in findings.column_doubts)
+    if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
+        yield (
+            f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
+            "different units."
+        )
+
+
+def _of_force(findings: Findings) -> Iterator[str]:
+    if "mass" not in findings.stated and (
+        sentence := unexamined_unit(findings.recording, findings.structure)
+    ):
+        yield sentence
+
+
+def _of_signal(findings: Findings) -> Iterator[str]:
+    recording, tracking = findings.recording, findings.tracking
+    periods = recording.duration * findings.structure.frequency
+    if periods < _FEW_PERIODS:
+        yield f"The test is short: {significant(periods, 2)} periods of the structure."
+    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
+    if samples < _FEW_SAMPLES:
+        yield f"The test is sampled coarsely: {significant(samples)} samples in a period."
+    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
+    if noise > _NOISY:
+        yield (
+            f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
+            "to the command."
+        )
+    limit = float(np.sqrt(findings.limits[0]))
+    if tracking.unexplained_share > _UNEXPLAINED * limit:
+        yield (
+            f"A gain and a delay leave {percent(tracking.unexplained_share, decimals=2)} of the "
+            "measured motion unexplained, "
+            f"where an amplitude error of {percent(limit, decimals=2)} is tolerable: the rig has "
+            "another fault (friction, "
+            "backlash, saturation) or slow noise, and its error may differ by a quarter from that of A and d."
+        )
+
+
+def _of_constancy(findings: Findings) -> Iterator[str]:
+    a, b = findings.limits
+    windows = findings.windows
+    late = MILLI * windows.delay_range
+    if late > _VARYING * np.sqrt(b):
+        first, last = (MILLI * delay for delay in (windows.delay.min(), windows.delay.max()))
+        yield (
+            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and d "
+            "are averages; in simulated tests whose delay drifted by half either way, the error was "
+            "within 12 % of that of the average delay."
+        )
+    if windows.amplitude_range > _VARYING * np.sqrt(a):
+        yield (
+            f"The amplitude varies over the test, from A = {windows.amplitude.min():.4f} to "
+            f"{windows.amplitude.max():.4f}; A is an average."
+        )
+
+
+def _of_validity(findings: Findings) -> Iterator[str]:
+    structure, carried = findings.structure, findings.population.carried_from
+    if carried is not None and findings.placement is None:
+        yield (
+            f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
+            f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
+            f"ξ = {carried[1]:g} by dimensionless errors. Give the test's ground motion for exact "
+            "ones."
+        )
+    if structure.experimental_fraction < 1.0 and findings.placement is None:
+        measured = whole_is_worst(structure.frequency, structure.damping_ratio)
+        judgement = (
+            "it is conservative"
+            if measured
+            else "that this is conservative was measured only from 0.5 to 3 Hz and 1 to 10 % damping"
+        )
+        yield (
+            "The criterion is for a structure with all of its stiffness in the laboratory (α = 1); for "
+            f"α = {structure.experimental_fraction:g} {judgement}."
+        )
+
+
+def _of_motion(findings: Findings) -> Iterator[str]:
+    placement = findings.placement
+    if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
+        yield (
+            f"The test was found in the record of {placement.motion} by the shape of its response; its size "
+            "differs, as if the record was scaled or the displacements are not in metres."
+        )
+
+
+def _of_contradictions(findings: Findings) -> Iterator[str]:
+    yield from (contradiction.finding for contradiction in findings.contradictions)
 
 
 class Assessment(Findings):

@@ -10,13 +10,11 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault
-from reliab.assessment.moving_windows import Windows
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite
 from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
-from reliab.assessment.tracking_index import TrackingIndex
-from reliab.assessment.tracking_measures import TrackingMeasures
+from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.criterion import Criterion

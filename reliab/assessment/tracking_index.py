@@ -1,6 +1,6 @@
-"""A and d of a measured test, without effects of the record's ends, and with their uncertainty from noise.
+"""How the actuator of a test tracked: A and d with uncertainty, also in windows, and established measures.
 
-Four things are done beyond equations (1)–(5):
+A and d are those of equations (1)–(5), without effects of the record's ends. Four things are done beyond:
 
 - Offsets are taken off both histories, which would otherwise leak into the lowest frequencies.
 - Command and measured displacement pass the same low-pass filter, so that noise recorded with the command
@@ -29,9 +29,18 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.indices import FrequencyEvaluation
+from reliab.errors import ReliabError
+from reliab.indices import (
+    FrequencyEvaluation,
+    delay_by_cross_correlation,
+    energy_error,
+    maximum_tracking_error,
+    phase_amplitude_errors,
+    rms_tracking_error,
+    tracking_indicator,
+)
 from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.recordings import Recording
+from reliab.recordings import FEWEST_SAMPLES, Recording
 from reliab.signals import CubicPath, hann, periodogram, taper, upper_level
 
 _ABOVE_FLOOR = 10.0
@@ -48,6 +57,13 @@ _RUN = 5  # lags that must be quiet
 _FEWEST_BLOCKS = 12
 _REACHES = 3  # length of a block in lags at which contributions are still correlated
 _HIGHEST_LEVERAGE = 0.9
+
+_PERIODS = 8.0  # of the equivalent frequency in a window
+_MOST_WINDOWS = 40
+_FEWEST_WINDOWS = 3
+_QUIET = 0.05  # share of the largest mean square of a window; windows below it are left out
+_DRAWS = 400
+_DEVIATIONS = 2.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -243,3 +259,126 @@ def _reach(values: Array, effective: float) -> int:
     quiet = np.abs(correlation[1:] / correlation[0]) < limit
     runs = np.flatnonzero(np.convolve(quiet, np.ones(_RUN), mode="valid") == _RUN)
     return int(runs[0]) if runs.size else centred.size
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingMeasures:
+    """Measures of tracking, which say nothing of how errors accumulate in the loop."""
+
+    maximum_error: float  # Largest |x_m − x_c| over largest |x_c| [-]
+    rms_error: float  # RMS of x_m − x_c over that of x_c [-]
+    # Tracking indicator at the end of the test [m²]; positive when the measured displacement lags
+    tracking_indicator: float
+    phase_error: float  # Phase lag of the PAEI [rad]
+    amplitude_error: float  # Amplitude error of the PAEI [-]
+    # Energy that the tracking error added by the end of the test, over the largest strain energy of the
+    # specimen [-]; with the recorded force, or that of a linear specimen
+    energy_error: float
+    of_recorded_force: bool  # Whether the energy is that of a recorded force
+    delay_by_correlation: float  # Delay at which the cross-correlation is largest [s]
+
+
+def measure_tracking(recording: Recording) -> TrackingMeasures:
+    """Evaluate the measures of tracking of a test.
+
+    >>> phase = np.linspace(0.0, 20.0 * np.pi, 20001)
+    >>> found = measure_tracking(
+    ...     Recording(command=np.sin(phase), measured=0.98 * np.sin(phase - 0.05), time_step=0.001)
+    ... )
+    >>> round(found.phase_error, 3), round(found.amplitude_error, 3), round(found.tracking_indicator, 2)
+    (0.05, -0.02, 1.54)
+    """
+    command, measured = recording.command, recording.measured
+    force = measured if recording.force is None else recording.force
+    errors = phase_amplitude_errors(command, measured)
+    largest_energy = 0.5 * float(np.abs(force * measured).max())
+    return TrackingMeasures(
+        maximum_error=maximum_tracking_error(command, measured),
+        rms_error=rms_tracking_error(command, measured),
+        tracking_indicator=float(tracking_indicator(command, measured)[-1]),
+        phase_error=errors.phase,
+        amplitude_error=errors.amplitude,
+        energy_error=float(energy_error(command, measured, force)[-1]) / largest_energy,
+        of_recorded_force=recording.force is not None,
+        delay_by_correlation=delay_by_cross_correlation(command, measured, recording.time_step),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Windows:
+    """Indices of overlapping windows in which the command moved.
+
+    Attributes
+    ----------
+    centre : numpy.ndarray
+        Middle of each window [s], shape (windows,).
+    amplitude, delay : numpy.ndarray
+        A [-] and d [s], shape (windows,).
+    amplitude_sd, delay_sd : numpy.ndarray
+        Their standard deviations, shape (windows,).
+    length : float
+        Length of a window [s].
+    """
+
+    centre: NDArray[np.float64]
+    amplitude: NDArray[np.float64]
+    delay: NDArray[np.float64]
+    amplitude_sd: NDArray[np.float64]
+    delay_sd: NDArray[np.float64]
+    length: float
+
+    @property
+    def delay_range(self) -> float:
+        """Range of d over the windows beyond what noise explains [s]."""
+        return _range(self.delay, self.delay_sd)
+
+    @property
+    def amplitude_range(self) -> float:
+        """Range of A over the windows beyond what noise explains [-]."""
+        return _range(self.amplitude, self.amplitude_sd)
+
+
+def _range(values: NDArray[np.float64], deviations: NDArray[np.float64]) -> float:
+    if values.size < 2:  # noqa: PLR2004 - one window has no range
+        return 0.0
+    low, high = values + _DEVIATIONS * deviations, values - _DEVIATIONS * deviations
+    return max(float(high.max() - low.min()), 0.0)
+
+
+def track_windows(recording: Recording, whole: TrackingIndex, *, window: str = "hann") -> Windows:
+    """Evaluate A and d in windows that overlap by half."""
+    begins, size = _cuts(recording, whole.plain.equivalent_frequency)
+    energies = [float(np.var(recording.command[begin : begin + size])) for begin in begins]
+    rows = []
+    for begin, energy in zip(begins, energies, strict=True):
+        tracked = None if energy < _QUIET * max(energies) else _tracked(recording, begin, size, window)
+        if tracked is not None:
+            centre = (begin + 0.5 * size) * recording.time_step
+            rows.append((centre, tracked.amplitude, tracked.delay, *tracked.spread))
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
+    names = ("centre", "amplitude", "delay", "amplitude_sd", "delay_sd")
+    return Windows(**dict(zip(names, columns, strict=True)), length=size * recording.time_step)
+
+
+def _cuts(recording: Recording, frequency: float) -> tuple[list[int], int]:
+    """First samples of the windows, and their length in samples."""
+    total = recording.command.size
+    size = max(int(_PERIODS / (frequency * recording.time_step)), 2 * total // _MOST_WINDOWS, FEWEST_SAMPLES)
+    count = 2 * total // size - 1
+    if count < _FEWEST_WINDOWS:
+        return [], size
+    return np.linspace(0, total - size, count).astype(int).tolist(), size
+
+
+def _tracked(recording: Recording, begin: int, size: int, window: str) -> TrackingIndex | None:
+    """Index of one window; None where it has none, as where nothing moves."""
+    stretch = slice(begin, begin + size)
+    try:
+        part = Recording(
+            command=recording.command[stretch],
+            measured=recording.measured[stretch],
+            time_step=recording.time_step,
+        )
+        return track(part, window=window, draws=_DRAWS)
+    except ReliabError:
+        return None

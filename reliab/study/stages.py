@@ -25,8 +25,13 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from reliab.criterion import installed_versions
 from reliab.described_files import read_json
 from reliab.errors import IncompleteError, InputError
-from reliab.files import refuse_unwritable, written_by_one_process, written_whole
-from reliab.unfinished import UNFINISHED, remove_abandoned
+from reliab.files import (
+    UNFINISHED,
+    refuse_unwritable,
+    remove_abandoned,
+    written_by_one_process,
+    written_whole,
+)
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20

@@ -26,7 +26,7 @@ import zarr
 from numpy.typing import NDArray
 
 from reliab.errors import IncompleteError, InputError
-from reliab.files import decoding, refuse_unwritable, written_by_one_process
+from reliab.files import UNFINISHED, decoding, refuse_unwritable, remove_abandoned, written_by_one_process
 from reliab.motions import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
@@ -42,7 +42,6 @@ from reliab.sweep.store_layout import (
     shapes,
     write_chunk,
 )
-from reliab.unfinished import UNFINISHED, remove_abandoned
 
 _RULE = "A store can be resumed only if it is complete except for results of motions"
 _JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved

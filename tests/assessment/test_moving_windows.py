@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment.moving_windows import track_windows
-from reliab.assessment.tracking_index import track
+from reliab.assessment.tracking_index import track, track_windows
 from reliab.recordings import Recording
 
 

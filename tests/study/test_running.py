@@ -11,13 +11,13 @@ import pytest
 
 from reliab.criterion.laws import FITTED
 from reliab.errors import InputError
+from reliab.files import UNFINISHED
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
 from reliab.study import run_study, stages, study_from, write_report
 from reliab.study.kinds import KINDS
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import candidates
-from reliab.unfinished import UNFINISHED
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 

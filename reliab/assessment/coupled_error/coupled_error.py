@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.significant import percent
 from reliab.structures import Partition
@@ -278,12 +278,7 @@ def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
 
 def _spread(swept: tuple[Array, Array], place: int, at: Array) -> Spread:
     """Errors of the draws of one displacement; their band `at` all samples, numbered by those swept."""
-    square, peak, ideal = swept[0][:, :, place].T
-    ideal = np.maximum(ideal, np.finfo(float).tiny)
-    mean, deviation = (np.interp(at, np.arange(rows.shape[1]), rows[place]) for rows in swept[1])
-    return Spread(
-        rms=np.sqrt(square) / ideal,
-        mte=peak / ideal,
-        mean=mean,
-        deviation=deviation,
-    )
+    statistics = swept[0][:, :, place].copy()
+    statistics[:, 2] = np.maximum(statistics[:, 2], np.finfo(float).tiny)
+    mean, deviation = swept[1][:, place]
+    return spread_of_draws(statistics, mean, deviation, at)

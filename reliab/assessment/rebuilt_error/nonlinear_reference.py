@@ -33,7 +33,7 @@ from reliab.assessment.rebuilt_error.interval import (
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
@@ -194,14 +194,8 @@ def sweep_model(
         reference = reference_of_model(changed, moved, command=command)
         rows.append(_statistics(measured, reference) * scale)
         errors.append(measured - reference)
-    square, peak, ideal = np.array(rows).T
-    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
-    return Spread(
-        rms=np.sqrt(square) / ideal,
-        mte=peak / ideal,
-        mean=np.interp(places, known, np.mean(errors, axis=0)),
-        deviation=np.interp(places, known, np.std(errors, axis=0)),
-    )
+    places = np.arange(histories.command.size) / every
+    return spread_of_draws(np.array(rows), np.mean(errors, axis=0), np.std(errors, axis=0), places)
 
 
 def _statistics(measured: Array, reference: Array) -> Array:

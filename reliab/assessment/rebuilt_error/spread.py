@@ -100,6 +100,21 @@ class Spread:
         return (float(weights[self.errors(metric) < threshold].sum()) + 0.5) / (weights.size + 1.0)
 
 
+def spread_of_draws(statistics: Array, mean: Array, deviation: Array, places: Array) -> Spread:
+    """Errors of draws by mean square and peak of x_m − x_I, and peak of x_I [m], shape (draws, 3).
+
+    `mean`, `deviation` of x_m − x_I over the draws at the swept samples [m], which are read at `places`.
+    """
+    square, peak, ideal = statistics.T
+    swept = np.arange(mean.size)
+    return Spread(
+        rms=np.sqrt(square) / ideal,
+        mte=peak / ideal,
+        mean=np.interp(places, swept, mean),
+        deviation=np.interp(places, swept, deviation),
+    )
+
+
 def weighted_interval(values: Array, weights: Array) -> tuple[float, float]:
     """Return the ends of the 90 % interval of draws, each with its weight."""
     order = np.argsort(values)

@@ -10,7 +10,7 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 from reliab.assessment.design import Tolerance
-from reliab.assessment.moving_windows import Windows
+from reliab.assessment.tracking_index import Windows
 from reliab.criterion import EllipseSample
 from reliab.criterion.distributions import Lognormal
 from reliab.indices.tracking_over_frequency import TrackingOverFrequency
