@@ -135,7 +135,7 @@ EllipseSource = xr.Dataset | pd.DataFrame | str | Path
 """A dataset or a table of ellipses, stored results, the file of one, or the name of what ships."""
 
 
-@renamed("0.4", frequency="f", damping_ratio="xi")
+@renamed("0.4", path="source", frequency="f", damping_ratio="xi")
 def read_ellipses(
     source: EllipseSource,
     *,

@@ -2,16 +2,13 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
+from conda_build import ON_CONDA, RECIPE, ROOT
 
 from reliab.version import __version__
 
-ROOT = Path(__file__).parents[2]
 RELEASE = ROOT / ".ci/release"
-RECIPE = RELEASE / "conda/recipe.yaml"
-ON_CONDA = {"seaborn": "seaborn-base", "matplotlib": "matplotlib-base", "typst": "typst-py"}
 
 
 def test_the_recipe_requires_what_the_project_requires():

@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import sys
 import tarfile
 import tomllib
 import venv
@@ -101,6 +102,12 @@ def test_an_empty_environment_runs_the_main_job(built, tmp_path):
     fetched = reliab("fetch", ROOT / "datasets/real_suite/results.nc")
     assert fetched.returncode == 0, fetched.stderr
     assert reliab(*asked).returncode == 0
+
+
+@pytest.mark.slow
+def test_the_first_pages_work_as_they_are_written(built):
+    followed = called(sys.executable, ROOT / "tests/packaging/new_user.py", built[0])
+    assert followed.returncode == 0, followed.stderr
 
 
 @pytest.mark.slow

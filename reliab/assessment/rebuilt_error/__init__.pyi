@@ -24,7 +24,6 @@ from .readings import delayed as delayed, delayed_on as delayed_on
 from .rebuild import (
     DRAWS as DRAWS,
     RebuiltError as RebuiltError,
-    WholeStructure as WholeStructure,
     rebuild as rebuild,
 )
 from .recursion import Recursion as Recursion

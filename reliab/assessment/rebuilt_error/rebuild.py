@@ -46,9 +46,6 @@ _WIDENING_DRAWS, _EXACT_DRAWS = 128, 64
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
 
-WholeStructure = Partition
-"""Former name of :class:`~reliab.structures.Partition`, which ends with version 0.4."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RebuiltError(DisplacementError):
