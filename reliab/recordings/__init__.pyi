@@ -47,8 +47,6 @@ from .recording import (
 )
 from .spikes import without_spikes as without_spikes
 from .units import (
-    ACCELERATIONS as ACCELERATIONS,
-    FORCES as FORCES,
     LENGTHS as LENGTHS,
     TIMES as TIMES,
     UNITS as UNITS,

@@ -217,11 +217,7 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
     <BLANKLINE>
     """
     lines = [f"[calibration]  # measured by `reliab calibrate` from {_in_a_comment(source)}"]
-    for name, deviation in (
-        ("skew_ms", "skew_sd_ms"),
-        ("scale", "scale_sd"),
-        ("hysteresis", "hysteresis_sd"),
-    ):
+    for name, deviation in _UNSURE:
         value = getattr(calibration, name)
         if value is not None:
             lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.4g}"]

@@ -28,20 +28,10 @@ _DIGITS: Final = 9
 _ROUNDED: Final = 1e-9  # relative
 _LARGEST_RATIO: Final = 20.0  # of two rates
 _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
-_STEP_NAMES: Final = frozenset(
-    {"dt", "timestep", "timesteps", "step", "samplingperiod", "sampleperiod", "ts", "deltat"}
-)
-_RATE_NAMES: Final = frozenset(
-    {
-        "rate",
-        "ratehz",
-        "fs",
-        "samplingrate",
-        "samplerate",
-        "samplingratehz",
-        "samplingfrequency",
-        "sampleratehz",
-    }
+_STEP_NAMES: Final = ("dt", "timestep", "timesteps", "step", "samplingperiod", "sampleperiod", "ts", "deltat")
+_RATE_NAMES: Final = (
+    *("rate", "ratehz", "fs", "samplingrate", "samplerate"),
+    *("samplingratehz", "samplingfrequency", "sampleratehz"),
 )
 
 

@@ -7,7 +7,6 @@ of the file say from which file it was made (name and SHA-256), and by whom, on 
 that was stated. It is described on the page "Recordings" of the documentation.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +20,7 @@ from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers.hierarchical import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part
+from reliab.shipped import checksum_of
 from reliab.version import __version__
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ _VARIABLES: Final = {
 }
 _NEEDED: Final = ("schema", "source_file", "source_sha256", "sampling_rate_hz", "time_step_s")
 _MOST_BYTES: Final = 2_000_000_000
+_DIGITS: Final = 64  # of a checksum
 _EVEN: Final = 1e-6  # of a step
 """By which a time of a record may be off."""
 
@@ -177,7 +178,7 @@ def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
             "Conventions": "CF-1.11",
             "made_by": f"reliab {__version__}",
             "source_file": path.name,
-            "source_sha256": _checksum(path),
+            "source_sha256": checksum_of(path),
             "source_test": histories.columns.test,
             "sampling_rate_hz": 1.0 / step,
             "time_step_s": step,
@@ -245,11 +246,6 @@ def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
     return others
 
 
-def _checksum(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def _faults(file: "h5py.File") -> Iterator[str]:
     schema = text_of(file.attrs.get("schema", ""))
     if schema != SCHEMA:
@@ -293,5 +289,5 @@ def _faults_of_time(file: "h5py.File") -> Iterator[str]:
     elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:
         yield f"At least {FEWEST_SAMPLES} times must follow each other at steps of `time_step_s`."
     digest = text_of(file.attrs["source_sha256"])
-    if len(digest) != 2 * hashlib.sha256().digest_size or set(digest) - set("0123456789abcdef"):
+    if len(digest) != _DIGITS or set(digest) - set("0123456789abcdef"):
         yield "The attribute `source_sha256` must be 64 hexadecimal digits."

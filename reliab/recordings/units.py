@@ -91,20 +91,6 @@ ANGLES: Final = ("rad", "mrad", "deg", "°")
 TIMES: Final = UNITS[Quantity.TIME]
 """Units of time [s]."""
 
-ACCELERATIONS: Final = UNITS[Quantity.ACCELERATION]
-"""Units of acceleration [m/s²]."""
-
-FORCES: Final = UNITS[Quantity.FORCE]
-"""Units of force [N]."""
-
-SI: Final = {
-    Quantity.TIME: "s",
-    Quantity.DISPLACEMENT: "m",
-    Quantity.ACCELERATION: "m/s²",
-    Quantity.FORCE: "N",
-}
-"""Units in which histories are kept."""
-
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
 _BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
 _NOT_ENDINGS: Final = frozenset({"a", "c", "f", "k", "-", "%", "min", "in.", '"'})
