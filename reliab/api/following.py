@@ -428,7 +428,8 @@ class _Watch:
                 "unstable",
                 monitor,
                 f"the loop gains energy in its mode of {significant(monitor.gaining_frequency or 0.0)} Hz "
-                f"and may diverge; at most {percent(FALSE_ALARMS)} of stable tests raise this alarm",
+                f"and may diverge; at most {percent(FALSE_ALARMS)} of simulated stable tests raised this "
+                "alarm",
             )
         if monitor.exceeds(self.threshold, self.metric):
             yield from self._alarm(
@@ -436,8 +437,8 @@ class _Watch:
                 monitor,
                 f"the error is above twice {percent(self.threshold, decimals=2)}; "
                 + (
-                    f"at most {percent(FALSE_ERROR_ALARMS)} of tests that end below that threshold "
-                    f"raise this alarm"
+                    f"at most {percent(FALSE_ERROR_ALARMS)} of simulated tests that end below "
+                    f"that threshold raised this alarm"
                     if self.of_force is None
                     else "how often this alarm is false was not measured for learned specimens"
                 ),

@@ -1,4 +1,4 @@
-"""What nobody stated and would turn a verdict: a specimen that yields or hardens, a filter on one channel."""
+"""Unstated conditions that would change a verdict: specimens that yield or harden, filters of one channel."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ _YIELDING = "Record the force of the specimen, or state `specimen` as linear if 
 
 @dataclass(frozen=True, kw_only=True)
 class Turning:
-    """What would turn the verdict on a test, though it was not stated; None where nothing tried does."""
+    """What would change the verdict on a test, though it was not stated; None where nothing tried does."""
 
     # Smallest of `DUCTILITIES` with which the error lies on the other side of the threshold [-]
     smallest_ductility: float | None = None
@@ -59,7 +59,7 @@ class Turning:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Say what would turn the verdict."""
+        """Say what would change the verdict."""
         return tuple(self._sentences())
 
     def warnings(self, verdict: Verdict) -> tuple[str, ...]:

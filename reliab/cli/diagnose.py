@@ -109,12 +109,12 @@ def _proved(block: "BlockDiagnosis") -> str:
     floor = "not known" if gap.floor is None else f"{gap.floor:.4f} ({gap.source})"
     worst = next(iter(gap.by_test), None)
     least = (
-        f" Least is explained of {worst.files[0]} ({worst.kind}): {worst.before:.4f} before,"
+        f" The least explained test is {worst.files[0]} ({worst.kind}): {worst.before:.4f} before,"
         f" {worst.after:.4f} after."
         if worst is not None and len(gap.tests_after) > 1
         else ""
     )
     return (
-        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error {gap.before:.4f}"
-        f" before, {gap.after:.4f} after, noise {floor} of the signal's RMS; {gap.conclusion}.{least}"
+        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error over the signal's "
+        f"RMS {gap.before:.4f} before, {gap.after:.4f} after, noise {floor}; {gap.conclusion}.{least}"
     )

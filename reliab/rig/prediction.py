@@ -255,10 +255,8 @@ def _notes(
     if structure is not None and not (
         0.99 * frequencies.min() <= structure.frequency <= 1.01 * frequencies.max()
     ):
-        notes.append(
-            f"The rig's tests are of structures from {significant(frequencies.min(), 3)} to "
-            f"{significant(frequencies.max(), 3)} Hz."
-        )
+        ends = dict.fromkeys(significant(end, 3) for end in (frequencies.min(), frequencies.max()))
+        notes.append(f"The rig's tests are of structures of {' to '.join(ends)} Hz.")
     if not memory.ordered:
         notes.append("Dates are not stated for all tests, so that nothing is learned from their order.")
     if not any(memory.table.texts("event")):

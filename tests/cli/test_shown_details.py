@@ -128,9 +128,12 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
     assert "specimen force_n velocity 37 % 2e-04 t3" in flat
     assert "Unknown effect in the specimen: 3 x³" in text
     assert "Nothing else." in text
-    assert "held-out t7, t8, force_n: error 0.1111 before, 0.0222 after, noise 0.0012 (at rest) of" in flat
-    assert "of the signal's RMS; 90 % closed. Least" in flat
-    assert "Least is explained of t8 (sine): 0.1100 before, 0.0300 after." in flat
+    assert (
+        "held-out t7, t8, force_n: error over the signal's RMS 0.1111 before, 0.0222 after, "
+        "noise 0.0012 (at rest); 90 % closed." in flat
+    )
+    assert "; 90 % closed. The least explained test" in flat
+    assert "The least explained test is t8 (sine): 0.1100 before, 0.0300 after." in flat
     unknown.expression = ""
     assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)
 
@@ -174,11 +177,11 @@ def demand_of(**fields):
 def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatch):
     faults = {"a.nc": [], "b.nc": ["No rate.", "No units."]}
     monkeypatch.setattr("reliab.api.check_records", lambda sources: {name: faults[name] for name in sources})
-    assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a sound record\n"
+    assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a valid record\n"
     with pytest.raises(Exception, match="1"):
         _check(demand_of(sources=["a.nc", "b.nc"]))
     shown = capsys.readouterr().out
-    assert shown == "a.nc: a sound record\nb.nc: not a sound record\n  No rate.\n  No units.\n"
+    assert shown == "a.nc: a valid record\nb.nc: not a valid record\n  No rate.\n  No units.\n"
 
 
 @pytest.mark.parametrize("target", [None, "-"])
