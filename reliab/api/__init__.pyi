@@ -15,57 +15,37 @@ from .criteria import derive_criteria as derive_criteria
 from .derived_criteria import Criteria as Criteria
 from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
-from .explorer import ExplorerPage as ExplorerPage, write_explorer as write_explorer
+from .explorer import write_explorer as write_explorer
 from .following import Message as Message, follow_test as follow_test
-from .in_loop import WrittenMonitor as WrittenMonitor, export_monitor as export_monitor
+from .in_loop import export_monitor as export_monitor
 from .installation import (
     copy_samples as copy_samples,
     describe_installation as describe_installation,
     fetch_dataset as fetch_dataset,
 )
 from .motions import (
-    MotionCheck as MotionCheck,
-    MotionList as MotionList,
     WrittenSuite as WrittenSuite,
     check_motions as check_motions,
     import_motions as import_motions,
     list_motions as list_motions,
     synthesize_motions as synthesize_motions,
 )
-from .paper_cases import PaperCases as PaperCases, judge_paper_cases as judge_paper_cases
-from .rebuilt_errors import (
-    RebuiltErrorValidation as RebuiltErrorValidation,
-    validate_rebuilt_error as validate_rebuilt_error,
-)
+from .paper_cases import judge_paper_cases as judge_paper_cases
+from .rebuilt_errors import validate_rebuilt_error as validate_rebuilt_error
 from .records import Record as Record, check_records as check_records, record as record
-from .rig_answers import (
-    RigPrediction as RigPrediction,
-    compare_rigs as compare_rigs,
-    plan_rig as plan_rig,
-    predict_rig as predict_rig,
-)
+from .rig_answers import compare_rigs as compare_rigs, plan_rig as plan_rig, predict_rig as predict_rig
 from .rig_report import report_rig as report_rig
-from .rig_tests import AddedTests as AddedTests, add_to_rig as add_to_rig
+from .rig_tests import add_to_rig as add_to_rig
 from .rigs import (
-    RigList as RigList,
     export_rig as export_rig,
     list_rig as list_rig,
     remove_from_rig as remove_from_rig,
     show_rig_test as show_rig_test,
 )
-from .simulation import Simulation as Simulation, simulate as simulate, simulate_suite as simulate_suite
-from .studies import (
-    PerformedStudy as PerformedStudy,
-    StudyList as StudyList,
-    WrittenReport as WrittenReport,
-    list_studies as list_studies,
-    perform_study as perform_study,
-    report_run as report_run,
-)
+from .simulation import simulate as simulate, simulate_suite as simulate_suite
+from .studies import list_studies as list_studies, perform_study as perform_study, report_run as report_run
 from .tracing import Boundaries as Boundaries, trace_boundaries as trace_boundaries
 from .validation import (
-    Calibration as Calibration,
-    Validation as Validation,
     calibrate_probabilities as calibrate_probabilities,
     validate_criteria as validate_criteria,
 )

@@ -11,17 +11,7 @@ from reliab.sweep import open_windows
 
 @dataclass(frozen=True, kw_only=True)
 class ExplorerPage:
-    """A page that was written.
-
-    Attributes
-    ----------
-    page : pathlib.Path
-        The HTML file.
-    ellipses : str
-        Name of the ellipses in it.
-    windows : tuple of str
-        Parts of the record for which it has them.
-    """
+    """A page that was written."""
 
     page: Path
     ellipses: str

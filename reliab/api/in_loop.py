@@ -23,17 +23,7 @@ _LONGEST_LAG = 1000.0  # ms
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenMonitor:
-    """A monitor that was written.
-
-    Attributes
-    ----------
-    path : pathlib.Path
-        Folder of the sources, or the FMU.
-    files : tuple of str
-        Names of the files.
-    degrees_of_freedom : int
-        Of the structure.
-    """
+    """A monitor that was written."""
 
     path: Path
     files: tuple[str, ...]

@@ -17,11 +17,8 @@ from reliab.vocabulary import STANDARD_GRAVITY
 class MotionList(ResultWithRows):
     """Ground motions with their measures of intensity.
 
-    Attributes
-    ----------
-    rows : list of dict
-        Name, event, set, time step [s], duration [s], peak [g], Arias intensity [m/s], significant duration
-        [s], mean period [s] and checksum of each.
+    `rows`: name, event, set, time step [s], duration [s], peak [g], Arias intensity [m/s], significant
+    duration [s], mean period [s] and checksum of each.
     """
 
     rows_in = "motions"
@@ -92,15 +89,7 @@ def _describe(suite: MotionSuite) -> list[dict[str, Any]]:
 
 @dataclass(frozen=True, kw_only=True)
 class MotionCheck:
-    """What is wrong with records, and what deserves a look.
-
-    Attributes
-    ----------
-    records : int
-        Number of records that were read.
-    faults, notes : tuple of Fault
-        What is wrong, and what deserves a look.
-    """
+    """What is wrong with records, and what deserves a look."""
 
     records: int
     faults: tuple[Fault, ...]

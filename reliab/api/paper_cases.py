@@ -22,14 +22,8 @@ from reliab.validation import earthquakes_among
 class PaperCases(ResultWithRows):
     """Verdicts on the paper's four cases.
 
-    Attributes
-    ----------
-    motion, window, integrator, compensator : str
-        Name of the ground motion, length of its part [s], and how command and delay were treated.
-    held_out : str, optional
-        Earthquake without which the recommended criterion was learned, where the shipped suite holds it.
-    verdicts : pandas.DataFrame
-        One row for each case and criterion.
+    `motion`, `window`, `integrator`, `compensator`: name of the ground motion, length of its part [s], and
+    how command and delay were treated.
     """
 
     rows_in = "cases"

@@ -21,15 +21,7 @@ _NINETY_FIVE = 0.95
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RebuiltErrorValidation:
-    """How often the rebuilt error, criteria and boundaries are right about simulated tests.
-
-    Attributes
-    ----------
-    design : Design
-        Motions and structures of the tests, and the error that is asked about.
-    tables : dict of str to pandas.DataFrame
-        `judges`, `conditions`, `specimens` and `looks`.
-    """
+    """How often the rebuilt error, criteria and boundaries are right about simulated tests."""
 
     design: Design
     tables: Mapping[str, pd.DataFrame]

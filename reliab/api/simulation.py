@@ -111,17 +111,7 @@ def simulate(
 
 @dataclass(frozen=True, kw_only=True)
 class Simulation:
-    """A suite of ground motions that was simulated and stored.
-
-    Attributes
-    ----------
-    store : pathlib.Path
-        The Zarr store.
-    motions : int
-        Number of ground motions.
-    request : SweepRequest
-        Structures, actuators and windows.
-    """
+    """A suite of ground motions that was simulated and stored."""
 
     store: Path
     motions: int

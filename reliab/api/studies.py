@@ -16,17 +16,7 @@ _OUT = Path("reliab-run")
 
 @dataclass(frozen=True, kw_only=True)
 class PerformedStudy:
-    """A study that was run.
-
-    Attributes
-    ----------
-    title : str
-        Title of the study.
-    folder, report : pathlib.Path
-        The run folder, and the report in it.
-    stages : dict of str to bool
-        By stage, whether there was something to do.
-    """
+    """A study that was run."""
 
     title: str
     folder: Path
@@ -100,13 +90,7 @@ def perform_study(
 
 @dataclass(frozen=True)
 class StudyList:
-    """Studies that ship.
-
-    Attributes
-    ----------
-    rows : list of dict
-        `name`, `kind` and `title` of each.
-    """
+    """Studies that ship."""
 
     rows: list[dict[str, str]]
 
@@ -134,13 +118,7 @@ def list_studies() -> StudyList:
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenReport:
-    """A report that was made of a finished run.
-
-    Attributes
-    ----------
-    folder, report : pathlib.Path
-        The run folder, and the report in it.
-    """
+    """A report that was made of a finished run."""
 
     folder: Path
     report: Path

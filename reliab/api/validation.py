@@ -48,17 +48,7 @@ _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation(ResultWithRows):
-    """How often criteria hold on motions from which they were not learned.
-
-    Attributes
-    ----------
-    counts : CrossValidation
-        What was counted; see :func:`reliab.cross_validate`.
-    ellipses : xarray.Dataset
-        Ellipses of the motions that were judged.
-    division : Division
-        Which motions were learned from, and which judged.
-    """
+    """How often criteria hold on motions from which they were not learned."""
 
     rows_in = "rows"
 
@@ -305,17 +295,7 @@ def _number(value: float) -> float | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Calibration(ResultWithRows):
-    """Probabilities that were stated for tests, against how many of the tests are good.
-
-    Attributes
-    ----------
-    scheme : str
-        How earthquakes were divided.
-    truth : str
-        Where the true errors come from.
-    bins : pandas.DataFrame
-        By stated probability: `stated`, `observed` with `low` and `high`, and the number of `tests`.
-    """
+    """Probabilities that were stated for tests, against how many of the tests are good."""
 
     rows_in = "bins"
 

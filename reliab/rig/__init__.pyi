@@ -2,7 +2,6 @@ from .comparison import RigComparison as RigComparison, compare_tables as compar
 from .describing import describe_test as describe_test
 from .drift import (
     FALSE_ALARMS as FALSE_ALARMS,
-    Change as Change,
     DriftChart as DriftChart,
     drift_chart as drift_chart,
     known_effects as known_effects,

@@ -1,10 +1,4 @@
-from .baselines import (
-    Baseline as Baseline,
-    last_ten as last_ten,
-    left_out_scores as left_out_scores,
-    pooled as pooled,
-)
+from .baselines import last_ten as last_ten, left_out_scores as left_out_scores, pooled as pooled
 from .circumstances import Circumstances as Circumstances, places_in_day as places_in_day, warmth as warmth
 from .learned import Learned as Learned, learn as learn
 from .scatter import Scatter as Scatter
-from .variances import Variances as Variances, fit_variances as fit_variances

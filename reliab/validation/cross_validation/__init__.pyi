@@ -1,9 +1,8 @@
-from .candidates import Candidate as Candidate, Derived as Derived, Limits as Limits, Printed as Printed
+from .candidates import Candidate as Candidate, Derived as Derived, Printed as Printed
 from .cell import Cell as Cell
 from .counts import RATES as RATES, CrossValidation as CrossValidation, tabulate as tabulate
 from .folds import (
     GROUP_SCHEMES as GROUP_SCHEMES,
-    SCHEMES as SCHEMES,
     Fold as Fold,
     folds_of as folds_of,
     from_another as from_another,

@@ -8,4 +8,4 @@ from .judges import (
 )
 from .rigs import LINEAR as LINEAR
 from .shares import shares as shares, summarised as summarised
-from .study import STUDY_COLUMNS as STUDY_COLUMNS, try_tests as try_tests
+from .study import try_tests as try_tests
