@@ -23,7 +23,7 @@ from reliab.cli import run
 from reliab.criterion import derive_criterion, sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.report import write_pdf
-from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
+from reliab.report.figures.parameter_distributions import ellipses_and_criterion
 from reliab.report.style import svg
 from reliab.shipped import shipped
 from reliab.study import shipped_studies

@@ -1,12 +1,10 @@
 from .arguments import unused as unused
 from .assessment import assess as assess
 from .assessment_files import (
-    draw_comparison as draw_comparison,
-    draw_design as draw_design,
+    draw_chart as draw_chart,
     file_report as file_report,
     write_corrected as write_corrected,
-    write_ranking as write_ranking,
-    write_verdicts as write_verdicts,
+    write_tests as write_tests,
 )
 from .boundaries import ellipses as ellipses
 from .calibration import calibrate as calibrate
@@ -33,10 +31,14 @@ from .motions import (
 from .paper_cases import judge_paper_cases as judge_paper_cases
 from .rebuilt_errors import validate_rebuilt_error as validate_rebuilt_error
 from .records import Record as Record, check_records as check_records, record as record
-from .rig_answers import compare_rigs as compare_rigs, plan_rig as plan_rig, predict_rig as predict_rig
-from .rig_report import report_rig as report_rig
-from .rig_tests import add_to_rig as add_to_rig
+from .rig_answers import (
+    compare_rigs as compare_rigs,
+    plan_rig as plan_rig,
+    predict_rig as predict_rig,
+    report_rig as report_rig,
+)
 from .rigs import (
+    add_to_rig as add_to_rig,
     export_rig as export_rig,
     list_rig as list_rig,
     remove_from_rig as remove_from_rig,

@@ -16,8 +16,7 @@ from reliab.api.arguments import (
     stated_values,
     unused,
 )
-from reliab.api.channels import Channels, Test, is_test
-from reliab.api.several_tests import Judge, assess_each, name_of_test
+from reliab.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
 from reliab.api.stated_structure import exactly_stated, stated_by_model, stated_of_test
 from reliab.assessment import (
     Assessment,

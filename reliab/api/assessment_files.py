@@ -13,9 +13,6 @@ from reliab.files import refuse_unwritable, require_ending, written_whole
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
     from reliab.api.design import Design
     from reliab.assessment import Comparison, CoupledAssessment, FrameAssessment
     from reliab.report import Setting
@@ -71,14 +68,14 @@ def _checksums(files: Mapping[str, Path]) -> dict[str, object]:
     return lines
 
 
-def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> None:
-    """Write the table of verdicts, one row for each test.
+def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Path) -> None:
+    """Write the table of ranked tests or of verdicts, one row for each test.
 
     Parameters
     ----------
-    verdicts : iterable of mapping
-        What was found about each test, as `to_dict` of its assessment, with its `file`; or `file` and
-        `fault`.
+    tests : Comparison or iterable of mapping
+        What :func:`reliab.compare` answered; or what was found about each test, as `to_dict` of its
+        assessment, with its `file`; or `file` and `fault`.
     out : str or pathlib.Path
         The CSV file.
 
@@ -87,43 +84,21 @@ def write_verdicts(verdicts: Iterable[Mapping[str, Any]], out: str | Path) -> No
     InputError
         If the file cannot be written.
     """
-    from reliab.assessment import verdict_table
+    from reliab.assessment import Comparison, verdict_table
 
-    _write_table(verdict_table(verdicts), out)
-
-
-def write_ranking(comparison: "Comparison", out: str | Path) -> None:
-    """Write the table of ranked tests, one row for each.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What :func:`reliab.compare` answered.
-    out : str or pathlib.Path
-        The CSV file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
-    _write_table(comparison.to_frame(), out)
-
-
-def _write_table(rows: "pd.DataFrame", out: str | Path) -> None:
-    """Write a table of tests, whose file names are no formulas for a spreadsheet."""
+    rows = tests.to_frame() if isinstance(tests, Comparison) else verdict_table(tests)
     require_ending(out, ".csv")
     with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
         rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
 
 
-def draw_design(design: "Design", figure: str | Path) -> None:
-    """Draw the chart of tolerable errors over the frequency.
+def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
+    """Draw the chart of tolerable errors over the frequency, or of ranked tests.
 
     Parameters
     ----------
-    design : Design
-        What :func:`reliab.design_test` answered.
+    answer : Design or Comparison
+        What :func:`reliab.design_test` or :func:`reliab.compare` answered.
     figure : str or pathlib.Path
         The file, which ends in .svg, .png or .pdf.
 
@@ -132,36 +107,14 @@ def draw_design(design: "Design", figure: str | Path) -> None:
     InputError
         If the file cannot be written or ends otherwise.
     """
-    from reliab.report.figures import tolerable_errors_over_frequency
-
-    _draw(tolerable_errors_over_frequency(design.chart), figure)
-
-
-def draw_comparison(comparison: "Comparison", figure: str | Path) -> None:
-    """Draw the chart of ranked tests.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What :func:`reliab.compare` answered.
-    figure : str or pathlib.Path
-        The file, which ends in .svg, .png or .pdf.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written or ends otherwise.
-    """
-    from reliab.report.figures import ranked_tests
-
-    _draw(ranked_tests(comparison), figure)
-
-
-def _draw(drawn: "Figure", figure: str | Path) -> None:
-    """Write a figure to a file."""
-    require_ending(figure, ".svg", ".png", ".pdf")
+    from reliab.api.design import Design
     from reliab.report import picture
+    from reliab.report.figures import ranked_tests, tolerable_errors_over_frequency
 
+    drawn = (
+        tolerable_errors_over_frequency(answer.chart) if isinstance(answer, Design) else ranked_tests(answer)
+    )
+    require_ending(figure, ".svg", ".png", ".pdf")
     try:
         with written_whole(figure) as file:
             file.write_bytes(picture(drawn, Path(figure).suffix.lower()))

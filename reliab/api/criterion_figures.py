@@ -78,7 +78,7 @@ def _listed(dataset: "xr.Dataset", name: str) -> str:
 def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
     from reliab.criterion import sample_of
     from reliab.report import VERMILION
-    from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
+    from reliab.report.figures import ellipses_and_criterion
 
     first = alike[0]
     sample = sample_of(

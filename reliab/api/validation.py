@@ -17,8 +17,7 @@ from reliab.api.judged_motions import (
     require_one_share,
     true_errors,
 )
-from reliab.api.kept_shares import kept_shares
-from reliab.api.scope_of_folds import motions_outside, sentences_of_outside
+from reliab.api.kept_shares import kept_shares, motions_outside, sentences_of_outside
 from reliab.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
 from reliab.criterion import population_of
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known

@@ -58,13 +58,13 @@ def compare(demand: CompareDemand) -> None:
         )
     comparison = api.compare_assessments(verdicts)
     if demand.out is not None:
-        api.write_ranking(comparison, demand.out)
+        api.write_tests(comparison, demand.out)
     content = comparison.to_dict()
     content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, demand.json_target):
         _show(content)
     if demand.figure is not None:
-        api.draw_comparison(comparison, demand.figure)
+        api.draw_chart(comparison, demand.figure)
 
 
 def _show(content: dict[str, Any]) -> None:

@@ -19,12 +19,7 @@ from .material import (
     Records as Records,
     motion_by_name as motion_by_name,
 )
-from .reading import (
-    open_study as open_study,
-    read_study as read_study,
-    shipped_studies as shipped_studies,
-    study_from as study_from,
-)
+from .reading import open_study as open_study, shipped_studies as shipped_studies
 from .running import run_study as run_study, write_report as write_report
 from .stages import Stage as Stage, digest as digest, made_with as made_with, read_result as read_result
 from .steps import (

@@ -15,23 +15,7 @@ DEFAULT_STUDY: Final = "quick"
 
 
 def read_study(path: str | Path) -> Study:
-    """Read a study.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        Its TOML file.
-
-    Returns
-    -------
-    Study
-        The study, with the tables of its kind.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, no TOML, or a key or value is not allowed; all faults at once.
-    """
+    """Read a study."""
     content = read_toml(
         path,
         rule="A study is a TOML file",
@@ -42,25 +26,7 @@ def read_study(path: str | Path) -> Study:
 
 
 def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
-    """Make a study of its tables.
-
-    Parameters
-    ----------
-    content : mapping
-        Keys and tables, as in the TOML file.
-    where : str, optional
-        The file, for messages.
-
-    Returns
-    -------
-    Study
-        The study, with the tables of its kind.
-
-    Raises
-    ------
-    InputError
-        If its kind is not known, or a key, a table or a value is not allowed; all faults at once.
-    """
+    """Make a study of its tables."""
     name = content.get("kind")
     if not isinstance(name, str) or name not in KINDS:
         raise InputError(

@@ -21,7 +21,7 @@ from reliab.progress import Progress, silent
 from reliab.simulation import Excitation, Loop
 from reliab.structures import Structure
 from reliab.validation import HARDENING
-from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.validation.cross_validation.counts import event_bootstrap
 
 REDUCTIONS: Final = (2.0, 4.0)
 """Peak of the linear response over the yield displacement, R [-]."""

@@ -18,7 +18,7 @@ import numpy as np
 
 RATE, SECONDS, MASS = 1024.0, 40.0, 1000.0
 ONE_HERTZ = 2.0 * np.pi
-IMPORTS = "import reliab.api.several_tests, reliab.api.channels, reliab.cli"
+IMPORTS = "import reliab.api.channels, reliab.api.channels, reliab.cli"
 FIRST = "import reliab; reliab.assess('sample_test', f=1, xi=0.02)"
 
 

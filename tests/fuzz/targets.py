@@ -30,7 +30,7 @@ from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
 from reliab.simulation.transfer_systems.reading import read_matlab
-from reliab.study import read_study
+from reliab.study.reading import read_study
 from reliab.study.stages import date_of, made_with, study_of
 from reliab.sweep import open_results, run_sweep
 

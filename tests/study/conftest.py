@@ -5,7 +5,7 @@ import pytest
 
 from reliab.motions import Motion, MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.study import study_from
+from reliab.study.reading import study_from
 
 
 @pytest.fixture(scope="session")

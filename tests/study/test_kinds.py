@@ -9,9 +9,10 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.study import open_study, run_study, study_from, write_report
+from reliab.study import open_study, run_study, write_report
 from reliab.study.kinds import KINDS
 from reliab.study.kinds.discrepancy import CampaignTable
+from reliab.study.reading import study_from
 
 pytestmark = pytest.mark.of_studies
 

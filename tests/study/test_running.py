@@ -14,8 +14,9 @@ from reliab.errors import InputError
 from reliab.files import UNFINISHED
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
-from reliab.study import run_study, stages, study_from, write_report
+from reliab.study import run_study, stages, write_report
 from reliab.study.kinds import KINDS
+from reliab.study.reading import study_from
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import candidates
 

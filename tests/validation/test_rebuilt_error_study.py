@@ -21,7 +21,6 @@ from reliab.validation.rebuilt_error_study import (
     LINEAR,
     OWN_BOUNDARY,
     REBUILT,
-    STUDY_COLUMNS,
     WITH_MODEL,
     Design,
     bench as simulated,
@@ -33,6 +32,7 @@ from reliab.validation.rebuilt_error_study import (
 )
 from reliab.validation.rebuilt_error_study.conditions import _DECIBELS, CONDITIONS, PLAIN, QUANTISED
 from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
+from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS
 from reliab.vocabulary import Metric
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)

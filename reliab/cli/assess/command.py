@@ -84,7 +84,7 @@ def assess(demand: AssessDemand) -> None:
 
 
 def _answer_design(demand: AssessDemand) -> None:
-    from reliab.api import design_test, draw_design
+    from reliab.api import design_test, draw_chart
     from reliab.cli.assess.shown_design import show_design
     from reliab.cli.output import write_json
 
@@ -100,7 +100,7 @@ def _answer_design(demand: AssessDemand) -> None:
         )
     design = demand.ask(design_test, "design", "figure", "json_target", why="together with `design`")
     if demand.figure is not None:
-        draw_design(design, demand.figure)
+        draw_chart(design, demand.figure)
     if not write_json(design.to_dict(), demand.json_target):
         show_design(design)
 
@@ -144,12 +144,12 @@ def _answer_tests(demand: AssessDemand) -> bool:
 def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, demand: AssessDemand
 ) -> None:
-    from reliab.api import write_corrected, write_verdicts
+    from reliab.api import write_corrected, write_tests
     from reliab.cli.output import say, write_json
 
     content = assessment.to_dict()
     if demand.out is not None:
-        write_verdicts([{"file": str(test), **content}], demand.out)
+        write_tests([{"file": str(test), **content}], demand.out)
     note = None if demand.corrected is None else write_corrected(assessment, demand.corrected)
     if write_json(content, demand.json_target):
         return
@@ -179,7 +179,7 @@ def _show_one(
 
 
 def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
-    from reliab.api import write_verdicts
+    from reliab.api import write_tests
     from reliab.cli.assess.shown_several import show_several
     from reliab.cli.output import write_json
 
@@ -188,7 +188,7 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
         for file, content in assessments.to_dict().items()
     ]
     if demand.out is not None:
-        write_verdicts(contents, demand.out)
+        write_tests(contents, demand.out)
     if not write_json(contents, demand.json_target):
         show_several(contents)
     if assessments.faults:
@@ -200,13 +200,13 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
 
 
 def _write_same_test(assessments: "Assessments", demand: AssessDemand) -> bool:
-    from reliab.api import write_verdicts
+    from reliab.api import write_tests
     from reliab.cli.assess.shown_several import show_same_test
     from reliab.cli.output import write_json
 
     together = assessments.same_test()
     if demand.out is not None:
-        write_verdicts([{"file": file, **found} for file, found in assessments.to_dict().items()], demand.out)
+        write_tests([{"file": file, **found} for file, found in assessments.to_dict().items()], demand.out)
     if not write_json(together.to_dict(), demand.json_target):
         show_same_test(together.to_dict())
     return together.reliable

@@ -1,6 +1,7 @@
 """Figures of the ellipse parameters over the motions: distributions, quantiles, correlation, posterior."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import seaborn as sns
@@ -12,13 +13,19 @@ from reliab.criterion import EllipseSample, MotionPredictive, QuantilePlot, quan
 from reliab.criterion.distributions import Distribution, Lognormal
 from reliab.report.axes import (
     A_PARAMETER,
+    AMPLITUDE,
     B_PARAMETER,
+    DAMPING_RATIO,
+    DELAY,
     DENSITY_A,
     DENSITY_B,
+    FREQUENCY,
+    ellipse_line,
     label_logarithmic,
     legend_below,
     mark,
     name_axes,
+    plain,
     scientific,
 )
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, line, panels, styled
@@ -26,7 +33,9 @@ from reliab.sampling import NormalInverseChiSquared
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT
 
-_HEIGHT = 53.0
+_DISTRIBUTION_HEIGHT = 53.0
+_ELLIPSE_HEIGHT = 84.0
+_SERIES_HEIGHT = 58.0
 _POINTS = 400
 _BODY = 0.97
 _QUANTILE_HEIGHT = 53.0
@@ -49,7 +58,7 @@ def parameter_distributions(
 
     `confidence` [-].
     """
-    figure, axes = panels(1, 2, height=_HEIGHT)
+    figure, axes = panels(1, 2, height=_DISTRIBUTION_HEIGHT)
     letters(axes, ("amplitude", "delay"))
     names = ((A_PARAMETER, DENSITY_A), (B_PARAMETER, DENSITY_B))
     for k, (values, place) in enumerate(zip((sample.a, sample.b), axes[0], strict=True)):
@@ -233,3 +242,71 @@ def _predictive(
         axes.axvline(limit, color=VERMILION, linestyle=(0, (5, 1.6)), label="criterion")
     axes.set(xscale="log", xlim=tuple(np.exp([x[0], x[-1]])))
     label_logarithmic(axes.xaxis)
+
+
+_WIDEST = 0.98
+
+
+@styled
+def ellipses_and_criterion(sample: EllipseSample, criteria: Mapping[str, tuple[float, float]]) -> Figure:
+    """Draw the boundary of every motion and the criteria that should lie inside of nearly all.
+
+    Returns delay [ms] over amplitude [-]; early and late actuators mirror each other, so that one half is
+    drawn.
+    """
+    figure, axes = panels(height=_ELLIPSE_HEIGHT)
+    place = axes[0, 0]
+    amplitude, delay = ellipse_line(sample.a, sample.b)
+    thin = place.plot(amplitude, delay, color=GREY, linewidth=0.5, alpha=0.6)
+    thin[0].set_label(f"{sample.n_motions} motions of {sample.n_events} earthquakes")
+    for rank, (name, limits) in enumerate(criteria.items()):
+        place.plot(*ellipse_line(*limits), label=name, **{**line(rank), "linewidth": 2.0})
+    a, b = (float(np.quantile(values, _WIDEST)) for values in (sample.a, sample.b))
+    place.set_xlim(1.0 - np.sqrt(a), 1.0 + np.sqrt(a))
+    place.set_ylim(0.0, 1.05 * np.sqrt(b))
+    name_axes(place, AMPLITUDE, DELAY)
+    legend_below(figure, place)
+    return figure
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParameterSeries:
+    """Ellipse parameters of one source over one property of the structure."""
+
+    name: str  # Source
+    x: NDArray[np.float64]  # Natural frequencies [Hz] or damping ratios [-], shape (n,)
+    a: NDArray[np.float64]  # a, b: Parameters [-] and [ms²], shape (n,)
+    b: NDArray[np.float64]
+    law: bool = False  # Whether it is a law, drawn as a line, rather than values, drawn as points
+
+
+@styled
+def parameters_over_frequency(series: Sequence[ParameterSeries]) -> Figure:
+    """Draw a and b over the natural frequency, b on a logarithmic scale."""
+    return _draw_series(series, FREQUENCY, logarithmic=False)
+
+
+@styled
+def parameters_over_damping_ratio(series: Sequence[ParameterSeries]) -> Figure:
+    """Draw a and b over the damping ratio on logarithmic scales, on which a power law is straight."""
+    return _draw_series(series, DAMPING_RATIO, logarithmic=True)
+
+
+def _draw_series(series: Sequence[ParameterSeries], name: str, *, logarithmic: bool) -> Figure:
+    figure, axes = panels(1, 2, height=_SERIES_HEIGHT)
+    letters(axes, ("$a$", "$b$"))
+    for rank, member in enumerate(series):
+        look = line(rank, marker=not member.law)
+        if not member.law:
+            look |= {"linestyle": "none", "fillstyle": "none"}
+        for place, values in zip(axes[0], (member.a, member.b), strict=True):
+            place.plot(member.x, values, label=plain(member.name), **look)
+    for place, parameter in zip(axes[0], (A_PARAMETER, B_PARAMETER), strict=True):
+        name_axes(place, name, parameter)
+        place.set_yscale("log")
+        if logarithmic:
+            place.set_xscale("log")
+            label_logarithmic(place.xaxis)
+        label_logarithmic(place.yaxis)
+    legend_below(figure, axes[0, 0], columns=4)
+    return figure

@@ -1,6 +1,11 @@
 from .candidates import Candidate as Candidate, Derived as Derived, Printed as Printed
 from .cell import Cell as Cell
-from .counts import RATES as RATES, CrossValidation as CrossValidation, tabulate as tabulate
+from .counts import (
+    RATES as RATES,
+    CrossValidation as CrossValidation,
+    event_bootstrap as event_bootstrap,
+    tabulate as tabulate,
+)
 from .folds import (
     GROUP_SCHEMES as GROUP_SCHEMES,
     Fold as Fold,
@@ -12,7 +17,6 @@ from .folds import (
     random_halves as random_halves,
     transfer as transfer,
 )
-from .intervals import event_bootstrap as event_bootstrap
 from .judge import cross_validate as cross_validate
 from .truth import (
     EllipseTruth as EllipseTruth,

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
-from reliab.validation.cross_validation.intervals import event_bootstrap
 from reliab.vocabulary import Side
 
 COUNTS: Final = (
@@ -107,3 +107,37 @@ def tabulate(
     merged = xr.merge([*rates, validation.confusion((*over, "motion"), side)])
     table = merged.to_dataframe(dim_order=merged[RATES[0]].dims).reset_index()
     return table.dropna(subset=RATES[0]).reset_index(drop=True)
+
+
+_REPETITIONS = 2000
+
+
+def event_bootstrap(
+    numerator: NDArray[np.float64],
+    denominator: NDArray[np.float64],
+    events: NDArray[np.str_],
+    *,
+    level: float = 0.95,
+    seed: int = 0,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Interval of Σ numerator / Σ denominator, whole earthquakes being drawn with replacement.
+
+    `events` (motions,).
+    Returns `low, high`: ends of the interval, in the trailing shape; NaN where there is nothing to be
+    counted.
+
+    Davison, A. C. and Hinkley, D. V. (1997). *Bootstrap Methods and their Application*, section 3.8.
+    """
+    distinct, group = np.unique(events, return_inverse=True)
+    top = np.zeros((distinct.size, *numerator.shape[1:]))
+    bottom = np.zeros_like(top)
+    np.add.at(top, group, numerator)
+    np.add.at(bottom, group, denominator)
+    rng = np.random.default_rng(seed)
+    drawn = rng.multinomial(distinct.size, np.full(distinct.size, 1.0 / distinct.size), _REPETITIONS)
+    with np.errstate(invalid="ignore", divide="ignore"):  # nothing accepted in a drawing
+        rates = np.tensordot(drawn, top, axes=1) / np.tensordot(drawn, bottom, axes=1)
+    ends = np.full((2, *rates.shape[1:]), np.nan)
+    known = bottom.sum(axis=0) > 0.0
+    ends[:, known] = np.nanquantile(rates[:, known], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0)
+    return ends[0], ends[1]

@@ -17,6 +17,3 @@ specimen's force, under the demand that the recorded displacement reveals.
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-# modules of these names would hide what they hold
-from reliab.validation.rebuilt_error_study.shares import shares as shares  # noqa: E402

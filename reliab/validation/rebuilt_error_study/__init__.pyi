@@ -7,5 +7,4 @@ from .judges import (
     WITH_MODEL as WITH_MODEL,
 )
 from .rigs import LINEAR as LINEAR
-from .shares import shares as shares, summarised as summarised
-from .study import try_tests as try_tests
+from .study import shares as shares, summarised as summarised, try_tests as try_tests

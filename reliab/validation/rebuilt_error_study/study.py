@@ -1,15 +1,21 @@
 """Simulate tests and have each of them judged, motion by motion."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.progress import Progress, silent
+from reliab.validation.cross_validation.counts import event_bootstrap
 from reliab.validation.rebuilt_error_study.bench import tests_of_round
+from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
 from reliab.validation.rebuilt_error_study.design import Design
+from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT
+from reliab.validation.rebuilt_error_study.rigs import LINEAR
 
 STUDY_COLUMNS: Final = (
     *("study", "round", "motion", "event", "test", "rig", "specimen", "f", "xi", "alpha", "sensor", "stated"),
@@ -65,3 +71,100 @@ def _kept(path: Path | None, digest: str) -> pd.DataFrame:
 def _write(table: pd.DataFrame, path: Path) -> None:
     with refuse_unwritable("The study's file must be writable", where=path), written_whole(path) as file:
         table.to_csv(file, index=False)
+
+
+_ENDS = (0.05, 0.95)
+_TAIL = 0.025
+
+
+def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Count the tests that each method accepted.
+
+    Returns one row a group, in the order of the tests: `tests`, `motions`; `bad` tests and the share
+    `bad_accepted` of them, `good` tests and the share `good_accepted` of them, each with `_low` and `_high`
+    ends of its 95 % interval over earthquakes; `contained`, the share of motions of which no bad test is
+    accepted; quantiles `ratio_05`, `ratio_50`, `ratio_95` of the stated over the true error, and `covered`,
+    the share of true errors inside the stated 90 % interval. NaN where there is nothing to count.
+
+    >>> tests = pd.DataFrame(
+    ...     {
+    ...         "motion": ["a", "a", "b", "b"],
+    ...         "event": ["a", "a", "b", "b"],
+    ...         "judge": "one",
+    ...         "error": [0.02, 0.08, 0.02, 0.08],
+    ...         "good": [True, False, True, False],
+    ...         "accepted": [True, True, True, False],
+    ...         "estimate": [0.02, 0.04, 0.02, 0.08],
+    ...         "low": 0.0,
+    ...         "high": 0.06,
+    ...     }
+    ... )
+    >>> row = shares(tests, ["judge"]).iloc[0]
+    >>> [float(row[name]) for name in ("good_accepted", "bad_accepted", "contained", "covered")]
+    [1.0, 0.5, 0.5, 0.5]
+    """
+    rows = []
+    for names, group in tests.groupby(list(by), sort=False):
+        rows.append({**dict(zip(by, names, strict=True)), **_counted(group)})
+    return pd.DataFrame(rows)
+
+
+def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Summarise a study in the tables that are printed and reported.
+
+    Returns [-].
+    Returns each as :func:`shares` makes it: "judges" on linear specimens with a sensor of 40 dB and all
+    stated rightly; "rigs", the same by actuator for the rebuilt error and the motion's own boundary;
+    "conditions", every judge by sensor and by what is stated wrongly; "specimens", every judge by nonlinear
+    specimen; and "looks", by specimen and sensor the share of tests whose recorded force `looks_nonlinear`
+    [-] among so many `tests`.
+    """
+    linear = tests[tests["specimen"] == LINEAR]
+    plain = linear[(linear["sensor"] == PLAIN.sensor) & (linear["stated"] == RIGHT)]
+    looked = tests[(tests["judge"] == REBUILT) & tests["looks_nonlinear"].notna()]
+    looks = looked.groupby(["specimen", "sensor"], sort=False)["looks_nonlinear"].agg(["mean", "count"])
+    return {
+        "judges": shares(plain, ["judge"]),
+        "rigs": shares(plain[plain["judge"].isin([REBUILT, OWN_BOUNDARY])], ["judge", "rig"]),
+        "conditions": shares(linear, ["sensor", "stated", "judge"]),
+        "specimens": shares(tests[tests["specimen"] != LINEAR], ["specimen", "judge"]),
+        "looks": looks.reset_index().rename(columns={"mean": "looks_nonlinear", "count": "tests"}),
+    }
+
+
+def _counted(group: pd.DataFrame) -> dict[str, Any]:
+    good, accepted = group["good"].to_numpy(bool), group["accepted"].to_numpy(bool)
+    ratio = (group["estimate"] / group["error"]).to_numpy(float)
+    known, bounded = np.isfinite(ratio), np.isfinite(group["high"].to_numpy(float))
+    inside = (group["low"] <= group["error"]) & (group["error"] <= group["high"])
+    low, middle, high = np.quantile(ratio[known], [_ENDS[0], 0.5, _ENDS[1]]) if known.any() else [np.nan] * 3
+    unsafe = pd.Series(accepted & ~good).groupby(group["motion"].to_numpy()).any()
+    return {
+        "tests": len(group),
+        "motions": len(unsafe),
+        "bad": int((~good).sum()),
+        **_rate("bad_accepted", accepted & ~good, ~good, group["event"]),
+        "good": int(good.sum()),
+        **_rate("good_accepted", accepted & good, good, group["event"]),
+        "contained": float(1.0 - unsafe.mean()),
+        "ratio_05": float(low),
+        "ratio_50": float(middle),
+        "ratio_95": float(high),
+        "covered": float(inside.to_numpy()[bounded].mean()) if bounded.any() else np.nan,
+    }
+
+
+def _rate(name: str, counted: np.ndarray, among: np.ndarray, events: pd.Series) -> dict[str, float]:
+    total = int(among.sum())
+    rate = float(counted.sum() / total) if total else np.nan
+    low, high = (
+        float(end)
+        for end in event_bootstrap(counted.astype(float), among.astype(float), events.to_numpy(str))
+    )
+    # Where none or all were counted, drawing earthquakes again shows no spread: Clopper and Pearson's bound.
+    least = _TAIL ** (1.0 / max(events[among].nunique(), 1))
+    if rate == 0.0:
+        high = 1.0 - least
+    elif rate == 1.0:
+        low = least
+    return {name: rate, f"{name}_low": low, f"{name}_high": high}

@@ -1,4 +1,4 @@
-"""Drawings to no scale: the loop as blocks, and the frame with the spring that is tested."""
+"""Drawings to no scale: the loop as blocks (Figure 1), and the frame with the spring that is tested (16)."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Figures of the error over amplitude and delay: curves, contours with the curves fitted to them, maps."""
+"""The error over amplitude and delay: curves (Figures 4, 6), maps (8), contours (9) and fits to one (10)."""
 
 from collections.abc import Mapping, Sequence
 from typing import cast

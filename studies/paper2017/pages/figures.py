@@ -19,8 +19,11 @@ from reliab.criterion.laws import (
 )
 from reliab.report import Block, Figure, Section
 from reliab.report.figures import ParameterSeries, parameters_over_damping_ratio, parameters_over_frequency
-from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-from reliab.report.figures.parameter_distributions import parameter_correlation, parameter_distributions
+from reliab.report.figures.parameter_distributions import (
+    ellipses_and_criterion,
+    parameter_correlation,
+    parameter_distributions,
+)
 from reliab.report.prose import prose
 from reliab.vocabulary import Metric
 

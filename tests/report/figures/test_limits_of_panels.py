@@ -10,10 +10,10 @@ from matplotlib.text import Text
 
 from reliab.indices.tracking_over_frequency import TrackingOverFrequency
 from reliab.report.figures import discrepancy
-from reliab.report.figures.criterion_surfaces import criterion_surfaces
-from reliab.report.figures.rates import coverage_by_frequency
-from reliab.report.figures.rig_over_time import rig_over_time
-from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
+from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
+from reliab.report.kinds.criterion.result import criterion_surfaces
+from reliab.report.kinds.rig_report import rig_over_time
+from reliab.report.sections.rates import coverage_by_frequency
 
 
 def rates_of(**levels):

@@ -16,25 +16,23 @@ from reliab.criterion.distributions import Lognormal
 from reliab.indices.tracking_over_frequency import TrackingOverFrequency
 from reliab.report.axes import ellipse_line
 from reliab.report.figures import discrepancy
-from reliab.report.figures.criterion_surfaces import criterion_surfaces
-from reliab.report.figures.ellipses_and_criterion import ellipses_and_criterion
-from reliab.report.figures.event_forest import event_forest
 from reliab.report.figures.measured_test import error_over_time, tracking_overview
 from reliab.report.figures.parameter_distributions import (
+    ParameterSeries,
+    ellipses_and_criterion,
     parameter_correlation,
     parameter_distributions,
+    parameters_over_damping_ratio,
+    parameters_over_frequency,
     posterior_and_predictive,
     quantile_quantile,
 )
-from reliab.report.figures.parameters_over_structure import (
-    ParameterSeries,
-    parameters_over_damping_ratio,
-    parameters_over_frequency,
-)
 from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
-from reliab.report.figures.rates import calibration_curve, coverage_by_frequency
-from reliab.report.figures.tolerable_errors import tolerable_errors_over_frequency
-from reliab.report.figures.tracking_over_frequency import amplitude_and_delay_over_frequency
+from reliab.report.figures.tests_by_error import tolerable_errors_over_frequency
+from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
+from reliab.report.kinds.criterion.motions import event_forest
+from reliab.report.kinds.criterion.result import criterion_surfaces
+from reliab.report.sections.rates import calibration_curve, coverage_by_frequency
 from reliab.report.style import svg
 from reliab.sampling import PosteriorSample
 from reliab.vocabulary import Block

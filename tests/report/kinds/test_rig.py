@@ -4,7 +4,7 @@ import numpy as np
 from rig_rows import keep, rig_table, rig_test
 
 from reliab.api import report_rig
-from reliab.report.kinds.rig import rig_report
+from reliab.report.kinds.rig_report import rig_report
 from reliab.rig import NextTest, Plan, predict_next
 from reliab.rig.planning import Remedy
 from reliab.structures import Structure

@@ -19,8 +19,7 @@ from reliab.validation.cross_validation import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.counts import tabulate
-from reliab.validation.cross_validation.intervals import event_bootstrap
+from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, Side
 
 

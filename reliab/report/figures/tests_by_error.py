@@ -1,16 +1,17 @@
-"""Tolerable delay and amplitude error over the natural frequency, before a test."""
+"""Charts of tests: errors that are tolerable before them, and tests ranked by their errors."""
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from reliab.assessment import Tolerance
-from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes
-from reliab.report.style import letters, line, panels, styled
-from reliab.significant import share_in_words
-from reliab.vocabulary import MILLI
+from reliab.assessment import Comparison, Tolerance
+from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes, plain
+from reliab.report.style import BLUE, VERMILION, letters, line, panels, styled
+from reliab.significant import percent, share_in_words
+from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _HEIGHT = 76.0
 
@@ -50,4 +51,39 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     name_axes(axes[0, 0], FREQUENCY, AMPLITUDE_LIMIT)
     name_axes(axes[0, 1], FREQUENCY, DELAY_LIMIT)
     legend_below(figure, axes[0, 0], columns=2)
+    return figure
+
+
+_MARGIN: Final = 26.0
+_ROW: Final = 7.0
+_TALLEST: Final = 220.0
+_LONGEST: Final = 32  # characters of the name of a test
+_NAMES: Final = {Metric.RMS: "RMS", Metric.MTE: "MTE"}
+
+
+@styled
+def ranked_tests(comparison: Comparison) -> Figure:
+    """Draw the error of each test with its 90 % interval, the smallest above, and the threshold."""
+    tests = comparison.tests
+    figure, axes = panels(1, 1, height=min(_MARGIN + _ROW * len(tests), _TALLEST))
+    place = axes[0, 0]
+    rows = np.arange(len(tests))
+    low, value, high = (
+        PERCENT * np.array([getattr(test.error, end) for test in tests]) for end in ("low", "value", "high")
+    )
+    place.hlines(rows, low, high, color=BLUE, linewidth=1.4, label="90 % interval")
+    place.plot(value, rows, "o", color=BLUE, markersize=4.0, label="error of the whole test")
+    threshold = percent(comparison.threshold)
+    place.axvline(
+        PERCENT * comparison.threshold,
+        color=VERMILION,
+        linewidth=1.2,
+        linestyle=(0, (5, 1.6)),
+        label=f"threshold, {threshold}",
+    )
+    place.set_yticks(rows, [plain(test.file, longest=_LONGEST) for test in tests])
+    place.set_ylim(len(tests) - 0.4, -0.6)
+    place.set_xlim(left=0.0)
+    place.set_xlabel(f"{_NAMES[comparison.metric]} error of the whole test [%]")
+    legend_below(figure, place, columns=3)
     return figure

@@ -1,1 +1,0 @@
-from .report import rig_report as rig_report
