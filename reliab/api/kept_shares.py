@@ -78,9 +78,9 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
         if outside:
             unit = _UNITS[quantity]
             yield (
-                f"Outside: {len(outside)} of the {len(judged)} motions of {name}, of {quantity} "
-                f"{_range(outside)}{unit}; those that their criterion is learned from have "
-                f"{_range(ends)}{unit}. It makes no promise for them."
+                f"Outside of the population: {len(outside)} of the {len(judged)} motions of {name}, of "
+                f"{quantity} {_range(outside)}{unit}; the motions from which their criterion is learned have "
+                f"{_range(ends)}{unit}. The criterion makes no promise for motions outside."
             )
 
 

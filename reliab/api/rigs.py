@@ -148,7 +148,7 @@ _TAKEN = ("day", "change", "file_state")
 
 @dataclass(frozen=True, kw_only=True)
 class AddedTests:
-    """What became of the files that were added to a rig."""
+    """Outcome for each file that was added to a rig."""
 
     rig: Path
     added: tuple[dict[str, Any], ...]  # Rows of the tests that are new

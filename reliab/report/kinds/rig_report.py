@@ -287,7 +287,7 @@ def _percent(logarithms: Array, band: tuple[Array, Array]) -> tuple[Array, tuple
 
 def _draw(axes: Axes, values: Array, band: tuple[Array, Array], good: NDArray[np.bool_]) -> None:
     numbers = np.arange(1, values.size + 1)
-    axes.fill_between(numbers, *band, color=PALE, linewidth=0.0, label="90 % predicted from those before")
+    axes.fill_between(numbers, *band, color=PALE, linewidth=0.0, label="90 % interval from the tests before")
     axes.plot(numbers[good], values[good], "o", color=BLUE, markersize=2.6, label="reliable test")
     axes.plot(numbers[~good], values[~good], "x", color=INK, markersize=3.6, label="other test")
 
