@@ -49,30 +49,14 @@ class RankedTest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison:
-    """Tests ranked by their errors.
+    """Tests ranked by their errors."""
 
-    Attributes
-    ----------
-    metric : Metric
-        Which error.
-    threshold : float
-        Error with which each test is compared [-].
-    tests : tuple of RankedTest
-        The smallest error first.
-    faults : mapping of str to str
-        By file, why others could not be judged.
-    notes : tuple of str
-        What limits the comparison, in sentences.
-    assumed : str
-        What is taken to be the same in all tests, in a sentence.
-    """
-
-    metric: Metric
-    threshold: float
-    tests: tuple[RankedTest, ...]
-    faults: Mapping[str, str]
-    notes: tuple[str, ...]
-    assumed: str = _IN_COMMON
+    metric: Metric  # Which error
+    threshold: float  # Error with which each test is compared [-]
+    tests: tuple[RankedTest, ...]  # The smallest error first
+    faults: Mapping[str, str]  # By file, why others could not be judged
+    notes: tuple[str, ...]  # What limits the comparison, in sentences
+    assumed: str = _IN_COMMON  # What is taken to be the same in all tests, in a sentence
 
     def to_dict(self) -> dict[str, Any]:
         """Put what is found into plain numbers."""
@@ -109,24 +93,10 @@ class Comparison:
 def rank_tests(
     judged: Mapping[str, Assessment | FrameAssessment], faults: Mapping[str, str] | None = None
 ) -> Comparison:
-    """Rank tests of one structure and rig by their errors.
+    """Rank tests of one structure and rig by their errors, the smallest first; fewer than two are refused.
 
-    Parameters
-    ----------
-    judged : mapping of str to Assessment or FrameAssessment
-        By file, what was found about each test, with the same metric and threshold.
-    faults : mapping of str to str, optional
-        By file, why others could not be judged.
-
-    Returns
-    -------
-    Comparison
-        The smallest error first, each with its difference from it.
-
-    Raises
-    ------
-    InputError
-        If fewer than two tests were judged.
+    `judged`: by file, what was found about each, with one metric and threshold; `faults`: why others were not
+    judged.
     """
     if len(judged) < _FEWEST:
         raise InputError(

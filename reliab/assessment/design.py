@@ -19,46 +19,25 @@ CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 
 @dataclass(frozen=True, kw_only=True)
 class Tolerance:
-    """What is tolerable for one structure at one confidence.
+    """What is tolerable for one structure at one confidence."""
 
-    Attributes
-    ----------
-    frequency, damping_ratio, experimental_fraction : float
-        The structure [Hz, -, -].
-    threshold : float
-        Error of the whole test [-].
-    confidence : float
-        Share of the population's ground motions.
-    a, b : float
-        Ellipse parameters [-] and [ms²].
-    critical_delay : float
-        Delay [s] at which the loop loses stability.
-    outside_validity : bool
-        Whether the criterion was carried over from another structure.
-    position : str
-        Where the case that the criterion is for lies among its ground motions: "inside", "at the edge" or
-        "outside", where no share is promised.
-    promised_from : float
-        Share from which the criterion promises one.
-    population : str
-        Ground motions for which the criterion speaks, in words; empty where it does not state them.
-    scope : mapping of str to sequence of float
-        Least value, 5 % and 95 % quantile and greatest value of their lengths [s], cycles, effective
-        durations [s] and magnitudes.
-    """
-
-    frequency: float
+    frequency: float  # frequency, damping_ratio, experimental_fraction: The structure [Hz, -, -]
     damping_ratio: float
-    threshold: float
-    confidence: float
-    a: float
+    threshold: float  # Error of the whole test [-]
+    confidence: float  # Share of the population's ground motions
+    a: float  # a, b: Ellipse parameters [-] and [ms²]
     b: float
-    critical_delay: float
-    outside_validity: bool
+    critical_delay: float  # Delay [s] at which the loop loses stability
+    outside_validity: bool  # Whether the criterion was carried over from another structure
     experimental_fraction: float = 1.0
+    # Where the case that the criterion is for lies among its ground motions: "inside", "at the edge" or
+    # "outside", where no share is promised
     position: str = "inside"
-    promised_from: float = 0.0
+    promised_from: float = 0.0  # Share from which the criterion promises one
+    # Ground motions for which the criterion speaks, in words; empty where it does not state them
     population: str = ""
+    # Least value, 5 % and 95 % quantile and greatest value of their lengths and effective durations [s],
+    # cycles and magnitudes
     scope: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     @property
@@ -106,20 +85,7 @@ class Tolerance:
 
 
 def chart_frequencies(criterion: Criterion | None = None, *, count: int = 8) -> list[float]:
-    """Frequencies [Hz] for a chart.
-
-    Parameters
-    ----------
-    criterion : Criterion, optional
-        The criterion; by default the one that ships with the package, at the shipped frequencies.
-    count : int, optional
-        How many for a criterion of one's own, evenly from end to end of its validity.
-
-    Returns
-    -------
-    list of float
-        Increasing frequencies.
-    """
+    """Give increasing frequencies [Hz] for a chart: shipped ones, or `count` of a criterion's validity."""
     if criterion is None:
         return shipped_frequencies()
     low, high = criterion.law.validity.frequency
@@ -136,32 +102,13 @@ def tolerable_errors(
     criterion: Criterion | None = None,
     experimental_fraction: float = 1.0,
 ) -> list[Tolerance]:
-    """State tolerable errors before a test.
+    """State tolerable errors before a test, by frequency, then by confidence.
 
-    Parameters
-    ----------
-    frequencies : sequence of float
-        Natural frequencies [Hz].
-    damping_ratio : float
-        Damping ratio [-].
-    threshold : float, optional
-        Error of the whole test [-].
-    confidences : sequence of float, optional
-        Shares of the population's ground motions.
-    metric : str, optional
-        Which error.
-    criterion : Criterion, optional
-        A criterion that brings its own threshold, metric and confidence; by default the one that ships
-        with the package, at each of the confidences.
-    experimental_fraction : float, optional
-        Share α of the stiffness in the laboratory [-], to which limits of α = 1 are carried by the law of
-        :func:`reliab.criterion.growth`.
-
-    Returns
-    -------
-    list of Tolerance
-        By frequency, then by confidence. Outside of the criterion's validity the nearest structure
-        stands for the one asked for, by dimensionless errors.
+    `frequencies` [Hz]; `threshold`: error of the whole test [-]; `confidences`: shares of the population's
+    ground motions. A `criterion` brings its own threshold, metric and confidence; by default it is the one
+    that ships, at each of the confidences. Limits of α = 1 are carried to another share α of the stiffness in
+    the laboratory by the law of :func:`reliab.criterion.growth`. Outside of the criterion's validity the
+    nearest structure stands for the one asked for, by dimensionless errors.
     """
     tolerances, larger = [], float(growth(experimental_fraction, damping_ratio))
     for frequency in frequencies:

@@ -108,8 +108,6 @@ def sizes_otherwise(error: ErrorWithThreshold, otherwise: tuple[ErrorOfTest, ...
 def probability_text(probability: float, *, bound: float = 0.99) -> str:
     """Write a probability, without claiming more than 0.99.
 
-    Examples
-    --------
     >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)
     ('0.78', '> 0.99', '< 0.01')
     """

@@ -119,30 +119,17 @@ class Question:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorOfTest(ErrorWithThreshold):
-    """Error of a test with one actuator.
-
-    Attributes
-    ----------
-    damping_ratio : float
-        ξ of the structure with which it was rebuilt [-].
-    under : str
-        What was taken to hold beside what was stated, in words; empty where nothing was.
-    alternatives : tuple of ErrorOfTest
-        Errors of the same test under other explanations of what it shows, none of which can be excluded.
-    specimen : MeasuredSpecimen or None
-        What was learned of the specimen from its own force, where it is known by that only.
-    modelled : bool
-        Whether a calibrated model says what the specimen does.
-    if_linear : Spread or None
-        Draws of the error with a linear specimen only, where others are among those of `rebuilt`.
-    """
+    """Error of a test with one actuator."""
 
     rebuilt: RebuiltError
-    damping_ratio: float
-    under: str = ""
+    damping_ratio: float  # ξ of the structure with which it was rebuilt [-]
+    under: str = ""  # What was taken to hold beside what was stated, in words; empty where nothing was
+    # Errors of the same test under other explanations of what it shows, none of which can be excluded
     alternatives: tuple["ErrorOfTest", ...] = ()
+    # What was learned of the specimen from its own force, where it is known by that only
     specimen: "MeasuredSpecimen | None" = None
-    modelled: bool = False
+    modelled: bool = False  # Whether a calibrated model says what the specimen does
+    # Draws of the error with a linear specimen only, where others are among those of `rebuilt`
     if_linear: Spread | None = None
 
     @property

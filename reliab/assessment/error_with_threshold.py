@@ -20,23 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorWithThreshold(ABC):
-    """Error of a test.
+    """Error of a test."""
 
-    Attributes
-    ----------
-    rebuilt : RebuiltError or CoupledError
-        The error with its histories and draws.
-    metric : Metric
-        Which error is asked about.
-    threshold : float
-        Error with which it is compared [-].
-    sizes : mapping of str to Size
-        Sizes of what is not known of the test, by the names of the tolerances.
-    """
-
-    rebuilt: "RebuiltError | CoupledError"
-    metric: Metric
-    threshold: float
+    rebuilt: "RebuiltError | CoupledError"  # The error with its histories and draws
+    metric: Metric  # Which error is asked about
+    threshold: float  # Error with which it is compared [-]
+    # Sizes of what is not known of the test, by the names of the tolerances
     sizes: Mapping[str, Size] = field(default_factory=dict)
 
     @property

@@ -131,18 +131,7 @@ def faults_of_channel(
 
 
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:
-    """Look for faults that show without any model of the rig: spikes, and one channel exported twice.
-
-    Parameters
-    ----------
-    recording : Recording
-        The test as it was recorded.
-
-    Returns
-    -------
-    tuple of Fault
-        None for a sound recording.
-    """
+    """Look for faults that show without any model of the rig: spikes, and one channel exported twice."""
     clean, in_command, in_measured = without_spikes(recording)
     return (*_spikes(recording, clean, in_command, in_measured), *_copy(clean))
 

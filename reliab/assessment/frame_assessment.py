@@ -34,20 +34,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ModeOfTest:
-    """A mode of a tested frame, and how the actuator tracked at its frequency.
+    """A mode of a tested frame, and how the actuator tracked at its frequency."""
 
-    Attributes
-    ----------
-    frequency, damping_ratio, share : float
-        Natural frequency [Hz], damping ratio and the specimen's share of the stiffness [-].
-    amplitude, delay : float or None
-        A [-] and d [s] at that frequency; None where the test does not show them, or there are several
-        actuators.
-    """
-
+    # frequency, damping_ratio, share: Natural frequency [Hz], damping ratio and the specimen's share of the
+    # stiffness [-]
     frequency: float
     damping_ratio: float
     share: float
+    # amplitude, delay: A [-] and d [s] at that frequency; None where the test does not show them, or there
+    # are several actuators
     amplitude: float | None = None
     delay: float | None = None
 
@@ -64,38 +59,17 @@ class ModeOfTest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JudgedFrame(ABC):
-    """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators.
+    """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators."""
 
-    Attributes
-    ----------
-    recording : Recording or CoupledRecording
-        The test.
-    frame : FrameUnderTest
-        The frame and its actuators.
-    error : ErrorWithThreshold
-        The error of the measured interface displacements, from the test alone.
-    responses : ResponseErrors
-        Errors of all floors and storeys, as the computer had them in the test.
-    faults : tuple of FaultEffect
-        Faults of the recording and what they do to the error.
-    verdict : Verdict
-        The verdict, by the test's own error.
-    turning : Turning
-        What was not stated and would turn it.
-    limit : StabilityLimit
-        Where the test would become unstable with the measured gains.
-    contradictions : tuple of Contradiction
-        Where the recording contradicts what is stated, so that the verdict is undecided at best.
-    """
-
-    recording: Recording | CoupledRecording
-    frame: FrameUnderTest
-    error: ErrorWithThreshold
-    responses: ResponseErrors
-    faults: tuple[FaultEffect, ...]
-    verdict: Verdict
-    turning: Turning
-    limit: StabilityLimit
+    recording: Recording | CoupledRecording  # The test
+    frame: FrameUnderTest  # The frame and its actuators
+    error: ErrorWithThreshold  # The error of the measured interface displacements, from the test alone
+    responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
+    faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
+    verdict: Verdict  # The verdict, by the test's own error
+    turning: Turning  # What was not stated and would turn it
+    limit: StabilityLimit  # Where the test would become unstable with the measured gains
+    # Where the recording contradicts what is stated, so that the verdict is undecided at best
     contradictions: tuple[Contradiction, ...] = ()
 
     error_of: ClassVar[str]
@@ -207,32 +181,17 @@ class JudgedFrame(ABC):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrameAssessment(JudgedFrame):
-    """Assessment of a test of a partitioned frame with one actuator.
-
-    Attributes
-    ----------
-    mode : Structure
-        Frequency, damping ratio and specimen's share of the mode that governs the error.
-    tracking : TrackingIndex
-        A and d with their uncertainty, without faults of the recording.
-    over_frequency : TrackingOverFrequency or None
-        A and d over frequency; None where the displacements are hardly coherent.
-    resolved : Part or None
-        Part of the error that A and d over frequency account for; None where these are.
-    criterion : Criterion or None
-        A criterion of this frame, where one is given.
-    population : Placement or None
-        The test against that criterion.
-    """
+    """Assessment of a test of a partitioned frame with one actuator."""
 
     recording: Recording
     error: ErrorOfTest
-    mode: Structure
-    tracking: TrackingIndex
+    mode: Structure  # Frequency, damping ratio and specimen's share of the mode that governs the error
+    tracking: TrackingIndex  # A and d with their uncertainty, without faults of the recording
+    # A and d over frequency; None where the displacements are hardly coherent
     over_frequency: TrackingOverFrequency | None
-    resolved: Part | None
-    criterion: Criterion | None = None
-    population: Placement | None = None
+    resolved: Part | None  # Part of the error that A and d over frequency account for; None where these are
+    criterion: Criterion | None = None  # A criterion of this frame, where one is given
+    population: Placement | None = None  # The test against that criterion
 
     error_of = "the measured interface displacement"
 
@@ -290,19 +249,13 @@ class FrameAssessment(JudgedFrame):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CoupledAssessment(JudgedFrame):
-    """Assessment of a test of a partitioned frame with several actuators.
-
-    Attributes
-    ----------
-    limit_of_gains : bool
-        Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken.
-    shown_by_ground : ShownByGround, optional
-        What the recorded ground acceleration shows of the structure; None where it was not recorded.
-    """
+    """Assessment of a test of a partitioned frame with several actuators."""
 
     recording: CoupledRecording
     error: ErrorOfSeveral
+    # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
     limit_of_gains: bool = True
+    # What the recorded ground acceleration shows of the structure; None where it was not recorded
     shown_by_ground: "ShownByGround | None" = None
 
     error_of = "the measured interface displacements"

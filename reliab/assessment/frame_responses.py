@@ -75,27 +75,15 @@ class ResponseError:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseErrors:
-    """Errors of all floors and storeys of a frame, the largest first.
+    """Errors of all floors and storeys of a frame, the largest first."""
 
-    Parameters
-    ----------
-    each : tuple of ResponseError
-        Error of each floor and storey, with its interval.
-    specimen : str
-        How the specimen is known: "linear", "measured" or "may_have_yielded".
-    ground_factor : float, optional
-        Factor by which the ground motion explains the test best [-]; None without a ground motion of this
-        test.
-    other_motion : bool
-        Whether a ground motion was given, and is another test's.
-    over_peaks : bool
-        Whether errors over the largest responses are known, beside those in millimetres.
-    """
-
-    each: tuple[ResponseError, ...]
-    specimen: str = "linear"
+    each: tuple[ResponseError, ...]  # Error of each floor and storey, with its interval
+    specimen: str = "linear"  # How the specimen is known: "linear", "measured" or "may_have_yielded"
+    # Factor by which the ground motion explains the test best [-]; None without a ground motion of this
+    # test
     ground_factor: float | None = None
-    other_motion: bool = False
+    other_motion: bool = False  # Whether a ground motion was given, and is another test's
+    # Whether errors over the largest responses are known, beside those in millimetres
     over_peaks: bool = False
 
     @property

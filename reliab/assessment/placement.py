@@ -93,23 +93,10 @@ def place(
 def carried_limits(
     criterion: Criterion, structure: Structure, side: Side = Side.LAG
 ) -> tuple[float, float, tuple[float, float] | None]:
-    """Limits of a structure, scaled from the nearest structure for which the criterion is valid.
+    """Limits of any structure, scaled from the nearest structure for which the criterion is valid.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        The criterion.
-    structure : Structure
-        Any structure.
-    side : Side, optional
-        Limits for actuators that are late, or early.
-
-    Returns
-    -------
-    a, b : float
-        Limits [-] and [ms²]; a/ξ² and bω₀²/ξ² are those of the nearest valid structure.
-    carried_from : tuple of float or None
-        That structure [Hz, -], if it is another one.
+    Returns a [-] and b [ms²], of which a/ξ² and bω₀²/ξ² are those of the nearest valid structure, and that
+    structure [Hz, -] if it is another one.
     """
     carried = _Carried.into(criterion.law.validity, structure)
     a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio, side))

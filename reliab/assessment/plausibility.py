@@ -77,17 +77,7 @@ def require_drawable(recording: Recording, structure: Partition) -> None:
 def require_plausible(recording: Recording, *, stiffness: float | None = None) -> None:
     """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test, as it was recorded.
-    stiffness : float, optional
-        Stated stiffness of the specimen [N/m]; without it the unit of a recorded force is not examined.
-
-    Raises
-    ------
-    InputError
-        With what was found and the remedy, in one sentence each.
+    `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined.
     """
     clean, *_ = without_spikes(recording)
     _require_following(clean)

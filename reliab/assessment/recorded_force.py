@@ -46,24 +46,10 @@ def require_restoring_force(
 ) -> None:
     """Refuse a force that is reversed, stands still, follows no motion, or is in another unit.
 
-    Parameters
-    ----------
-    measured, force : numpy.ndarray
-        Measured displacement [m], without spikes, and force [N], shape (n,).
-    time_step : float
-        Step between samples [s].
-    stiffness : float, optional
-        Stated stiffness of the specimen [N/m]; without it the unit of the force is not examined.
-    where : str, optional
-        What the test is called.
+    `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
+    stated one of the specimen [N/m], without which the unit is not examined; `where`: what the test is
+    called.
 
-    Raises
-    ------
-    InputError
-        With what was found and the remedy.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
     >>> require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0)

@@ -23,21 +23,12 @@ _ENDS: Final = ("value", "low", "high")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assessments:
-    """What is found about several tests.
+    """What is found about several tests."""
 
-    Attributes
-    ----------
-    files : tuple of str
-        Files of the tests, in the order in which they were given.
-    judged : mapping of str to Assessment, FrameAssessment or CoupledAssessment
-        By file, what is found about the tests that could be judged.
-    faults : mapping of str to str
-        By file, why the others could not be judged.
-    """
-
-    files: tuple[str, ...]
+    files: tuple[str, ...]  # Files of the tests, in the order in which they were given
+    # By file, what is found about the tests that could be judged
     judged: Mapping[str, Assessment | FrameAssessment | CoupledAssessment]
-    faults: Mapping[str, str]
+    faults: Mapping[str, str]  # By file, why the others could not be judged
 
     @property
     def reliable(self) -> bool:

@@ -306,26 +306,14 @@ def measure_tracking(recording: Recording) -> TrackingMeasures:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Windows:
-    """Indices of overlapping windows in which the command moved.
+    """Indices of overlapping windows in which the command moved."""
 
-    Attributes
-    ----------
-    centre : numpy.ndarray
-        Middle of each window [s], shape (windows,).
-    amplitude, delay : numpy.ndarray
-        A [-] and d [s], shape (windows,).
-    amplitude_sd, delay_sd : numpy.ndarray
-        Their standard deviations, shape (windows,).
-    length : float
-        Length of a window [s].
-    """
-
-    centre: NDArray[np.float64]
-    amplitude: NDArray[np.float64]
+    centre: NDArray[np.float64]  # Middle of each window [s], shape (windows,)
+    amplitude: NDArray[np.float64]  # amplitude, delay: A [-] and d [s], shape (windows,)
     delay: NDArray[np.float64]
-    amplitude_sd: NDArray[np.float64]
+    amplitude_sd: NDArray[np.float64]  # amplitude_sd, delay_sd: Their standard deviations, shape (windows,)
     delay_sd: NDArray[np.float64]
-    length: float
+    length: float  # Length of a window [s]
 
     @property
     def delay_range(self) -> float:

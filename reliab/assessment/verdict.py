@@ -46,8 +46,6 @@ class Verdict:
 def word_of_probability(probability: float) -> Word:
     """Turn the probability that the error stays below the threshold into a verdict.
 
-    Examples
-    --------
     >>> [str(word_of_probability(p)) for p in (0.99, 0.78, 0.01)]
     ['reliable', 'undecided', 'not_reliable']
     """

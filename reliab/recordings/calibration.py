@@ -65,32 +65,19 @@ _ACTUATOR_MOVES = (
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelCalibration:
-    """What the measured channel adds to a motion that the command's channel records as well.
+    """What the measured channel adds to a motion that the command's channel records as well."""
 
-    Parameters
-    ----------
-    skew_ms : StatedValue or None
-        Time by which the measured channel is late against the command's [ms]; None where it does not follow.
-    scale : StatedValue or None
-        Reading of the measured channel over that of the command's [-]; None where it did not move.
-    hysteresis : StatedValue or None
-        Difference of the readings at one position that is reached from either side, over the range of the
-        motion [-].
-    noise_m, command_noise_m : float
-        Root mean square of the noise of the measured and of the command's channel [m].
-    resolution_m : float
-        Step between readings of the measured channel [m]; 0 where there is none.
-    notes : tuple of str
-        What limits these statements, in sentences.
-    """
-
+    # Time by which the measured channel is late against the command's [ms]; None where it does not follow
     skew_ms: StatedValue | None
+    # Reading of the measured channel over that of the command's [-]; None where it did not move
     scale: StatedValue | None
+    # Difference of the readings at one position that is reached from either side, over the range of the
+    # motion [-]
     hysteresis: StatedValue | None
-    noise_m: float
+    noise_m: float  # noise_m, command_noise_m: RMS noise of the measured and of the command's channel [m]
     command_noise_m: float
-    resolution_m: float
-    notes: tuple[str, ...] = ()
+    resolution_m: float  # Step between readings of the measured channel [m]; 0 where there is none
+    notes: tuple[str, ...] = ()  # What limits these statements, in sentences
 
     def to_dict(self) -> dict[str, object]:
         """Return values and notes by their names; a stated value with its standard deviation "sd"."""
@@ -108,28 +95,12 @@ def calibrate_channels(
 ) -> ChannelCalibration:
     """Measure what the measured channel adds to a motion that both channels record.
 
-    Parameters
-    ----------
-    recording : Recording
-        A test in which the measured displacement is the command but for the channels: sines, sweeps or steps
-        with rests of an actuator without a specimen, or one signal on both channels. With a locked actuator
-        only noise and resolution follow.
-    actuator_delay_ms : StatedValue, optional
-        Delay of the actuator in this test [ms], which is taken off the lag between the channels.
+    The measured displacement of the test is the command but for the channels: sines, sweeps or steps with
+    rests of an actuator without a specimen, or one signal on both channels. With a locked actuator only noise
+    and resolution follow. `actuator_delay_ms` is taken off the lag between the channels. Refused is a
+    measured displacement that moves otherwise than the command, and a test that never rests although an
+    actuator's own motion is in it.
 
-    Returns
-    -------
-    ChannelCalibration
-        Skew, scale, hysteresis, noise and resolution.
-
-    Raises
-    ------
-    InputError
-        If the measured displacement moves, but not as the command does, or the test never rests although an
-        actuator's own motion is in it.
-
-    Examples
-    --------
     >>> time = np.arange(0.0, 20.0, 0.001)
     >>> command, late = 0.02 * np.sin(6.0 * time), 0.02 * np.sin(6.0 * (time - 4e-4))
     >>> measured = calibrate_channels(Recording(command=command, measured=1.01 * late, time_step=0.001))
@@ -190,22 +161,9 @@ def _never_rests(recording: Recording, remainder: float) -> InputError:
 def calibration_in_toml(calibration: ChannelCalibration, described: str, source: str) -> str:
     """Write a calibration as the table of a file `channels.toml`, after what the file states of channels.
 
-    Parameters
-    ----------
-    calibration : ChannelCalibration
-        What was measured.
-    described : str
-        Content of a file `channels.toml`, of which a former calibration is left out; may be empty.
-    source : str
-        From what it was measured, for a comment.
+    `described`: content of such a file, of which a former calibration is left out; may be empty; `source`:
+    from what it was measured, for a comment.
 
-    Returns
-    -------
-    str
-        Content of the new file.
-
-    Examples
-    --------
     >>> locked = ChannelCalibration(
     ...     skew_ms=None, scale=None, hysteresis=None, noise_m=2e-6, command_noise_m=0.0, resolution_m=0.0
     ... )

@@ -72,32 +72,9 @@ def record_test(
     time_units: str | None = None,
     delimiter: str | None = None,
 ) -> tuple["xr.Dataset", Histories]:
-    """Make the record of a test.
+    """Make the record of a test, and say what was recognised; arguments and errors as of `read_recording`.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        File of a laboratory, in any format that is read.
-    laboratory : StatedChannels, optional
-        What is stated of its channels.
-    test : str, optional
-        Which test, where the file holds several.
-    about : About, optional
-        What else is stated of the test.
-    time_units, delimiter : str, optional
-        Unit of the time, where the file states none, and what separates the columns of a text.
-
-    Returns
-    -------
-    record : xarray.Dataset
-        The record, as :func:`write_record` writes it.
-    histories : Histories
-        What was recognised, with the reasons.
-
-    Raises
-    ------
-    InputError
-        As of :func:`read_recording`.
+    `laboratory`: what is stated of the channels; `test`: which one, where the file holds several.
     """
     columns = read_test(path, test, delimiter=delimiter)
     histories = histories_of(columns, laboratory or StatedChannels(), time_units=time_units)
@@ -105,15 +82,7 @@ def record_test(
 
 
 def write_record(record: "xr.Dataset", path: str | Path) -> None:
-    """Write a record as NetCDF, whole or not at all.
-
-    Parameters
-    ----------
-    record : xarray.Dataset
-        The record.
-    path : str or pathlib.Path
-        The file, replaced if it is there.
-    """
+    """Write a record as NetCDF, whole or not at all."""
     packed = {str(name): {"zlib": True, "complevel": 4, "shuffle": True} for name in record.data_vars}
     with written_whole(path) as file:
         file.write_bytes(record.to_netcdf(engine="h5netcdf", encoding=packed))
@@ -134,23 +103,7 @@ def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> N
 
 
 def check_record(path: str | Path) -> list[str]:
-    """Examine whether a file is a sound record.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The file.
-
-    Returns
-    -------
-    list of str
-        What is wrong, in sentences; empty for a sound record.
-
-    Raises
-    ------
-    InputError
-        If it is no NetCDF file.
-    """
+    """Say in sentences what is wrong with a record, if anything is; what is no NetCDF file is refused."""
     with decoding("A record must be a NetCDF file", remedy="Make it with `reliab record`", where=path):
         require_small(ordinary(path), _MOST_BYTES, remedy="Cut the test")
         with opened_hdf5(path) as file:

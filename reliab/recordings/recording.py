@@ -102,49 +102,31 @@ def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> N
 class Recording:
     """Command and measured displacement of a test.
 
-    Parameters
-    ----------
-    command, measured : numpy.ndarray
-        Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they only share one.
-    time_step : float
-        Step between samples [s].
-    name : str, optional
-        What the test is called.
-    notes : tuple of str, optional
-        What was assumed when the test was read, in sentences.
-    ground : numpy.ndarray, optional
-        Ground acceleration [m/s²] that was recorded with the test, shape (n,).
-    force : numpy.ndarray, optional
-        Restoring force of the specimen [N], shape (n,).
-    stated : mapping of str to StatedValue, optional
-        Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of
-        the measured displacement [-] as far as the file's header states them; and what `channels.toml` holds
-        as calibrated.
-    channels : tuple of Channel, optional
-        Which columns of the file were taken as what, in which unit and why.
-
-    Raises
-    ------
     InputError
         If the histories differ in length, are too short or too long, do not move, or hold a value that is no
         number.
 
-    Examples
-    --------
     >>> time = np.arange(0.0, 20.0, 0.01)
     >>> test = Recording(command=np.sin(6.0 * time), measured=np.sin(6.0 * time - 0.01), time_step=0.01)
     >>> round(test.duration, 2)
     19.99
     """
 
+    # command, measured: Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they
+    # only share one
     command: NDArray[np.float64]
     measured: NDArray[np.float64]
-    time_step: float
-    name: str = "test"
-    notes: tuple[str, ...] = field(default=())
+    time_step: float  # Step between samples [s]
+    name: str = "test"  # What the test is called
+    notes: tuple[str, ...] = field(default=())  # What was assumed when the test was read, in sentences
+    # Ground acceleration [m/s²] that was recorded with the test, shape (n,)
     ground: NDArray[np.float64] | None = None
-    force: NDArray[np.float64] | None = None
+    force: NDArray[np.float64] | None = None  # Restoring force of the specimen [N], shape (n,)
+    # Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of the
+    # measured displacement [-] as far as the file's header states them; and what `channels.toml` holds as
+    # calibrated
     stated: Mapping[str, StatedValue] = field(default_factory=dict)
+    # Which columns of the file were taken as what, in which unit and why
     channels: tuple["Channel", ...] = ()
 
     def __post_init__(self) -> None:

@@ -46,17 +46,8 @@ def spikes(values: Array) -> NDArray[np.bool_]:
 def without_spikes(recording: Recording) -> tuple[Recording, NDArray[np.bool_], NDArray[np.bool_]]:
     """Bridge the spikes of both histories by straight lines.
 
-    Parameters
-    ----------
-    recording : Recording
-        The test.
-
-    Returns
-    -------
-    recording : Recording
-        The test without spikes; the same object where it has none.
-    in_command, in_measured : numpy.ndarray
-        Which samples were spikes, shape (n,).
+    Returns the test without spikes, the same object where it has none, and which samples of command and
+    measured displacement were spikes, each shape (n,).
     """
     in_command, in_measured = spikes(recording.command), spikes(recording.measured)
     if not (in_command.any() or in_measured.any()):

@@ -116,23 +116,10 @@ def fit_levels(
 ) -> Array:
     """Fit sums of spectra, with coefficients that are not negative, to mean powers of bins.
 
-    Parameters
-    ----------
-    shapes : numpy.ndarray
-        The spectra of each sum at the bins, shape (sums, parts, bins).
-    mean, count : numpy.ndarray
-        Mean power of a bin and the number of frequencies in it, shape (bins,).
-    start : float
-        Coefficient of every part from which the updates begin.
-    floor : float
-        White level that is there in any case.
-    updates : int
-        How often the coefficients are improved.
-
-    Returns
-    -------
-    numpy.ndarray
-        Coefficients of the highest Whittle likelihood, shape (sums, parts).
+    `shapes`: the spectra of each sum at the bins, shape (sums, parts, bins); `mean`, `count`: mean power of a
+    bin and the number of frequencies in it, shape (bins,); `start`: coefficient of every part from which the
+    `updates` begin; `floor`: white level that is there in any case. Returns the coefficients of the highest
+    Whittle likelihood, shape (sums, parts).
     """
     weights = np.full(shapes.shape[:2], start)
     for levels, each in zip(weights, np.ascontiguousarray(shapes.swapaxes(1, 2)), strict=True):

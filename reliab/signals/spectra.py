@@ -90,8 +90,6 @@ def hann(size: int) -> Array:
 def upper_level(power: Array) -> float:
     """Level of noise in the upper half of a periodogram, from the median of its exponential distribution.
 
-    Examples
-    --------
     >>> noise = np.random.default_rng(1).normal(size=4000)
     >>> round(upper_level(periodogram(noise, np.hanning(4000))), 1)
     1.0

@@ -12,33 +12,15 @@ from reliab.vocabulary import MILLI, PERCENT
 
 @dataclass(frozen=True, kw_only=True)
 class BudgetItem:
-    """One quantity of the budget of a test's uncertainty.
+    """One quantity of the budget of a test's uncertainty."""
 
-    Attributes
-    ----------
-    name : str
-        Key of what is not known exactly.
-    quantity : str
-        The same in words.
-    size : float or None
-        One standard deviation of it, in `unit`; None for noise, whose spectrum is estimated.
-    unit : str
-        Unit of the size.
-    source : Source
-        Whether the size was stated, learned from the test, or is that of ordinary equipment.
-    contribution : float
-        Standard deviation of the error that it alone causes [-].
-    remedy : str
-        What would reduce it, a sentence.
-    """
-
-    name: str
-    quantity: str
-    size: float | None
-    unit: str
-    source: Source
-    contribution: float
-    remedy: str
+    name: str  # Key of what is not known exactly
+    quantity: str  # The same in words
+    size: float | None  # One standard deviation of it, in `unit`; None for noise, whose spectrum is estimated
+    unit: str  # Unit of the size
+    source: Source  # Whether the size was stated, learned from the test, or is that of ordinary equipment
+    contribution: float  # Standard deviation of the error that it alone causes [-]
+    remedy: str  # What would reduce it, a sentence
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""

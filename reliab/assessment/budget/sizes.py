@@ -30,36 +30,25 @@ _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budge
 class Equipment:
     """Uncertainties of a test from equipment and preparation, one standard deviation each.
 
-    Attributes
-    ----------
-    f, xi, alpha, scale : float
-        Of natural frequency, damping ratio, share of the stiffness in the laboratory and scale of the
-        measured displacement over the command, relative [-].
-    skew_samples : float
-    skew_ms : float or None
-        Of the skew between the channels, as a share of a sample, and its largest value [ms]; None where
-        nobody said how fast the converters of a slow recording ran.
-    filter_delay_ms, feedback_lag_ms : float
-        Of the delay that filters of the channels do not have in common, and of the force's lag [ms].
-    hysteresis : float
-        Of the measured displacement, width of the loop over the span of the motion [-].
-    yielding : float
-        Probability that a specimen yielded whose force was not recorded and of which nothing is stated [-].
-
-    Examples
-    --------
     >>> ordinary_equipment().xi
     0.15
     """
 
+    # f, xi, alpha, scale: Of natural frequency, damping ratio, share of the stiffness in the laboratory and
+    # scale of the measured displacement over the command, relative [-]
     f: float
     xi: float
     alpha: float
     scale: float
+    # skew_samples, skew_ms: Of the skew between the channels, as a share of a sample, and its largest value
+    # [ms]; None where nobody said how fast the converters of a slow recording ran
     skew_samples: float
+    # filter_delay_ms, feedback_lag_ms: Of the delay that filters of the channels do not have in common, and
+    # of the force's lag [ms]
     filter_delay_ms: float
-    hysteresis: float
+    hysteresis: float  # Of the measured displacement, width of the loop over the span of the motion [-]
     feedback_lag_ms: float
+    # Probability that a specimen yielded whose force was not recorded and of which nothing is stated [-]
     yielding: float
     skew_ms: float | None = None
 
@@ -83,34 +72,15 @@ class Equipment:
 
 @cache
 def ordinary_equipment() -> Equipment:
-    """Read the sizes of ordinary equipment, `reliab/assessment/budget/defaults.toml`.
-
-    Returns
-    -------
-    Equipment
-        With their sources beside them in the file.
-    """
+    """Read the sizes of ordinary equipment, with their sources: `reliab/assessment/budget/defaults.toml`."""
     text = files(__package__).joinpath("defaults.toml").read_text(encoding="utf-8")
     return Equipment(**parse_toml(text, rule=_RULE, remedy=_REMEDY, where="defaults.toml"))
 
 
 def read_equipment(path: str | Path) -> Equipment:
-    """Read the sizes of a laboratory's own equipment.
+    """Read the sizes of a laboratory's own equipment, a TOML file with the names of `defaults.toml`.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A TOML file with the names of `defaults.toml`; those that it leaves out stay as they ship.
-
-    Returns
-    -------
-    Equipment
-        Its sizes.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or a name or number in it is not one of these.
+    Those that it leaves out stay as they ship; another name, or a negative number, is refused.
     """
     sizes = read_toml(path, rule=_RULE, remedy=_REMEDY)
     known = {field.name for field in fields(Equipment)}
