@@ -12,7 +12,7 @@ import pytest
 
 from reliab import assess, follow_test
 from reliab.assessment.measured_specimen import MeasuredMonitor, StatedForce, monitor as following
-from reliab.assessment.rebuilt_error import CALM
+from reliab.assessment.rebuilt_error import TIME_WITHOUT_DOUBLING
 from reliab.cli import run
 from reliab.errors import InputError
 from reliab.structures import Partition, Structure
@@ -89,7 +89,10 @@ def test_a_measured_specimen_is_learned_at_each_fourth(learned: SimpleNamespace)
 def test_the_alarm_waits_until_the_peak_is_calm(learned: SimpleNamespace) -> None:
     """The peak last doubled at one second, and half of the low end of 15 % is above 5 % but not 8 %."""
     learned.held_out = 0.01
-    for seconds, calm in ((1.0 + CALM - 0.1, False), (1.0 + CALM + 0.1, True)):
+    for seconds, calm in (
+        (1.0 + TIME_WITHOUT_DOUBLING - 0.1, False),
+        (1.0 + TIME_WITHOUT_DOUBLING + 0.1, True),
+    ):
         monitor = _monitor(seconds)
         monitor.ask()
         assert [monitor.exceeds(limit, Metric.RMS) for limit in (0.05, 0.08)] == [calm, False]

@@ -87,7 +87,7 @@ class Unwritable(SteppedEffect):
 
 def test_an_effect_that_has_no_form_in_c_is_refused_by_name(tmp_path):
     test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), effects=(Unwritable(),))
-    with pytest.raises(InputError, match="whose step has a form in C, which sum_of_motion has not"):
+    with pytest.raises(InputError, match="whose step has a form in C, and sum_of_motion has none"):
         export_monitor(("c", tmp_path / "out"), model=UpdatedModel(name="", test=test), rate=256)
     assert not (tmp_path / "out").exists()
 

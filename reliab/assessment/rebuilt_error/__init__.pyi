@@ -1,17 +1,21 @@
 from .force_form import Form as Form
 from .identification import Identification as Identification, Identified as Identified, identify as identify
-from .initial import FEWEST as FEWEST, SIGNIFICANT as SIGNIFICANT, STANDS as STANDS
+from .initial import (
+    FEWEST_AT_REST as FEWEST_AT_REST,
+    SHIFT_OF_COMMAND as SHIFT_OF_COMMAND,
+    SIGNIFICANT_OFFSET as SIGNIFICANT_OFFSET,
+)
 from .loop_energy import (
     FALSE_ALARMS as FALSE_ALARMS,
-    FOLLOWS as FOLLOWS,
-    GRANTED as GRANTED,
-    INDEPENDENT as INDEPENDENT,
+    INDEPENDENT_SAMPLES as INDEPENDENT_SAMPLES,
     LARGE_MOTION as LARGE_MOTION,
+    LARGEST_UNCERTAINTY as LARGEST_UNCERTAINTY,
     MEMORY as MEMORY,
-    SINGULAR as SINGULAR,
-    SLOWEST as SLOWEST,
-    TURNS as TURNS,
-    UNSURE as UNSURE,
+    PLAY_FACTOR as PLAY_FACTOR,
+    POLE_ITERATIONS as POLE_ITERATIONS,
+    SINGULAR_DETERMINANT as SINGULAR_DETERMINANT,
+    SLOWEST_POLE as SLOWEST_POLE,
+    SMALLEST_FOLLOWING as SMALLEST_FOLLOWING,
     WatchedMode as WatchedMode,
     watched_modes as watched_modes,
 )
@@ -29,17 +33,17 @@ from .rebuild import (
 from .recursion import Recursion as Recursion
 from .running_error import Monitor as Monitor
 from .running_specimen import (
-    CLOSE as CLOSE,
-    FLATTEST as FLATTEST,
+    EQUATION_TOLERANCE as EQUATION_TOLERANCE,
+    FORCE_TRIALS as FORCE_TRIALS,
     LONGEST_MEMORY as LONGEST_MEMORY,
-    NOISE_OF_SPEED as NOISE_OF_SPEED,
-    TINY as TINY,
-    TRIES as TRIES,
+    SMALLEST_DIVISOR as SMALLEST_DIVISOR,
+    SMALLEST_SLOPE as SMALLEST_SLOPE,
+    VELOCITY_NOISE as VELOCITY_NOISE,
 )
 from .running_test import (
-    CALM as CALM,
     FALSE_ERROR_ALARMS as FALSE_ERROR_ALARMS,
-    SHRINKS as SHRINKS,
+    SHRINKING_SHARE as SHRINKING_SHARE,
+    TIME_WITHOUT_DOUBLING as TIME_WITHOUT_DOUBLING,
     Now as Now,
     RunningResponse as RunningResponse,
     RunningSums as RunningSums,

@@ -25,9 +25,11 @@ from reliab.structures import Partition
 _AT_REST = 1e-3  # share of the largest displacement up to which the first motion counts as rest
 _STILL = 2e-3  # share up to which the command still counts as standing
 _LONGEST_REST = 0.25  # of the record
-SIGNIFICANT = 4.0  # standard deviations
-FEWEST = 4
-STANDS = 0.1  # share of the offset's answer by which the command may stand off it
+SIGNIFICANT_OFFSET = 4.0  # standard deviations
+FEWEST_AT_REST = 4
+SHIFT_OF_COMMAND = (
+    0.1  # largest distance of the mean command from the response to the offset, over that response
+)
 _CONCLUSIVE = 3.0  # logarithm of the ratio of likelihoods from which on the command has told
 _NEIGHBOURS = slice(2, 6)  # bins of a tapered spectrum that no constant reaches
 
@@ -83,23 +85,23 @@ def examine_start(
     peak = float(np.abs(command - command[0]).max())
     moved = np.abs(command - command[0]) > _STILL * peak
     still = int(np.argmax(moved)) if moved.any() else command.size
-    still = max(min(still, int(_LONGEST_REST * command.size)), FEWEST)
+    still = max(min(still, int(_LONGEST_REST * command.size)), FEWEST_AT_REST)
     offset = float(np.mean(measured[:still] - command[:still]))
     deviation = float(np.hypot(white / np.sqrt(still), slow))
     stands = _stands(command[:still], offset, deviation, share)
     amplitude = _amplitude(command + share * offset if stands else command, time_step, frequency)
     largest = max(peak, float(np.abs(command).max()))
-    if amplitude > (STANDS * share * abs(offset) if stands else _AT_REST * largest):
+    if amplitude > (SHIFT_OF_COMMAND * share * abs(offset) if stands else _AT_REST * largest):
         known = float(np.hypot(white / np.sqrt(command.size), slow))
         return _in_motion(command, measured, time_step, share, amplitude, known)
     if stands:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation, standing=offset)
     motion = float(np.abs(command[:still] - command[0]).max())
-    if abs(offset) <= SIGNIFICANT * deviation + motion:
+    if abs(offset) <= SIGNIFICANT_OFFSET * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
     turned = 2.0 * np.pi * frequency * still * time_step
     answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
-    if answer > SIGNIFICANT * max(
+    if answer > SIGNIFICANT_OFFSET * max(
         motion, _STILL * peak
     ):  # a structure that felt it would not have stood still
         return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
@@ -113,7 +115,9 @@ def examine_start(
 def _stands(command: Array, offset: float, deviation: float, share: float) -> bool:
     """Whether a command that is still at rest has the shift that an offset in the loop would cause."""
     place = float(np.mean(command)) + share * offset
-    return abs(offset) > SIGNIFICANT * deviation and abs(place) <= STANDS * share * abs(offset)
+    return abs(offset) > SIGNIFICANT_OFFSET * deviation and abs(place) <= SHIFT_OF_COMMAND * share * abs(
+        offset
+    )
 
 
 def _in_motion(
@@ -132,7 +136,7 @@ def _in_motion(
 
 def _amplitude(command: Array, time_step: float, frequency: float) -> float:
     """Amplitude of the motion at the first sample, by the parabola through the first ones [m]."""
-    first = command[: 2 * FEWEST]
+    first = command[: 2 * FEWEST_AT_REST]
     place = np.arange(first.size, dtype=np.float64)
     _, slope, begin = np.polyfit(place, first, 2)
     return float(np.hypot(begin, slope / (2.0 * np.pi * frequency * time_step)))

@@ -63,17 +63,17 @@ SETTLED = 1.0
 FALSE_ALARMS = 0.01
 """Probability of a false alarm in a test of any length."""
 
-INDEPENDENT = 8.0  # samples in a period of which the errors count as independent, at least
+INDEPENDENT_SAMPLES = 8.0  # samples in a period of which the errors count as independent, at least
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
 LARGE_MOTION = 0.5  # of the largest power of the motion so far
-GRANTED = 1.6  # times the play that the smallest error shows
-FOLLOWS = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
-UNSURE = 0.5  # of the command, to which the error must be known
+PLAY_FACTOR = 1.6  # by which the play that the smallest error shows is multiplied
+SMALLEST_FOLLOWING = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
+LARGEST_UNCERTAINTY = 0.5  # of the error, over the command, for an alarm
 CRITICAL = 0.25  # share of a mode's damping ratio, below which the loop is near instability
 LIKELY = 1.645  # standard errors by which the net damping must lie below it
-SINGULAR = 1e-12  # determinant of the scaled moments below which they count as singular
-TURNS = 6  # of the iteration for the pole
-SLOWEST = 0.2  # of a mode's circular frequency with which its pole may turn
+SINGULAR_DETERMINANT = 1e-12  # determinant of the scaled moments below which they count as singular
+POLE_ITERATIONS = 6  # iterations for the pole
+SLOWEST_POLE = 0.2  # of a mode's circular frequency with which its pole may turn
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -188,8 +188,8 @@ class NetDamping:
 
     def granted(self, play: float) -> float:
         """Damping ratio that play of a half width [m], largely granted, takes away."""
-        share = min(GRANTED * play / self.amplitude, 0.5)
-        return GRANTED * 4.0 * self.of_play * share * (1.0 - share)
+        share = min(PLAY_FACTOR * play / self.amplitude, 0.5)
+        return PLAY_FACTOR * 4.0 * self.of_play * share * (1.0 - share)
 
 
 @dataclass(kw_only=True)
@@ -231,7 +231,7 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
     residual = np.append(-inverse @ joint[:2, 2], 1.0)
     rest = max(float(residual @ joint @ residual), 0.0)
     rough = min(float(residual @ steps @ residual) / rest, _WHITE) if rest > 0.0 else 0.0
-    independent = max(sums.weight * max(rough / (4.0 - rough), INDEPENDENT / mode.samples), 1.0)
+    independent = max(sums.weight * max(rough / (4.0 - rough), INDEPENDENT_SAMPLES / mode.samples), 1.0)
     chance = np.sqrt(inverse[0, 0] * rest / independent)
     units = scale[2] / scale[:2]
     ratio, deviation = _pole(mode, -residual[:2] * units, chance * units)
@@ -243,7 +243,7 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
         deviation=deviation,
         high=ratio + needed * deviation,
         large=power > LARGE_MOTION * sums.power,
-        known=bool(needed * chance * units[0] < UNSURE),
+        known=bool(needed * chance * units[0] < LARGEST_UNCERTAINTY),
         follows=_follows(scale, residual, needed * chance),
         play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
         amplitude=amplitude,
@@ -254,7 +254,7 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
 
 def _inverse(product: float) -> Array:
     """Inverse of a matrix of two rows with ones on its diagonal."""
-    determinant = max(1.0 - product**2, SINGULAR)
+    determinant = max(1.0 - product**2, SINGULAR_DETERMINANT)
     return np.array([[1.0, -product], [-product, 1.0]]) / determinant
 
 
@@ -267,7 +267,7 @@ def _follows(scale: Array, residual: Array, chance: float) -> bool:
     """Whether the measured motion, as far as it is no chance, is half of the command or more at any phase."""
     in_phase = max(abs(scale[0] - residual[0] * scale[2]) - chance * scale[2], 0.0)
     across = max((abs(residual[1]) - chance) * scale[2], 0.0)
-    return bool(np.hypot(in_phase, across) > FOLLOWS * scale[0])
+    return bool(np.hypot(in_phase, across) > SMALLEST_FOLLOWING * scale[0])
 
 
 def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
@@ -277,12 +277,12 @@ def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
     """
     omega, twice = mode.circular_frequency, 2.0 * mode.ratio * mode.circular_frequency
     pole = complex(-mode.ratio * omega, omega)
-    for _ in range(TURNS):
+    for _ in range(POLE_ITERATIONS):
         force = _force(mode, law, pole)[0]
         slope = force.imag / pole.imag
         square = omega**2 + force.real - slope * pole.real
         half = -0.5 * (twice + slope)
-        pole = complex(half, float(np.sqrt(max(square - half**2, (SLOWEST * omega) ** 2))))
+        pole = complex(half, float(np.sqrt(max(square - half**2, (SLOWEST_POLE * omega) ** 2))))
     _, by_law, by_pole = _force(mode, law, pole)
     moves = -by_law / (2.0 * pole + twice + by_pole + by_law * law[1])
     deviation = float(np.hypot(moves.real * chance[0], (moves * pole).real * chance[1]))

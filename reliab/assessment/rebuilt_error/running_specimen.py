@@ -30,19 +30,19 @@ from reliab.simulation.hybrid_test import STATES, HybridTest, call_all, plan
 LONGEST_MEMORY = 0.3
 """Longest memory of the parabola through x_c − x_m, in radians of the lowest mode."""
 
-NOISE_OF_SPEED = 1.5e-3
+VELOCITY_NOISE = 1.5e-3
 """Share of the largest velocity so far to which noise of the parabola's velocity is kept."""
 
-TRIES = 8
+FORCE_TRIALS = 8
 """Forces that are tried for each sample."""
 
-CLOSE = 1e-15
+EQUATION_TOLERANCE = 1e-15
 """Share of the displacement to which x_I is found."""
 
-TINY = 1e-12
+SMALLEST_DIVISOR = 1e-12
 """Smallest velocity [m/s] and memory [s] by which is divided."""
 
-FLATTEST = 0.5
+SMALLEST_SLOPE = 0.5
 """Smallest slope of the equation of x_I that a secant takes."""
 
 
@@ -123,8 +123,8 @@ def _memory(noise: Array, now: float, past: Array, travel: float, longest: float
     noise[2] = max(noise[2], travel)
     # the velocity of a parabola of memory T has the noise of one sample times (h/T³)^½
     deviation = math.sqrt(noise[0] / (20.0 * noise[1]))
-    needed = deviation * math.sqrt(step) / max(NOISE_OF_SPEED * noise[2] / step, TINY)
-    return math.exp(-step / max(min(math.pow(needed, 2.0 / 3.0), longest), TINY))
+    needed = deviation * math.sqrt(step) / max(VELOCITY_NOISE * noise[2] / step, SMALLEST_DIVISOR)
+    return math.exp(-step / max(min(math.pow(needed, 2.0 / 3.0), longest), SMALLEST_DIVISOR))
 
 
 @compiled
@@ -147,7 +147,7 @@ def _solve(
     """Find the force N[x_I] − N[x_m] of x_I = unforced − gain·force, per unit mass, in place."""
     ideal = unforced - gain * force[0]
     low, high, before, error_before = -np.inf, np.inf, 0.0, 0.0
-    for attempt in range(TRIES):
+    for attempt in range(FORCE_TRIALS):
         states[1] = states[2]
         _motion_of(ideal, past, effects.step, motion)
         resists = call_all(effects.addresses, effects.coefficients, states[1], 0, motion, time, effects.step)
@@ -159,9 +159,9 @@ def _solve(
             low = ideal
         slope = 1.0
         if attempt > 0 and ideal != before:
-            slope = max((error - error_before) / (ideal - before), FLATTEST)
+            slope = max((error - error_before) / (ideal - before), SMALLEST_SLOPE)
         better = ideal - error / slope
-        if abs(better - ideal) <= CLOSE * abs(unforced):
+        if abs(better - ideal) <= EQUATION_TOLERANCE * abs(unforced):
             break
         if not low < better < high and high - low < np.inf:
             better = 0.5 * (low + high)

@@ -26,8 +26,10 @@ from reliab.recordings import LARGEST_READING
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
 
-CALM = 12.0  # s for which the peak of the response must not have doubled before an error is judged
-SHRINKS = 0.5  # share of itself to which an error may still fall then
+TIME_WITHOUT_DOUBLING = (
+    12.0  # s for which the peak of the response must not have doubled before an error is judged
+)
+SHRINKING_SHARE = 0.5  # share to which an error may still fall after that time
 FALSE_ERROR_ALARMS = 0.01  # share of tests that end below the threshold and have an alarm of the error
 
 
@@ -219,7 +221,8 @@ class RunningTest(ABC):
         s.
         """
         return any(
-            calm >= CALM and SHRINKS * low > threshold for calm, low in self._lowest_so_far(Metric(metric))
+            calm >= TIME_WITHOUT_DOUBLING and SHRINKING_SHARE * low > threshold
+            for calm, low in self._lowest_so_far(Metric(metric))
         )
 
     def _lowest_so_far(self, metric: Metric) -> Iterator[tuple[float, float]]:
