@@ -16,16 +16,14 @@ from .curves import (
     InscribedEllipse as InscribedEllipse,
     Parabola as Parabola,
 )
-from .finite_errors import (
-    DIRECTIONS as DIRECTIONS,
-    predicted_ellipse as predicted_ellipse,
-    ratio_of_delays as ratio_of_delays,
-    scales_of_contour as scales_of_contour,
-)
 from .first_order import (
+    DIRECTIONS as DIRECTIONS,
     FirstOrderEllipse as FirstOrderEllipse,
     ellipse_of_response as ellipse_of_response,
     first_order_ellipse as first_order_ellipse,
+    predicted_ellipse as predicted_ellipse,
+    ratio_of_delays as ratio_of_delays,
+    scales_of_contour as scales_of_contour,
 )
 from .suite_boundary import (
     SolvedLoop as SolvedLoop,

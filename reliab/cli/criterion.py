@@ -347,7 +347,7 @@ def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
 
 def show_choices() -> None:
     """Print what --method, --law and --distribution may be, with what each means."""
-    from reliab.criterion.distributions import DISTRIBUTIONS
+    from reliab.criterion import DISTRIBUTIONS
     from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS
     from reliab.criterion.methods import METHODS
 

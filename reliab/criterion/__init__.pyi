@@ -4,7 +4,18 @@ from .carrying import (
     carry_to_suite as carry_to_suite,
 )
 from .criterion import Criterion as Criterion
-from .derivation import Derivation as Derivation, derive_criterion as derive_criterion
+from .derivation import (
+    MOST_AT_REST as MOST_AT_REST,
+    Derivation as Derivation,
+    derive_criterion as derive_criterion,
+    require_meaning as require_meaning,
+)
+from .distributions import (
+    DISTRIBUTIONS as DISTRIBUTIONS,
+    Distribution as Distribution,
+    Lognormal as Lognormal,
+    LogSkewNormal as LogSkewNormal,
+)
 from .ellipse_reading import read_ellipses as read_ellipses
 from .ellipse_sample import (
     EllipseSample as EllipseSample,
@@ -24,7 +35,6 @@ from .goodness_of_fit import (
     lognormality as lognormality,
     quantile_plot as quantile_plot,
 )
-from .meaning import MOST_AT_REST as MOST_AT_REST, require_meaning as require_meaning
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
 from .protection import (

@@ -1,7 +1,7 @@
 """Ellipses of a population of ground motions, transferred to another response, length or suite.
 
 Most of the scatter of a and b between motions is known before a test. They follow from the exact response
-alone (`reliab.boundary.finite_errors`); what is left of ln a scatters by 0.06, where ln a itself scatters by
+alone (`reliab.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself scatters by
 0.6. Without a record, its length T is known: in the dimensionless length
 u = ln(ξω₀T) a and b pass from the transient to the stationary limit. Either dependence is fitted to the
 population by least squares, and every motion keeps its own residual; a criterion of the carried ellipses is

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.laws.checks import LARGEST
+from reliab.criterion.laws.law import LARGEST
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
 from reliab.files import decoding

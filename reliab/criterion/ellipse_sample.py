@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
-from reliab.criterion.laws.checks import LARGEST
+from reliab.criterion.laws.law import LARGEST
 from reliab.errors import InputError
 from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 

@@ -15,9 +15,8 @@ from reliab.criterion.ellipse_sample import (
     position_of_name,
 )
 from reliab.criterion.ellipse_table import Ellipses, tabled
-from reliab.criterion.laws.checks import checked_grid
+from reliab.criterion.laws.law import Validity, checked_grid
 from reliab.criterion.laws.table import tents
-from reliab.criterion.laws.validity import Validity
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales
 from reliab.errors import InputError

@@ -1,8 +1,3 @@
-from .diagnostics import (
-    ConvergenceWarning as ConvergenceWarning,
-    Diagnostics as Diagnostics,
-    walkers_in_turn as walkers_in_turn,
-)
 from .ensembles import Ensembles as Ensembles, draw as draw, sample as sample, width_of as width_of
 from .laplace import Laplace as Laplace
 from .model import Model as Model, Parameter as Parameter
@@ -10,4 +5,9 @@ from .normal_inverse_chi_squared import (
     NormalInverseChiSquared as NormalInverseChiSquared,
     NormalValues as NormalValues,
 )
-from .posterior_sample import PosteriorSample as PosteriorSample
+from .posterior_sample import (
+    ConvergenceWarning as ConvergenceWarning,
+    Diagnostics as Diagnostics,
+    PosteriorSample as PosteriorSample,
+    walkers_in_turn as walkers_in_turn,
+)

@@ -11,10 +11,9 @@ import numpy as np
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.sampling.chain_file import ChainFile
-from reliab.sampling.diagnostics import FEWEST_ENSEMBLES
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.model import Model
-from reliab.sampling.posterior_sample import PosteriorSample
+from reliab.sampling.posterior_sample import FEWEST_ENSEMBLES, PosteriorSample
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

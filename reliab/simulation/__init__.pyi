@@ -1,4 +1,3 @@
-from .actuator import Actuator as Actuator
 from .deviation import Deviation as Deviation, peak_of_history as peak_of_history
 from .effect_loop import EffectLoop as EffectLoop
 from .engine import (
@@ -8,3 +7,4 @@ from .engine import (
     Loop as Loop,
 )
 from .excitation import Excitation as Excitation
+from .hybrid_test.model import Actuator as Actuator

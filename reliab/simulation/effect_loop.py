@@ -9,10 +9,10 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.effects import Role
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures import Structure
 

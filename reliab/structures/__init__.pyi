@@ -1,8 +1,8 @@
-from .condensation import condensed as condensed, static_shapes as static_shapes
 from .critical_delay import (
     StabilityLimit as StabilityLimit,
     stability_limit as stability_limit,
 )
+from .frames.frame import condensed as condensed, static_shapes as static_shapes
 from .partition import (
     Partition as Partition,
     whole_structure as whole_structure,

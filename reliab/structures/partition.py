@@ -23,12 +23,13 @@ from reliab.arrays import Array, Spectrum
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
 from reliab.significant import significant
-from reliab.structures.condensation import mass_orthonormal, static_shapes
 from reliab.structures.frames.frame import (
     Frame,
+    mass_orthonormal,
     require_positive_definite,
     require_positive_semidefinite,
     square_matrix,
+    static_shapes,
 )
 from reliab.structures.parts_of_structure import with_parts
 from reliab.structures.specimen import Specimen
@@ -157,12 +158,8 @@ class Partition:
         require_positive_semidefinite(self.damping, "damping matrix", "Damping must not feed energy in")
         if self.degrees == 1:
             self._require_mass_left()
-        for name, matrix in (
-            ("mass", self.numerical_mass),
-            ("stiffness", self.numerical_stiffness),
-            ("damping", self.numerical_damping),
-        ):
-            lowest = float(np.linalg.eigvalsh(matrix)[0])
+        for name in ("mass", "stiffness", "damping"):
+            lowest = float(np.linalg.eigvalsh(getattr(self, f"numerical_{name}"))[0])
             if lowest < -_SAME_SPECIMEN * np.abs(getattr(self, name)).max():
                 raise InputError(
                     f"The specimen must be part of the frame: what is left to the computer must not have a "

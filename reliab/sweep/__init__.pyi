@@ -1,4 +1,3 @@
-from .boundary_scales import compare_boundaries as compare_boundaries
 from .ellipse_dataset import CURVES as CURVES, share_at_rest as share_at_rest
 from .ellipse_file import (
     open_ellipses as open_ellipses,
@@ -28,7 +27,10 @@ from .plain import (
     sweep_request as sweep_request,
 )
 from .request import SweepRequest as SweepRequest, excitation_of as excitation_of
-from .response_measures import measure_responses as measure_responses
+from .response_measures import (
+    compare_boundaries as compare_boundaries,
+    measure_responses as measure_responses,
+)
 from .results import (
     REAL as REAL,
     open_results as open_results,

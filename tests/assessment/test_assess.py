@@ -14,9 +14,9 @@ from reliab.criterion import published_criterion
 from reliab.effects.backlash import Backlash
 from reliab.motions import resample
 from reliab.recordings import Recording
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import Rig, rigs_of_delay

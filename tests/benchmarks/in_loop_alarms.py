@@ -31,8 +31,8 @@ from reliab.effects import Effect, Role, library
 from reliab.in_loop import LoopMonitor, monitor_sources
 from reliab.motions import Motion, resample
 from reliab.motions.synthetic import synthetic_suite
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Partition, Structure, stability_limit
 
 IN_TIME = 0.3  # s

@@ -20,8 +20,8 @@ from reliab.assessment.rebuilt_error import Monitor
 from reliab.effects import Effect, find_effect
 from reliab.motions import MotionSuite, load_motions, resample
 from reliab.motions.synthetic import synthetic_suite
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -124,7 +124,7 @@ def ours(question, motion, values):
     """Our answer to a question, and its time."""
     from reliab_studies.synthetic_vs_real.comparison import response_spectra
 
-    from reliab.criterion.distributions.scipy_family import Lognormal
+    from reliab.criterion.distributions import Lognormal
     from reliab.criterion.methods.tolerance import tolerance_factor
     from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
     from reliab.structures.frames.frame import exact_step, follow_load

@@ -9,8 +9,8 @@ import pytest
 
 from reliab.criterion import published_criterion
 from reliab.effects import find_effect
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 

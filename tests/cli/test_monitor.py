@@ -21,9 +21,9 @@ from reliab.assessment.rebuilt_error import rebuild
 from reliab.cli import run
 from reliab.recordings import chunks_of_text, read_recording, rows_as_written
 from reliab.shipped import shipped
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.frames import read_structure
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.structure import Structure
 
 RATE = 256

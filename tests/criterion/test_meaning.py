@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.criterion import derive_criterion
-from reliab.criterion.meaning import share_at_rest
+from reliab.criterion.derivation import share_at_rest
 from reliab.errors import InputError
 
 

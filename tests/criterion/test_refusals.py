@@ -9,7 +9,7 @@ import xarray as xr
 
 from reliab.criterion import derive_criterion, read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.laws.checks import checked_coefficients, checked_grid
+from reliab.criterion.laws.law import checked_coefficients, checked_grid
 from reliab.criterion.methods import Quantile
 from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
 from reliab.criterion.population import Population

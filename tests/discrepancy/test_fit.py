@@ -18,8 +18,8 @@ from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects import find_effect
 from reliab.signals import NoiseModel
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, read_force
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Specimen, Structure
 
 RATE, NOISE = 1024.0, 2.0

@@ -8,7 +8,7 @@ import pytest
 from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.naming.unexplained import standstill
-from reliab.simulation.actuator import Actuator
+from reliab.simulation.hybrid_test.model import Actuator
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

@@ -8,8 +8,8 @@ import pytest
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
 from reliab.discrepancy.adding.adding import updated_model
 from reliab.effects import find_effect
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
 from reliab.structures import Specimen
 from reliab.structures.structure import Structure

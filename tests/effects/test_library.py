@@ -9,7 +9,6 @@ from scipy.interpolate import CubicSpline
 
 from reliab.effects import LinearEffect, Role, Scales, Setting, find_effect, library
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import (
     HybridTest,
     Motion3,
@@ -18,6 +17,7 @@ from reliab.simulation.hybrid_test import (
     read_displacement,
     run_closed_loop,
 )
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Specimen, Structure
 
 STEP = 1e-3

@@ -24,8 +24,8 @@ from reliab.effects import find_effect
 from reliab.motions import Motion, MotionSuite
 from reliab.sampling import Ensembles, NormalValues
 from reliab.sampling.ensembles import draw
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures import Specimen
 from reliab.structures.structure import Structure

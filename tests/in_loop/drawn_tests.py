@@ -8,8 +8,8 @@ from reliab.assessment.rebuilt_error import Monitor, Recursion, delayed
 from reliab.assessment.rebuilt_error.recursion import respond
 from reliab.effects import Role, find_effect, library
 from reliab.in_loop import LoopMonitor
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Partition, Structure, stability_limit
 
 FINE = 4096

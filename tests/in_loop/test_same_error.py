@@ -9,8 +9,8 @@ from reliab.api import export_monitor
 from reliab.assessment.rebuilt_error import Monitor
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Structure
 
 pytestmark = needs_compiler

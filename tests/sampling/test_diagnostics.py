@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.sampling.diagnostics import diagnose
+from reliab.sampling.posterior_sample import diagnose
 
 
 def test_r_hat_and_effective_sizes_are_those_of_arviz():

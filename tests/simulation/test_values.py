@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 

@@ -12,9 +12,9 @@ from reliab.criterion import published_criterion
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
 from reliab.effects import find_effect
 from reliab.shipped import shipped
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.frames import read_frame, read_structure
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop, write_model
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.structure import Structure
 
 RATE = 200.0

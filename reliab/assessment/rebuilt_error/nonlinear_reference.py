@@ -64,7 +64,7 @@ def rebuild_with_specimen(
     `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
     Returns as `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
 
-    >>> from reliab.simulation.actuator import Actuator
+    >>> from reliab.simulation.hybrid_test.model import Actuator
     >>> from reliab.effects import find_effect
     >>> from reliab.structures.structure import Structure
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)

@@ -9,7 +9,7 @@ from .guo_2017 import (
     Equation17Corrected as Equation17Corrected,
     Equation18 as Equation18,
 )
-from .law import Law as Law
+from .law import Law as Law, Validity as Validity
 from .log_linear import LogLinearLaw as LogLinearLaw
 from .power import Power as Power
 from .registry import (
@@ -21,4 +21,3 @@ from .registry import (
     law_to_dict as law_to_dict,
 )
 from .table import Table as Table
-from .validity import Validity as Validity

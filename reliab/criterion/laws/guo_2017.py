@@ -15,8 +15,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.laws.law import Law, Limits
-from reliab.criterion.laws.validity import Validity
+from reliab.criterion.laws.law import Law, Limits, Validity
 from reliab.vocabulary import Metric
 
 _FREQUENCIES = (0.25, 2.0)  # Table 3

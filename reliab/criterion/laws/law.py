@@ -1,13 +1,131 @@
-"""What every law of frequency and damping can do."""
+"""What every law of frequency and damping can do, where it holds, and what its numbers must be."""
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.laws.checks import checked_limits
-from reliab.criterion.laws.validity import Validity
+from reliab.errors import InputError
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validity:
+    """Ranges outside of which a law refuses to answer.
+
+    >>> Validity(frequency=(0.25, 2.0), damping_ratio=(0.02, 0.02)).require(1.0, 0.05)
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: The damping ratio must lie where the law is valid, at 0.02; found 0.05. ...
+    """
+
+    frequency: tuple[float, float]  # Least and greatest natural frequency [Hz]
+    damping_ratio: tuple[float, float]  # Least and greatest damping ratio [-]
+    threshold: float | None = None  # The one error [-] that the law is for; None leaves it to the criterion
+    metric: str | None = None  # The one metric that the law is for; None leaves it to the criterion
+
+    def require(self, frequency: ArrayLike, damping_ratio: ArrayLike) -> None:
+        """Raise an error where a structure lies outside.
+
+        `frequency`, `damping_ratio` [Hz, -].
+        """
+        _require("natural frequency", frequency, self.frequency, " Hz")
+        _require("damping ratio", damping_ratio, self.damping_ratio, "")
+
+    def require_error(self, threshold: float, metric: str) -> None:
+        """Raise an error where the law is for another threshold or metric.
+
+        `threshold` [-].
+        """
+        if self.threshold is not None and not np.isclose(threshold, self.threshold, rtol=_ROUNDING):
+            raise InputError(
+                f"The law is for an error of {self.threshold:g} only",
+                value=f"{threshold:g}",
+                remedy="Choose another law, or derive a criterion from ellipses at that threshold",
+            )
+        if self.metric is not None and metric != self.metric:
+            raise InputError(
+                f"The law is for the metric {self.metric} only",
+                value=metric,
+                remedy="Choose another law, or derive a criterion from ellipses of that metric",
+            )
+
+
+def _require(what: str, given: ArrayLike, bounds: tuple[float, float], unit: str) -> None:
+    values = np.atleast_1d(np.asarray(given, dtype=np.float64))
+    low, high = bounds
+    inside = (values >= low * (1.0 - _ROUNDING)) & (values <= high * (1.0 + _ROUNDING))
+    if not inside.all():
+        where = f"at {low:g}{unit}" if low == high else f"between {low:g} and {high:g}{unit}"
+        raise InputError(
+            f"The {what} must lie where the law is valid, {where}",
+            value=f"{values[~inside].flat[0]:g}{unit}",
+            remedy="Choose another law, or derive a criterion from ellipses of that structure",
+        )
+
+
+LARGEST = 1e30
+"""Beyond any structure and any boundary, and its square is still a number."""
+
+_REMEDY = "Derive the criterion again; few motions give limits of zero, never negative ones"
+
+
+def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return limits as an array, or say what is wrong with them."""
+    limits = _numbers(f"limits {name}", values)
+    if limits.shape != shape:
+        raise InputError(
+            f"The limits {name} of a law must have one number for each structure, shape {shape}",
+            value=f"shape {limits.shape}",
+            remedy=_REMEDY,
+        )
+    wrong = ~((limits >= 0.0) & (limits <= LARGEST))
+    if wrong.any():
+        raise InputError(
+            f"The limits {name} of a law must be finite, at most {LARGEST:g}, and not negative",
+            value=limits[wrong].flat[0],
+            remedy=_REMEDY,
+        )
+    return limits
+
+
+def checked_grid(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Return the frequencies or damping ratios of a law, or say what is wrong with them."""
+    grid = _numbers(name, values)
+    increasing = grid.ndim == 1 and grid.size > 0 and bool((np.diff(grid) > 0.0).all())
+    if not (increasing and grid[0] >= 1.0 / LARGEST and grid[-1] <= LARGEST):
+        raise InputError(
+            f"The {name} of a law must be positive, finite, at most {LARGEST:g}, and increasing",
+            value=str(np.asarray(values).tolist()),
+            remedy="Derive the criterion again",
+        )
+    return grid
+
+
+def checked_coefficients(name: str, values: ArrayLike, terms: int) -> None:
+    """Refuse coefficients that are not finite, or not as many as the law has terms."""
+    coefficients = _numbers(f"coefficients of {name}", values)
+    if coefficients.shape != (terms,) or not np.isfinite(coefficients).all():
+        raise InputError(
+            f"The law's coefficients of {name} must be {terms} finite numbers",
+            value=str(np.asarray(values).tolist()),
+            remedy="Derive the criterion again",
+        )
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"The {name} of a law must be numbers in rows of one length",
+            value=str(error),
+            remedy="Derive the criterion again",
+        ) from error
+
 
 Limits = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Ellipse parameters a [-] and b [ms²]."""

@@ -7,9 +7,14 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.laws.checks import checked_coefficients, checked_grid, checked_limits
-from reliab.criterion.laws.law import Law, Limits
-from reliab.criterion.laws.validity import Validity
+from reliab.criterion.laws.law import (
+    Law,
+    Limits,
+    Validity,
+    checked_coefficients,
+    checked_grid,
+    checked_limits,
+)
 from reliab.errors import InputError
 
 

@@ -6,9 +6,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.laws.checks import checked_grid, checked_limits
-from reliab.criterion.laws.law import Law, Limits
-from reliab.criterion.laws.validity import Validity
+from reliab.criterion.laws.law import Law, Limits, Validity, checked_grid, checked_limits
 from reliab.criterion.scaling import scales
 
 

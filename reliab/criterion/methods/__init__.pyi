@@ -1,12 +1,11 @@
 from .bootstrap import Bootstrap as Bootstrap
-from .bound import BoundMethod as BoundMethod, limits as limits
+from .bound import BoundMethod as BoundMethod, Scatter as Scatter, limits as limits
 from .conformal import Conformal as Conformal
 from .dirichlet import Dirichlet as Dirichlet
 from .hierarchical.method import (
     HierarchicalNormal as HierarchicalNormal,
     HierarchicalRobust as HierarchicalRobust,
 )
-from .joint import Scatter as Scatter
 from .method import Learned as Learned, Method as Method
 from .order_statistic import OrderStatistic as OrderStatistic
 from .posterior import Posterior as Posterior

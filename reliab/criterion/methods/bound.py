@@ -1,18 +1,58 @@
-"""Methods that take each structure for itself: a lower bound of one quantity over ground motions."""
+"""Methods that take each structure for itself: a lower bound of one quantity over ground motions.
+
+Here stands the one rule by which a and b hold together.
+"""
 
 from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scatter:
+    """Mean and spread of ln a and ln b over motions, in which the worse of the two is found.
+
+    The smaller of the two standardised logarithms represents the motion. A lower bound of it, carried back to
+    a and b, holds for both together, and both lie equally deep in their own distributions.
+
+    >>> pairs = np.array([[0.0, 0.0], [1.0, 4.0], [2.0, 2.0]])
+    >>> scatter = Scatter.from_logarithms(pairs)
+    >>> scatter.worse(pairs).round(3).tolist()
+    [-1.225, 0.0, 0.0]
+    >>> scatter.at(np.array(-1.0)).round(3).tolist()
+    [0.184, 0.367]
+    """
+
+    # centre, spread: Mean and standard deviation over the motions, shape (..., 2)
+    centre: NDArray[np.float64]
+    spread: NDArray[np.float64]
+
+    @classmethod
+    def from_logarithms(cls, logarithms: NDArray[np.float64]) -> Self:
+        """Take mean and spread of ln a and ln b over motions, shape (motions, ..., 2)."""
+        return cls(centre=logarithms.mean(axis=0), spread=logarithms.std(axis=0))
+
+    def standard(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Standardise ln a and ln b, shape (motions, ..., 2)."""
+        return np.asarray((logarithms - self.centre) / self.spread)
+
+    def worse(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Take the smaller of the two standardised logarithms, shape (motions, ...)."""
+        return np.asarray(self.standard(logarithms).min(axis=-1))
+
+    def at(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Carry a depth of both, shape (...), back to ln a and ln b, shape (..., 2)."""
+        return np.asarray(self.centre + self.spread * depth[..., None])
 
 
 class BoundMethod(Method):
@@ -81,7 +121,7 @@ def limits(
 
     Each for itself, as in the paper, a share `confidence` of the motions has a larger a, and the same
     share, but not the same motions, a larger b. *Jointly*, the share holds for both together
-    (:class:`~reliab.criterion.methods.joint.Scatter`).
+    (:class:`~reliab.criterion.methods.bound.Scatter`).
 
     Returns `a, b`: the limits [-] and [ms²], finite; zero where the motions are too few for the method's
     promise (:meth:`Method.carried_confidence`).

@@ -9,8 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample, MotionPredictive, QuantilePlot, quantile_plot
-from reliab.criterion.distributions import Distribution, Lognormal
+from reliab.criterion import (
+    Distribution,
+    EllipseSample,
+    Lognormal,
+    MotionPredictive,
+    QuantilePlot,
+    quantile_plot,
+)
 from reliab.report.axes import (
     A_PARAMETER,
     AMPLITUDE,

@@ -16,8 +16,8 @@ from reliab.described_files import described, read_toml
 from reliab.effects import Effect, Parameter, find_effect
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Specimen, Structure
 
 MODEL_FILE = "model.toml"

@@ -41,7 +41,7 @@ class Motion3:
 def drive(test: HybridTest, command: Motion3) -> Motion3:
     """Move the piston as the actuator follows a command.
 
-    >>> from reliab.simulation.actuator import Actuator
+    >>> from reliab.simulation.hybrid_test.model import Actuator
     >>> time = np.arange(0.0, 2.0, 0.001)
     >>> command = Motion3.through(np.sin(time) ** 2, 0.001)
     >>> late = drive(HybridTest(actuator=Actuator(delay=0.25)), command)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from reliab.arrays import Array
 from reliab.boundary import Contour
-from reliab.criterion.distributions import Lognormal
+from reliab.criterion import Lognormal
 from reliab.criterion.laws import (
     Equation12,
     Equation14,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.laws.checks import checked_grid
+from reliab.criterion.laws.law import checked_grid
 from reliab.errors import InputError
 
 

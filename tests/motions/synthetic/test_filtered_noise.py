@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reliab.motions.synthetic.modulation import Modulation
 from reliab.motions.synthetic.parameters import ComponentParameters
-from reliab.motions.synthetic.recording import filter_frequency, filter_noise
+from reliab.motions.synthetic.recording import Modulation, filter_frequency, filter_noise
 
 _STEP = 0.01
 

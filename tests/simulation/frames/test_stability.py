@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.frames.loop_poles import pole_loop
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.integrators import CentralDifference, ChenRicles
 from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems import gain_and_delay

@@ -5,10 +5,10 @@ import pytest
 
 from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.compensators import AdaptiveInverse, InverseCompensation, PhaseLeadControl
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.hybrid_test.open_loop import Motion3
 from reliab.simulation.linear_loop import spectral
 from reliab.structures import Specimen, Structure

@@ -5,7 +5,6 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.compensators import (
     Feedforward,
     InverseCompensation,
@@ -13,7 +12,7 @@ from reliab.simulation.compensators import (
     PolynomialExtrapolation,
 )
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
-from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 1024.0

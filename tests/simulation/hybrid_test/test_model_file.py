@@ -12,8 +12,8 @@ from reliab.cli import application
 from reliab.effects import find_effect, library
 from reliab.errors import InputError
 from reliab.motions import load_motions
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model, write_model
 from reliab.structures import Specimen
 from reliab.structures.structure import Structure

@@ -19,9 +19,9 @@ from reliab_studies.rths_benchmark.criteria import NAMES, benchmark_criteria, tr
 
 from reliab.effects import find_effect
 from reliab.errors import InputError
-from reliab.simulation.actuator import Actuator
 from reliab.simulation.compensators import compensators, find_compensator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, _runge_kutta_step, run_laboratory
 from reliab.simulation.transfer_systems import ServoHydraulic, gain_and_delay, second_order
 from reliab.structures import Partition, Specimen, floor_interface

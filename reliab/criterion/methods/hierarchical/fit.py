@@ -16,6 +16,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
+from reliab.criterion.methods.bound import Scatter
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import (
     EVENT,
@@ -28,7 +29,6 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion,
     weights_of_motion_mean,
 )
-from reliab.criterion.methods.joint import Scatter
 from reliab.criterion.methods.method import Learned, checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.sample_grid import SampleGrid

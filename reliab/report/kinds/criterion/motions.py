@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample
-from reliab.criterion.distributions import Lognormal, LogSkewNormal
+from reliab.criterion import EllipseSample, Lognormal, LogSkewNormal
 from reliab.criterion.event_components import event_components
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, plain
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
