@@ -1,7 +1,7 @@
-"""Sweeps over many ground motions: on threads here, or on a dask.distributed cluster, one task per motion."""
+"""Sweeps over many ground motions: on threads here, or on a dask.distributed cluster, some motions a task."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from itertools import islice
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 _TASKS_PER_WORKER = 2  # tasks submitted per worker; limits the memory
 _TASKS_PER_THREAD = 4  # tasks submitted per thread of the cluster; limits its memory
+# Of the motions of a thread in a task, and the most of them: each task costs the scheduler and this process
+# some 5 ms, and the last ones should end together.
+_SHARE_OF_TASK, _MOST_OF_TASK = 1 / 16, 8
 _RETRIES = 3  # of a task whose worker died
 _CONNECT_SECONDS = 10
 
@@ -35,6 +38,10 @@ class SweepJob:
         """Read and simulate one motion, and encode its results for the store."""
         motion = self.motions[index]
         return EncodedMotion.of_results(index, motion, solve_motion(motion, self.request))
+
+    def solve_several(self, indices: Sequence[int]) -> list[EncodedMotion]:
+        """Solve the motions of one task."""
+        return [self.solve(index) for index in indices]
 
 
 def run_sweep(
@@ -135,32 +142,33 @@ def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterat
 
         shared = client.scatter(job, broadcast=True)
 
-        def submit(index: int) -> object:
-            return client.submit(SweepJob.solve, shared, index, retries=_RETRIES, pure=False)
+        def submit(indices: Sequence[int]) -> object:
+            return client.submit(SweepJob.solve_several, shared, indices, retries=_RETRIES, pure=False)
 
-        queue = iter(missing)
-        ahead = _TASKS_PER_THREAD * max(1, sum(client.nthreads().values()))
-        running = as_completed([submit(index) for index in islice(queue, ahead)])
+        threads = max(1, sum(client.nthreads().values()))
+        size = min(max(1, int(_SHARE_OF_TASK * len(missing) / threads)), _MOST_OF_TASK)
+        queue = iter([missing[begin : begin + size] for begin in range(0, len(missing), size)])
+        running = as_completed([submit(indices) for indices in islice(queue, _TASKS_PER_THREAD * threads)])
         for future in running:
-            yield _take_result(future)
+            yield from _take_results(future)
             future.release()
-            for index in islice(queue, 1):
-                running.add(submit(index))
+            for indices in islice(queue, 1):
+                running.add(submit(indices))
 
 
-def _take_result(future: "RemoteFuture[EncodedMotion]") -> EncodedMotion:
+def _take_results(future: "RemoteFuture[list[EncodedMotion]]") -> list[EncodedMotion]:
     """Take what a worker answered; results that were stored before are safe where none did."""
     from distributed import CancelledError, KilledWorker
 
     try:
-        solution: EncodedMotion = future.result()
+        solutions: list[EncodedMotion] = future.result()
     except (CancelledError, KilledWorker, OSError) as error:
         reason = str(error).partition("\n")[0].rstrip(".")
         raise IncompleteError(
             f"The cluster failed: {reason}. Results that were stored are safe; start it again and run the "
             "same command with `resume`."
         ) from error
-    return solution
+    return solutions
 
 
 def _connect(address: str) -> "Client":

@@ -46,8 +46,10 @@ class Machine:
     """Two processes and two local clusters, of one and two workers, which have loaded their kernels."""
 
     def __init__(self, suite: MotionSuite, request: SweepRequest) -> None:
+        import dask
         from distributed import LocalCluster
 
+        dask.config.set({"distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": 1 << 28}})
         self.processes = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
         self.clusters = [
             LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
