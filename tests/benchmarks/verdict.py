@@ -1,30 +1,39 @@
-"""Processor time of a verdict: as a command, of its imports, of the first and of a later call in one process.
+"""Processor time of a verdict, and what passes on the clock: as a command, of its imports, of calls.
 
-    python tests/benchmarks/verdict.py [--calls 5]
+    python tests/benchmarks/verdict.py [--calls 5] [--before FOLDER]
 
-The test that ships (10,240 samples), then a simulated one of 40 s at 1024 Hz, without a force, with one, and
-with one that alone says what the specimen is (`--specimen measured`). Of the later calls the shortest counts.
+The test that ships (10,240 samples), then a simulated one of 40 s at 1024 Hz, without a force, with one, with
+one and the mass, and with one that alone says what the specimen is (`--specimen measured`); six tests with
+a force as one command; the reading of the file alone. The shortest of the calls counts. With a checkout of
+before in FOLDER commands are run in turns with it, and the ratios of medians printed.
 """
 
 import argparse
+import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+import reliab
+from reliab.recordings import read_recording
+
 RATE, SECONDS, MASS = 1024.0, 40.0, 1000.0
 ONE_HERTZ = 2.0 * np.pi
-IMPORTS = "import reliab.api.channels, reliab.api.channels, reliab.cli"
+ROOT = Path(__file__).resolve().parents[2]
+IMPORTS = "import reliab.api.assessment, reliab.api.channels, reliab.cli.assess"
 FIRST = "import reliab; reliab.assess('sample_test', f=1, xi=0.02)"
+STRUCTURE = ("--f", "1±0.01", "--xi", "0.02")
 
 
-def write_test(path: Path) -> None:
+def write_test(path: Path, seed: int = 1) -> None:
     """Write a test of a specimen of 1 Hz, with an actuator that is 1 ms late and moves 1 % too little."""
-    rng = np.random.default_rng(1)
+    rng = np.random.default_rng(seed)
     times = np.arange(0.0, SECONDS, 1.0 / RATE)
 
     def moved(instants: np.ndarray) -> np.ndarray:
@@ -44,22 +53,43 @@ def write_test(path: Path) -> None:
     )
 
 
-def of_process(*arguments: str) -> float:
-    """Processor time [s] of a Python process."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)  # noqa: S603
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+def of_process(tree: Path, *arguments: str) -> tuple[float, float]:
+    """Processor time and time on the clock [s] of a Python process with the package of a checkout."""
+    before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"PYTHONPATH": str(tree)}
+    subprocess.run(  # noqa: S603
+        [sys.executable, *arguments], cwd=tree, env=environment, check=True, stdout=subprocess.DEVNULL
+    )
+    passed, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, passed
+
+
+def compare(label: str, trees: list[Path], calls: int, *arguments: str) -> None:
+    """Print the shortest times of a process; beside a checkout of before the ratio of medians, in turns."""
+    rounds = [[of_process(tree, *arguments) for tree in trees] for _ in range(calls + 1)][1:]
+    taken = np.array(rounds)  # shape (calls, trees, 2)
+    spent, passed = taken[:, 0].min(axis=0)
+    ratio = ""
+    if len(trees) > 1:
+        now, before = np.median(taken, axis=0)
+        ratio = (
+            f"  {now[0] / before[0]:.2f} of the processor time before, {now[1] / before[1]:.2f} on the clock"
+        )
+    print(f"{label:40} {spent:6.2f} s, {passed:6.2f} s on the clock{ratio}", flush=True)
 
 
 def later(calls: int, test: object, **stated: object) -> float:
-    """Shortest processor time [s] of calls after the first."""
-    import reliab
+    """Shortest processor time [s] of verdicts after the first."""
+    return shortest(calls, lambda: reliab.assess(test, f="1±0.01", xi=0.02, **stated))
 
+
+def shortest(calls: int, call: Callable[[], object]) -> float:
+    """Shortest processor time [s] of calls after the first."""
     taken = []
     for _ in range(calls + 1):
         begun = time.process_time()
-        reliab.assess(test, f=1, xi=0.02, **stated)
+        call()
         taken.append(time.process_time() - begun)
     return min(taken[1:])
 
@@ -69,24 +99,33 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--calls", type=int, default=5, help="calls after the first")
-    calls = parser.parse_args().calls
-    command = ("-m", "reliab", "assess", "sample_test", "--f", "1", "--xi", "0.02")
-    for label, arguments in (
-        ("command", command),
-        ("imports", ("-c", IMPORTS)),
-        ("first call", ("-c", FIRST)),
-    ):
-        print(f"{label:40} {min(of_process(*arguments) for _ in range(calls)):6.2f} s", flush=True)
+    parser.add_argument("--before", type=Path, help="checkout with which commands are run in turns")
+    given = parser.parse_args()
+    calls, trees = given.calls, [ROOT, *([given.before.resolve()] if given.before else [])]
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "test.csv"
+        path, bare = Path(folder) / "test.csv", Path(folder) / "bare.csv"
         write_test(path)
-        print(f"{'later call, the test that ships':40} {later(calls, 'sample_test'):6.2f} s", flush=True)
-        bare = Path(folder) / "bare.csv"
         rows = [line.rsplit(",", 1)[0] for line in path.read_text(encoding="utf-8").splitlines()]
         bare.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        six = [str(Path(folder) / f"test_{number}.csv") for number in range(6)]
+        for number, name in enumerate(six):
+            write_test(Path(name), seed=number)
+        command = ("-m", "reliab", "assess")
+        for label, arguments in {
+            "command": (*command, "sample_test", *STRUCTURE),
+            "imports": ("-c", IMPORTS),
+            "first call": ("-c", FIRST),
+            "command, 40 s at 1024 Hz": (*command, str(bare), *STRUCTURE),
+            "command, with a force and the mass": (*command, str(path), *STRUCTURE, "--mass", str(MASS)),
+            "command, six tests with a force": (*command, *six, *STRUCTURE, "--mass", str(MASS)),
+        }.items():
+            compare(label, trees, calls, *arguments)
+        print(f"{'later call, the test that ships':40} {later(calls, 'sample_test'):6.2f} s", flush=True)
+        print(f"{'reading of 40 s at 1024 Hz':40} {shortest(calls, lambda: read_recording(path)):6.2f} s")
         cases = {
             "40 s at 1024 Hz": (bare, {}),
             "with a force": (path, {}),
+            "with a force and the mass": (path, {"mass": MASS}),
             "the specimen known by its force": (path, {"specimen": "measured", "mass": MASS}),
         }
         for label, (file, stated) in cases.items():
