@@ -12,7 +12,6 @@ from reliab.recordings import (
     CoupledRecording,
     Recording,
     is_frame,
-    read_channels_file,
     read_coupled_recording,
     read_recording,
     read_tests,
@@ -68,7 +67,11 @@ class Channels:
 
         `of_test`: what is stated of the test, with a skew that was calibrated where "filter_delay" is.
         """
-        of_file = {} if self.channels is None else read_channels_file(self.channels).filters
+        of_file: Mapping[str, str] = {}
+        if self.channels is not None:
+            from reliab.recordings import read_channels_file
+
+            of_file = read_channels_file(self.channels).filters
         texts = (f"{channel}={text}" for channel, text in of_file.items() if channel not in of_options)
         filters = {**stated_filters(texts), **of_options}
         if filters and "filter_delay" in of_test:

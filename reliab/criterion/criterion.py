@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.criterion.criterion_file import PLAIN, from_text, to_text
 from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
@@ -244,6 +243,8 @@ class Criterion:
 
     def to_json(self) -> str:
         """Serialise with provenance; `from_json` reads it back."""
+        from reliab.criterion.criterion_file import PLAIN, to_text
+
         return to_text(
             {name: getattr(self, name) for name in PLAIN},
             {name: getattr(self, name) for name in ("law", "lead_law")},
@@ -271,6 +272,8 @@ class Criterion:
             If the text is not such JSON, of another schema, lacks a key or has one too many, or holds a
             number that is not finite or limits that are no table.
         """
+        from reliab.criterion.criterion_file import from_text
+
         return cls(**from_text(text))
 
     @classmethod
@@ -278,6 +281,8 @@ class Criterion:
         """Read a criterion's file; the errors of `from_json`, and one if it cannot be read."""
         rule, remedy = "A criterion's file must be readable", "Write one with `reliab criterion --out`"
         text = described_text(path, rule=rule, remedy=remedy, most=MOST_BYTES_OF_JSON)
+        from reliab.criterion.criterion_file import from_text
+
         return cls(**from_text(text, str(path)))
 
 

@@ -5,7 +5,6 @@ from .calibration import (
 )
 from .channels_file import (
     ChannelTables as ChannelTables,
-    StatedChannels as StatedChannels,
     read_channels_file as read_channels_file,
     stated_by_tables as stated_by_tables,
 )
@@ -44,6 +43,7 @@ from .recording import (
     Channel as Channel,
     Part as Part,
     Recording as Recording,
+    StatedChannels as StatedChannels,
 )
 from .spikes import without_spikes as without_spikes
 from .units import (

@@ -1,7 +1,5 @@
 """`channels.toml`: what a laboratory states once of its channels, for all its tests."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -9,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
-from reliab.recordings.recording import Part, Stated
+from reliab.recordings.recording import Part, Stated, StatedChannels
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
@@ -139,32 +137,6 @@ class ChannelsDescription(_Table):
     filters: FilterTable = Field(
         default=FilterTable(), description="Low-pass filters, unless a calibrated skew includes their delay"
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class StatedChannels:
-    """What is stated of the channels of tests: by a file `channels.toml`, or by options."""
-
-    stated: Mapping[Part, Stated] = field(default_factory=dict)
-    rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
-    # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
-    calibration: Mapping[str, StatedValue] = field(default_factory=dict)
-    filters: Mapping[str, str] = field(default_factory=dict)  # Low-pass filters, "200/4", by channel
-
-    @property
-    def of_tests(self) -> dict[str, StatedValue]:
-        """What the calibration says of every test.
-
-        The skew that one motion on both channels showed has the delay of their filters in it, of which
-        nothing more is open ("filter_delay" [ms]).
-        """
-        skew = self.calibration.get("skew")
-        filters = {} if skew is None else {"filter_delay": StatedValue(0.0, skew.deviation)}
-        return {**self.calibration, **filters}
-
-    def beside(self, of_test: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
-        """Put what the file of a test states before what is stated of every test."""
-        return {**self.of_tests, **of_test}
 
 
 def read_channels_file(path: str | Path) -> StatedChannels:

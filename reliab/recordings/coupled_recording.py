@@ -9,7 +9,6 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers import Columns, is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import (
@@ -18,6 +17,7 @@ from reliab.recordings.recording import (
     Channel,
     Part,
     Recording,
+    StatedChannels,
     require_few_samples,
     require_finite,
 )

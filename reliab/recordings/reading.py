@@ -10,11 +10,10 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.recordings.behaviour import compare, explained, moves
-from reliab.recordings.channels_file import StatedChannels, read_channels_file
 from reliab.recordings.clocks import at_one_clock
 from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated
+from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated, StatedChannels
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
@@ -189,7 +188,11 @@ def stated_by_options(
     channels: str | Path | None, names: Mapping[Part, str | None], units: str | None, rate_hz: float | None
 ) -> StatedChannels:
     """Put what options state before what a file `channels.toml` states; `rate_hz` [Hz]."""
-    laboratory = StatedChannels() if channels is None else read_channels_file(channels)
+    laboratory = StatedChannels()
+    if channels is not None:
+        from reliab.recordings.channels_file import read_channels_file
+
+        laboratory = read_channels_file(channels)
     if units is not None and units not in LENGTHS:
         raise InputError(
             "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"

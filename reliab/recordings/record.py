@@ -16,10 +16,9 @@ import numpy as np
 
 from reliab.files import decoding, ordinary, require_small, written_whole
 from reliab.received import objects_of, opened_hdf5
-from reliab.recordings.channels_file import StatedChannels
 from reliab.recordings.readers.hierarchical import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
-from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part
+from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
 from reliab.shipped import checksum_of
 from reliab.version import __version__
 

@@ -61,6 +61,32 @@ class Stated:
 
 
 @dataclass(frozen=True, kw_only=True)
+class StatedChannels:
+    """What is stated of the channels of tests: by a file `channels.toml`, or by options."""
+
+    stated: Mapping[Part, Stated] = field(default_factory=dict)
+    rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
+    # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
+    calibration: Mapping[str, StatedValue] = field(default_factory=dict)
+    filters: Mapping[str, str] = field(default_factory=dict)  # Low-pass filters, "200/4", by channel
+
+    @property
+    def of_tests(self) -> dict[str, StatedValue]:
+        """What the calibration says of every test.
+
+        The skew that one motion on both channels showed has the delay of their filters in it, of which
+        nothing more is open ("filter_delay" [ms]).
+        """
+        skew = self.calibration.get("skew")
+        filters = {} if skew is None else {"filter_delay": StatedValue(0.0, skew.deviation)}
+        return {**self.calibration, **filters}
+
+    def beside(self, of_test: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
+        """Put what the file of a test states before what is stated of every test."""
+        return {**self.of_tests, **of_test}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Channel:
     """A column that was recognised."""
 

@@ -18,7 +18,13 @@ SPARED_BY_VERDICTS = SPARED_BY_ALL | {"pandas", "xarray"}
 SPARED_BY_VERDICTS |= {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
 COMPILER = {"numba.typed.typeddict", "numba.np.linalg"}  # of what Numba needs to compile
 SPARED_BY_VERDICTS |= COMPILER
-OF_OTHER_STRUCTURES = {"simulation.frames", "simulation.hybrid_test", "simulation.engine", "effects.registry"}
+OF_FILES = {"recordings.channels_file", "criterion.criterion_file"}  # which are checked by pydantic
+OF_OTHER_STRUCTURES = OF_FILES | {
+    "simulation.frames",
+    "simulation.hybrid_test",
+    "simulation.engine",
+    "effects.registry",
+}
 SPARED_BY_ONE = SPARED_BY_VERDICTS | {f"reliab.{name}" for name in OF_OTHER_STRUCTURES}
 SPARED_BY_ONE |= {"reliab.sampling.ensembles", "reliab.assessment.measured_specimen.rebuild"}
 
@@ -69,6 +75,14 @@ def files(tmp_path):
 
 def test_a_verdict_needs_none_of_the_heavy_parts():
     assert modules("assess", TEST, *STRUCTURE) & SPARED_BY_ONE == set()
+
+
+def test_a_verdict_in_python_needs_no_command_line():
+    code = (
+        f"import json, sys, reliab; reliab.assess({TEST!r}, f=1, xi=0.02); print(json.dumps([*sys.modules]))"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
+    assert {"typer", "rich", "pydantic"} & set(json.loads(ended.stdout)) == set()
 
 
 @pytest.mark.slow

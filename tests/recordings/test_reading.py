@@ -7,8 +7,7 @@ import pytest
 from scipy.io import netcdf_file, savemat
 
 from reliab.errors import InputError
-from reliab.recordings import read_recording, rows_as_written
-from reliab.recordings.channels_file import StatedChannels
+from reliab.recordings import StatedChannels, read_recording, rows_as_written
 from reliab.recordings.coupled_recording import read_coupled_recording
 from reliab.stated_value import StatedValue
 

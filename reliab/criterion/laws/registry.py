@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, fields
 from typing import Any, Final, TypeVar, cast, get_type_hints
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
-
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.guo_2017 import CORRECTED, OF_ONE_MOTION, PUBLISHED
@@ -71,6 +69,8 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
 
 def _checked(law: type[Law], name: str, value: object) -> object:
     """Return the value of a parameter if it is of the type that the law states."""
+    from pydantic import ConfigDict, TypeAdapter, ValidationError
+
     schema = TypeAdapter(get_type_hints(law)[name], config=ConfigDict(strict=True, allow_inf_nan=False))
     try:
         return schema.validate_python(value)
