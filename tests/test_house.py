@@ -86,11 +86,6 @@ LONG_FUNCTIONS = {
 }
 """Functions longer than the rule allows, and why."""
 
-WITHOUT_USER_INSIDE = {
-    "assessment/rebuilt_error/force_form.py:respond_spectrally": "the recursion's oracle",
-}
-"""Public code that nothing else in the package uses, and who uses it."""
-
 
 @cache
 def source(path: Path) -> tuple[list[str], ast.Module]:
@@ -276,7 +271,7 @@ def test_public_code_has_a_user_in_the_package():
         if not (node.name.startswith("__") or is_command(node))
         if uses()[node.name] == 0 and node.name not in offered()
     }
-    assert unused == set(WITHOUT_USER_INSIDE)
+    assert unused == set()
 
 
 WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})

@@ -1,7 +1,6 @@
 from .coupled_error import (
     LOST_IN_NOISE as LOST_IN_NOISE,
     CoupledError as CoupledError,
-    CoupledParts as CoupledParts,
     DegreeError as DegreeError,
 )
 from .ground_motion import ShownByGround as ShownByGround, compare_with_ground as compare_with_ground

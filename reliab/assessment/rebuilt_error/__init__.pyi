@@ -52,10 +52,8 @@ from .running_test import (
 )
 from .specimen_check import (
     FEWEST_PERIODS as FEWEST_PERIODS,
-    SpecimenCheck as SpecimenCheck,
     examine_specimen as examine_specimen,
 )
 from .spread import HALF_WIDTH as HALF_WIDTH, DisplacementError as DisplacementError, Estimate as Estimate
-from .stretches import ErrorSoFar as ErrorSoFar
 from .tolerances import Tolerances as Tolerances
 from .widenings import Widening as Widening

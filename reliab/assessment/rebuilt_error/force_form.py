@@ -38,23 +38,6 @@ _WRAPAROUND = 1e-11  # what is left of a response after one period of the transf
 _TINY = 1e-12
 
 
-def respond_spectrally(structure: Partition, difference: Array, time_step: float) -> Array:
-    """Error of the interface from x_c − x_m, from rest.
-
-    `difference` [m]; `time_step` [s]; returns [m].
-
-    >>> from reliab.structures.structure import Structure
-    >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> error = respond_spectrally(Partition.of_structure(half), np.ones(2000), 0.01)
-    >>> round(float(error[-1]), 4)
-    0.5
-    """
-    moved = np.linalg.solve(structure.mass, structure.interface @ structure.specimen_mass)
-    at_once = float((structure.interface.T @ moved)[0, 0])
-    rest = filtered(lambda s: structure.error_transfer(s)[:, 0, 0] - at_once, difference, time_step)
-    return at_once * difference + rest
-
-
 def filtered(transfer: Transfer, values: Array, time_step: float) -> Array:
     """Response of a proper transfer function to a piecewise-linear input, from rest, shape (n,)."""
     points = scipy.fft.next_fast_len(2 * values.size, real=True)

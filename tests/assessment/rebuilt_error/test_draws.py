@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
+from rebuilt_error.by_transform import respond_spectrally
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.force_form import respond_spectrally
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, samples_in_step, sweep
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rebuilt_error.by_transform import respond_spectrally
 from rebuilt_error.laboratory import (
     BACKLASH,
     DELAY,
@@ -21,7 +22,6 @@ from rebuilt_error.laboratory import (
     synthetic_ground,
 )
 from reliab.assessment.rebuilt_error import rebuild
-from reliab.assessment.rebuilt_error.force_form import respond_spectrally
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.structures import Partition
 from reliab.structures.structure import Structure
