@@ -131,8 +131,8 @@ def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]
     sentence = (
         f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary "
         f"that contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
-        f"{percent(criterion.confidence)}; measured on the ellipses of datasets/real_suite, for all "
-        "structures by `reliab run validation`."
+        f"{percent(criterion.confidence)}. This was measured on the ellipses of datasets/real_suite; "
+        "`reliab run validation` measures it for all structures."
     )
     return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
 

@@ -156,10 +156,9 @@ def _of_signal(findings: Findings) -> Iterator[str]:
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (
             f"A gain and a delay leave {percent(tracking.unexplained_share, decimals=2)} of the "
-            "measured motion unexplained, "
-            f"where an amplitude error of {percent(limit, decimals=2)} is tolerable: the rig has "
-            "another fault (friction, "
-            "backlash, saturation) or slow noise, and its error may differ by a quarter from that of A and d."
+            f"measured motion unexplained, while an amplitude error of {percent(limit, decimals=2)} is "
+            "tolerable. The rig has another fault (friction, backlash, saturation) or slow noise; its error "
+            "may differ by a quarter from that of A and d."
         )
 
 

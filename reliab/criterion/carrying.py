@@ -46,13 +46,15 @@ _STEEPEST: Final = 5.0
 # `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed"
 _BY_RESPONSE_ELSEWHERE: Final = (
     "Of simulated motions of other kinds (small earthquakes, large and far ones, pulses, soft soil) 96 to "
-    "98 % keep what states 95 %, 91 to 97 % what states 90 % and 77 to 90 % what states 80 %, with errors up "
-    "to 6 % above the threshold of 5 %; on a soil of one frequency 94, 85 and 69 %. Where an actuator leads "
-    "they are 92 to 99 %, 75 to 96 % and 65 to 90 %, with errors up to 7 % above."
+    "98 % keep limits that state 95 %, 91 to 97 % those that state 90 % and 77 to 90 % those that state "
+    "80 %; errors exceed the threshold of 5 % by up to 6 % of it. On a soil of one frequency it is 94, 85 "
+    "and 69 %. Where the actuator leads it is 92 to 99 %, 75 to 96 % and 65 to 90 %, and errors exceed "
+    "the threshold by up to 7 % of it."
 )
 _BY_LENGTH_ELSEWHERE: Final = (
-    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep what states 95 % and 82 to "
-    "97 % what states 90 %, but 72 to 90 % what states 80 % and 38 to 79 % what states 50 %: rely on 95 %."
+    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep limits that state 95 % and "
+    "82 to 97 % those that state 90 %, but 72 to 90 % those that state 80 % and 38 to 79 % those that state "
+    "50 %: rely on 95 %."
 )
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter

@@ -75,8 +75,8 @@ def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
             "below the threshold with 95 % probability, and the specimen does not look nonlinear. A motion "
             "is contained when none of its bad tests is accepted, and an error in the interval when the "
             "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "
-            "specimens that are not linear are recognised as such in {nonlinear} of their tests, and "
-            "linear ones are taken for nonlinear in {linear} of theirs at 40 dB.",
+            "nonlinear specimens are recognised in {nonlinear} of their tests, and linear "
+            f"ones are taken for nonlinear in {linear} of their tests, at 40 dB.",
             threshold=percent(threshold),
             nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
             linear=percent(float(linear)),

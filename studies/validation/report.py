@@ -182,8 +182,8 @@ def actuators_section(tests: pd.DataFrame) -> Section:
                 text=prose(
                     "Each test was simulated with its actuator; $A$ and $d$ were evaluated from command and "
                     "measured displacement as a laboratory would, and the error was compared with that of a "
-                    "constant gain $A$ and delay $d$ (@fig:beyond, @tab:beyond). The delays stand below and "
-                    "above what the criterion allows and what the motion of each test tolerates, so that "
+                    "constant gain $A$ and delay $d$ (@fig:beyond, @tab:beyond). The delays lie below "
+                    "and above what the criterion allows and what the motion of each test tolerates, so that "
                     "good and bad tests are accepted or refused as the criterion decides."
                 )
             ),

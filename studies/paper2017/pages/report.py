@@ -128,12 +128,13 @@ def _numbers(numbers: pd.DataFrame) -> Section:
         blocks=(
             Paragraph(
                 text=prose(
-                    "@tab:all lists what the paper prints with a number: as printed, as it follows from the "
-                    "tables and equations that the paper prints, and as it follows from the records. "
+                    "@tab:all lists what the paper prints with a number: as printed, as it follows from "
+                    "the tables and equations that the paper prints, and as it follows from the records. "
                     "Differences are relative to the printed number, of the records where they give one. "
-                    "Entries without a number say how they were used. The hundred rows of Table 2 stand "
-                    "row by row in the report of the study table2_audit, counted here by the same rule: a "
-                    "number comes back when it differs by at most 10 %. Slips are listed in @sec:errata."
+                    "Entries without a number say how they were used. The hundred rows of Table 2 are "
+                    "listed row by row in the report of the study table2_audit, counted here by the same "
+                    "rule: a number comes back when it differs by at most 10 %. Slips are listed in "
+                    "@sec:errata."
                 )
             ),
             Table(

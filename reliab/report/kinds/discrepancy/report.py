@@ -166,7 +166,7 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
         "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
         "the choice. The verdict is “named” where at most {share} of the energy of the gap remains in the "
-        "kind of held-out test (sine, sweep, irregular motion) of which least is explained."
+        "kind of held-out test (sine, sweep, irregular motion) that is explained least."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]
