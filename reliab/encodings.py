@@ -68,6 +68,15 @@ def decoded(content: bytes) -> str:
         return plain.decode("latin-1")
 
 
+def as_text(argument: str) -> str:
+    """Read what the command line's locale could not read, and holds as surrogates, as UTF-8.
+
+    >>> as_text("1±0.01".encode().decode("ascii", "surrogateescape"))
+    '1±0.01'
+    """
+    return argument.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
 def as_cell(text: str) -> str:
     """Write a text for a cell of a table so that a spreadsheet shows it, and computes nothing.
 

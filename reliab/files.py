@@ -41,6 +41,9 @@ def remove_abandoned(unfinished: Iterable[Path]) -> None:
         with contextlib.suppress(OSError):
             if stat.S_IFMT(path.lstat().st_mode) not in (stat.S_IFREG, stat.S_IFDIR):
                 continue
+            if sys.platform == "win32":  # which removes no file that is open, and holds no folder
+                path.unlink()
+                continue
             descriptor = os.open(path, os.O_RDONLY)
             try:
                 hold(descriptor, wait=False)
@@ -248,17 +251,28 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
     place = Path(os.path.realpath(place))
     unfinished = unfinished_name(place)
     unfinished.mkdir(parents=True)
-    descriptor = os.open(unfinished, os.O_RDONLY)
+    try:
+        with _held_folder(unfinished):
+            remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
+            yield unfinished
+            if place.exists():
+                place.rmdir()
+            unfinished.rename(place)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _held_folder(folder: Path) -> Iterator[None]:
+    if sys.platform == "win32":  # where folders cannot be opened
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
         hold(descriptor)
-        remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
-        yield unfinished
-        if place.exists():
-            place.rmdir()
-        unfinished.rename(place)
+        yield
     finally:
         os.close(descriptor)
-        shutil.rmtree(unfinished, ignore_errors=True)
 
 
 @contextlib.contextmanager
@@ -285,7 +299,9 @@ def written_by_one_process(path: Path, rule: str) -> Iterator[None]:
 
 def _sync(path: Path) -> None:
     """Wait until a file, or the names in a folder, are on the disk."""
-    descriptor = os.open(path, os.O_RDONLY)
+    if sys.platform == "win32" and path.is_dir():
+        return  # folders cannot be opened there, and what is to reach the disk must be open for writing
+    descriptor = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     try:
         os.fsync(descriptor)
     except OSError as error:

@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from reliab.encodings import as_text
 from reliab.errors import InputError
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT
@@ -43,8 +44,7 @@ class StatedValue:
         After a comma the deviation must have a decimal point: "1,5" may mean 1.5 as well as 1 ± 5.
         """
         try:
-            # bytes of the command line that its locale could not read come as surrogates
-            match = _QUANTITY.match(text.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
+            match = _QUANTITY.match(as_text(text))
             value = float(match["value"]) if match else math.nan
             deviation = float(match["deviation"] or 0.0) if match else math.nan
         except ValueError:

@@ -13,6 +13,7 @@ from reliab.api.assessment import assess
 from reliab.api.channels import Channels
 from reliab.assessment import CoupledAssessment, Equipment
 from reliab.criterion import Criterion
+from reliab.encodings import as_text
 from reliab.errors import InputError
 from reliab.files import ordinary, refuse_unwritable, require_ending, written_whole
 from reliab.progress import Progress, silent
@@ -265,7 +266,7 @@ def add_to_rig(
         folder=RigFolder(Path(rig)),
         reading=reading,
         terms={name: value for name, value in terms.items() if value is not None},
-        labels={name: value for name, value in labels.items() if value},
+        labels={name: as_text(value) for name, value in labels.items() if value},
         covariates=stated_covariates(covariate or ()),
     )
     return keeper.keep(files, show)
@@ -333,7 +334,7 @@ class _Keeper:
     def _stated(self) -> dict[str, str]:
         """Put what is stated of the test into texts."""
         numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
-        return {**{name: str(value) for name, value in self.terms.items()}, **self.labels, **numbers}
+        return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
 
     def _keep_test(self, file: Path, reading: Channels) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
@@ -353,8 +354,8 @@ class _Keeper:
         now = datetime.now(tz=UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
         texts = {
             "sha256": checksum,
-            "name": _name(file, reading),
-            "file": path.name,
+            "name": as_text(_name(file, reading)),
+            "file": as_text(path.name),
             "added": now,
             **self.labels,
         }

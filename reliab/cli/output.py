@@ -110,8 +110,8 @@ def _without_marks(character: str) -> str:
 
 def _greek(letter: str) -> str:
     """Name of a Greek letter, as it is said; every other character as it is."""
-    alphabet, *_, name = unicodedata.name(letter, "").split() or [""]
-    return name.lower() if alphabet == "GREEK" else letter
+    name = unicodedata.name(letter, "")
+    return name.split()[-1].lower() if name.startswith("GREEK ") else letter
 
 
 _SUBSTITUTION = "reliab"

@@ -16,6 +16,7 @@ from reliab.motions.suite import MotionSuite
 from reliab.motions.units import AccelerationUnit
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9._+-]+")
+_DEVICE = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)  # what Windows takes for one
 _LONGEST_NAME = 100  # of a file or folder, of which most systems allow 255
 
 
@@ -99,7 +100,8 @@ def _files(suite: MotionSuite) -> Iterator[str]:
 
 
 def _as_file(name: str) -> str:
-    return _UNSAFE.sub("_", name)[:_LONGEST_NAME].strip(".").lstrip("+-")
+    file = _UNSAFE.sub("_", name)[:_LONGEST_NAME].strip(".").lstrip("+-")
+    return f"_{file}" if _DEVICE.match(file) else file
 
 
 def _one_line(text: str) -> str:

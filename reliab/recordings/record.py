@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from reliab.encodings import as_text
 from reliab.files import decoding, ordinary, require_small, written_whole
 from reliab.received import objects_of, opened_hdf5
 from reliab.recordings.readers.hierarchical import STATED, text_of
@@ -82,9 +83,10 @@ def record_test(
 
 def write_record(record: "xr.Dataset", path: str | Path) -> None:
     """Write a record as NetCDF, whole or not at all."""
+    texts = {name: as_text(text) for name, text in record.attrs.items() if isinstance(text, str)}
     packed = {str(name): {"zlib": True, "complevel": 4, "shuffle": True} for name in record.data_vars}
     with written_whole(path) as file:
-        file.write_bytes(record.to_netcdf(engine="h5netcdf", encoding=packed))
+        file.write_bytes(record.assign_attrs(texts).to_netcdf(engine="h5netcdf", encoding=packed))
 
 
 def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> None:

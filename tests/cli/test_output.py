@@ -82,6 +82,13 @@ def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with
         assert (code, out.decode(encoding)) == (0, written)
 
 
+def test_characters_without_a_name_or_with_one_word_are_written_out_too(run_with, monkeypatch):
+    api = importlib.import_module("reliab.api")
+    monkeypatch.setattr(api, "describe_installation", lambda: {"executable": "/\u2708/\ue000/\udcc3"})
+    code, out, _ = run_with("cp1252", ["info"])
+    assert (code, out.decode("cp1252")) == (0, "executable: /?/?/?\n")
+
+
 @pytest.mark.slow
 def test_json_is_exact_whatever_the_encoding(run_with):
     arguments = [*CRITERION, "--json", "-"]

@@ -99,6 +99,14 @@ def test_names_of_any_length_or_script_become_files_and_stay_names(tmp_path: Pat
     assert list(load_motions(tmp_path / "out").names) == [*names[:-1], r"[red] \x1b[31m#$<b>"]
 
 
+def test_no_file_has_the_name_of_a_device_of_windows(tmp_path: Path) -> None:
+    names = ["CON", "aux.1", "LPT1", "console"]
+    write_suite(MotionSuite.from_motions([motion(name, set_name="nul") for name in names]), tmp_path / "out")
+    files = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*/*.txt")}
+    assert files == {"_nul/_CON.txt", "_nul/_aux.1.txt", "_nul/_LPT1.txt", "_nul/console.txt"}
+    assert list(load_motions(tmp_path / "out").names) == names
+
+
 @pytest.mark.parametrize("name", ["=HYPERLINK(A1)", "+cmd|x", "-2+3+cmd", "@SUM(1)", "'=1", "-5"])
 def test_names_are_no_formulas_in_a_spreadsheet_and_stay_names(tmp_path: Path, name: str) -> None:
     motion = Motion(name=name, event=name, set_name=name, acceleration=np.arange(1.0, 5.0), time_step=0.01)

@@ -54,6 +54,14 @@ def test_xarray_opens_a_record_by_itself(record):
         assert (opened.attrs["rig"], opened.attrs["grade"]) == ("rig 3", "S355")
 
 
+def test_what_the_locale_of_the_command_line_could_not_read_is_text(tmp_path):
+    stated = "1±0.01".encode().decode("ascii", "surrogateescape")
+    reliab.record(csv_with_units_in_brackets(tmp_path), tmp_path / "t.nc", f=stated, rig="Gr\udcc3\udcb6sse")
+    assert str(read_recording(tmp_path / "t.nc").stated["f"]) == "1 ± 0.01"
+    with h5py.File(tmp_path / "t.nc") as file:
+        assert file.attrs["rig"] == "Grösse"
+
+
 def test_what_is_stated_comes_back(record):
     test = read_recording(record)
     assert str(test.stated["f"]) == "1 ± 0.01"
