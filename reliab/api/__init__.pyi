@@ -7,7 +7,6 @@ from .assessment_files import (
     write_tests as write_tests,
 )
 from .boundaries import ellipses as ellipses
-from .calibration import calibrate as calibrate
 from .comparison import compare as compare, compare_assessments as compare_assessments
 from .criteria import derive_criteria as derive_criteria
 from .derived_criteria import Criteria as Criteria
@@ -28,9 +27,12 @@ from .motions import (
     list_motions as list_motions,
     synthesize_motions as synthesize_motions,
 )
-from .paper_cases import judge_paper_cases as judge_paper_cases
-from .rebuilt_errors import validate_rebuilt_error as validate_rebuilt_error
-from .records import Record as Record, check_records as check_records, record as record
+from .records import (
+    Record as Record,
+    calibrate as calibrate,
+    check_records as check_records,
+    record as record,
+)
 from .rig_answers import (
     compare_rigs as compare_rigs,
     plan_rig as plan_rig,
@@ -43,6 +45,10 @@ from .rigs import (
     list_rig as list_rig,
     remove_from_rig as remove_from_rig,
     show_rig_test as show_rig_test,
+)
+from .simulated_verdicts import (
+    judge_paper_cases as judge_paper_cases,
+    validate_rebuilt_error as validate_rebuilt_error,
 )
 from .simulation import simulate as simulate, simulate_suite as simulate_suite
 from .studies import list_studies as list_studies, perform_study as perform_study, report_run as report_run

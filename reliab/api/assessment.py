@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, TypedDict, Unpack, overload
 from reliab.api.arguments import (
     LINEAR,
     Quantity,
+    exactly_stated,
     known_equipment,
     require_known_specimen,
     require_positive,
+    stated_by_model,
     stated_filters,
+    stated_of_test,
     stated_values,
     unused,
 )
 from reliab.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
-from reliab.api.stated_structure import exactly_stated, stated_by_model, stated_of_test
 from reliab.assessment import (
     Assessment,
     Equipment,

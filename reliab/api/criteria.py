@@ -11,9 +11,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.api.cases import POPULATION, Case
-from reliab.api.criterion_comparison import compare_candidates
-from reliab.api.criterion_figures import draw_criteria
-from reliab.api.derived_criteria import Criteria, write_criterion
+from reliab.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
 from reliab.api.sources import (
     FIVE_PERCENT,
     ONE_HERTZ,

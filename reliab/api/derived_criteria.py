@@ -1,10 +1,10 @@
 """Criteria with what they were derived from, and their limits at each structure."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -17,12 +17,18 @@ from reliab.criterion import (
     printed_share,
     summarise,
 )
-from reliab.errors import IncompleteError
+from reliab.errors import IncompleteError, InputError
 from reliab.files import refuse_unwritable, require_ending, written_whole
+from reliab.progress import Show
 from reliab.rows import ResultWithRows
 from reliab.shipped import shipped
 from reliab.significant import percent
 from reliab.sweep import open_ellipses
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from reliab.sampling import PosteriorSample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,3 +148,203 @@ def write_criterion(criterion: Criterion, out: str | Path) -> None:
     require_ending(out, ".json")
     with refuse_unwritable("The criterion's file must be writable", where=out), written_whole(out) as file:
         file.write_text(criterion.to_json(), encoding="utf-8")
+
+
+def compare_candidates(
+    dataset: "xr.Dataset | None",
+    structures: Sequence[tuple[float, float]],
+    criteria: "Sequence[Criterion]",
+    show: Show,
+) -> dict[str, Any]:
+    """Compare distributions of a and b at structures, and laws over all structures of the dataset.
+
+    Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
+    `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
+    """
+    import numpy as np
+
+    if dataset is None:
+        raise InputError(
+            "Distributions and laws are compared on ellipses of motions",
+            value="`compare` without a source of ellipses",
+            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
+        )
+    thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
+    metric, confidence = str(criteria[0].metric), criteria[0].confidence
+    curve = criteria[0].provenance.curve
+    if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
+        raise InputError(
+            "Earthquakes are held out in turn, so at least two are needed",
+            value=1,
+            remedy="Give motions of more earthquakes, or leave `compare` out",
+        )
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    jobs = [(f, xi, threshold) for f, xi in held for threshold in thresholds]
+    distributions: list[dict[str, Any]] = []
+    with show("Comparing distributions") as progress:
+        for done, (f, xi, threshold) in enumerate(jobs, start=1):
+            distributions += _distributions(dataset, f, xi, threshold, metric, curve)
+            progress(done, len(jobs))
+    several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
+    laws = (
+        [row for threshold in thresholds for row in _laws(dataset, threshold, metric, confidence, curve)]
+        if several
+        else []
+    )
+    return {"distributions": distributions, "laws": laws}
+
+
+def _distributions(
+    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
+) -> list[dict[str, Any]]:
+    from dataclasses import asdict
+
+    from reliab.criterion import lognormality, sample_of
+    from reliab.validation import compare_distributions
+
+    sample = sample_of(
+        dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
+    )
+    where = {"f": f, "xi": xi, "threshold": threshold}
+    return [
+        {
+            **where,
+            "parameter": name,
+            "lognormality": asdict(lognormality(values)),
+            "scores": compare_distributions(values, sample.events)
+            .rename_axis("distribution")
+            .reset_index()
+            .to_dict(orient="records"),
+        }
+        for name, values in (("a", sample.a), ("b", sample.b))
+    ]
+
+
+def _laws(
+    dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
+) -> list[dict[str, Any]]:
+    from reliab.validation import compare_laws
+
+    scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
+    return [
+        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in scores.to_dict("records")
+    ]
+
+
+def draw_criteria(
+    folder: Path,
+    dataset: "xr.Dataset | None",
+    criteria: "Sequence[Criterion]",
+    structures: Sequence[tuple[float, float]],
+    derivations: "Sequence[Derivation]",
+    show: Show,
+) -> list[str]:
+    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
+    if dataset is None:
+        raise InputError(
+            "A criterion is drawn over ellipses of motions",
+            value="`figures` without a source of ellipses",
+            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
+        )
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    if not held:
+        raise InputError(
+            "A criterion is drawn over ellipses of motions at the same structure",
+            value="none of those that are asked for",
+            remedy=f"Choose f among {_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')}",
+        )
+    errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
+    jobs = [(*structure, *error) for structure in held for error in errors]
+    names = []
+    with show("Drawing") as progress:
+        for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
+            alike = [
+                criterion
+                for criterion in criteria
+                if (criterion.threshold, str(criterion.metric)) == (threshold, metric)
+            ]
+            drawn = _plane(dataset, alike, f, xi)
+            names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
+            progress(done, len(jobs))
+    return names + _write_posteriors(folder, derivations)
+
+
+def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list[str]:
+    """Draw traces, ranks and pairs of every posterior, and keep its draws."""
+    from reliab.vocabulary import Side
+
+    names = []
+    for learned in (part for derivation in derivations for part in derivation.learned):
+        if learned.sampled is None:
+            continue
+        side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"
+        error = f"{learned.grid.metric}{learned.grid.threshold:g}{side}"
+        for name, drawn in _posterior_figures(learned.sampled).items():
+            names.append(_write(folder, f"{name}_{error}.svg", drawn))
+        names.append(f"posterior_{error}.nc")
+        learned.sampled.write_netcdf(folder / names[-1])
+    return names
+
+
+def _listed(dataset: "xr.Dataset", name: str) -> str:
+    return ", ".join(f"{value:g}" for value in dataset[name].values)
+
+
+def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
+    from reliab.criterion import sample_of
+    from reliab.report import VERMILION
+    from reliab.report.figures import ellipses_and_criterion
+
+    first = alike[0]
+    sample = sample_of(
+        dataset,
+        frequency=f,
+        damping_ratio=xi,
+        threshold=first.threshold,
+        metric=str(first.metric),
+        curve=first.provenance.curve,
+    )
+    named = {}
+    for criterion in alike:
+        a, b = (float(limit) for limit in criterion.limits(f, xi))
+        if a > 0.0 and b > 0.0:
+            named[_share_in_words(criterion)] = (a, b)
+    drawn = ellipses_and_criterion(sample, named)
+    if not first.provenance.settings.get("converged", True):
+        drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
+    return drawn
+
+
+def _share_in_words(criterion: "Criterion") -> str:
+    from reliab.significant import percent
+
+    if criterion.population is None:
+        return f"{criterion.law.name}, stated for {percent(criterion.confidence)} of motions"
+    if criterion.promise is None:
+        return f"asked for at {percent(criterion.confidence)}, no share promised"
+    return f"{percent(criterion.promise)} of motions"
+
+
+def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
+    from reliab.report.figures import pairs, ranks, traces
+
+    chief = [
+        *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),
+        "log degrees of freedom",
+    ]
+    present = [name for name in chief if name in posterior.names]
+    return {
+        "traces": traces(posterior),
+        "ranks": ranks(posterior),
+        "pairs": pairs(posterior, present),
+    }
+
+
+def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
+    from reliab.report import svg
+
+    with refuse_unwritable("The folder of the figures must be writable", where=folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with written_whole(folder / name) as file:
+            file.write_bytes(svg(drawn))
+    return name

@@ -13,11 +13,13 @@ from reliab.api.judged_motions import (
     Division,
     divide,
     judged_ellipses,
+    kept_shares,
+    motions_outside,
     require_one_division,
     require_one_share,
+    sentences_of_outside,
     true_errors,
 )
-from reliab.api.kept_shares import kept_shares, motions_outside, sentences_of_outside
 from reliab.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
 from reliab.criterion import population_of
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Law, known

@@ -3,10 +3,11 @@
 import io
 import uuid
 import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Final
 
-from reliab.in_loop.fmu_variables import describe_for_2, describe_for_3, list_variables
 from reliab.in_loop.sources import CONFIGURATION, LoopMonitor, monitor_sources
 
 _BEFORE_BUILDS: Final = 2
@@ -62,3 +63,130 @@ def _write(archive: zipfile.ZipFile, name: str, text: str) -> None:
     entry = zipfile.ZipInfo(name, _WHEN)
     entry.compress_type = zipfile.ZIP_DEFLATED
     archive.writestr(entry, text)
+
+
+_NAMES_IN_2 = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
+_STATUS = "1: may diverge, 2: error above twice the threshold, 4: fault; sums of them"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """A variable of the FMU."""
+
+    name: str
+    number: int  # Its value reference, as `template/unit.h` numbers them
+    description: str
+    unit: str = ""
+    kind: str = "Float64"  # Float64, Int32 or Boolean
+    causality: str = "output"  # input, output or parameter
+
+    @property
+    def is_output(self) -> bool:
+        """Whether it is computed."""
+        return self.causality == "output"
+
+
+def list_variables(actuators: int) -> list[Variable]:
+    """Return inputs, outputs and parameters; those of one actuator have no numbers in their names."""
+    place = {k: f"_{k + 1}" if actuators > 1 else "" for k in range(actuators)}
+    channels = ("command", "Command displacement"), ("measured", "Measured displacement")
+    inputs = [
+        Variable(
+            name=f"{name}{place[k]}", number=2 * k + channel, description=what, unit="m", causality="input"
+        )
+        for k in place
+        for channel, (name, what) in enumerate(channels)
+    ]
+    errors = (
+        ("error", "Measured displacement minus exact response", "m"),
+        ("rms", "RMS^R so far", ""),
+        ("mte", "MTE^R so far", ""),
+    )
+    outputs = [
+        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=what, unit=unit)
+        for block, (name, what, unit) in enumerate(errors, 2)
+        for k in place
+    ]
+    damping = "Net damping ratio of the loop; NaN before it is known"
+    outputs += [
+        Variable(name="net_damping", number=5 * actuators, description=damping),
+        Variable(name="status", number=5 * actuators + 1, description=_STATUS, kind="Int32"),
+    ]
+    if actuators > 1:
+        which = "Number of the displacement with the largest error so far"
+        outputs.append(Variable(name="governing", number=5 * actuators + 3, description=which, kind="Int32"))
+    return [*inputs, *outputs, *_parameters(place)]
+
+
+def _parameters(place: dict[int, str]) -> list[Variable]:
+    """List what may be stated of the sensors before a test."""
+    actuators = len(place)
+    quantities = (
+        ("sensor_offset", "Offset of the displacement sensor"),
+        ("standing", "Command minus measured displacement in equilibrium, when the test begins"),
+    )
+    numbers = [
+        Variable(
+            name=f"{name}{place[k]}",
+            number=(5 + block) * actuators + 4 + k,
+            description=what,
+            unit="m",
+            causality="parameter",
+        )
+        for block, (name, what) in enumerate(quantities)
+        for k in place
+    ]
+    whether = Variable(
+        name="offsets_are_stated",
+        number=7 * actuators + 4,
+        description="Whether the offsets are those stated here; otherwise they are learned at rest",
+        kind="Boolean",
+        causality="parameter",
+    )
+    return [*numbers, whether]
+
+
+def describe_for_2(variables: Sequence[Variable]) -> dict[str, str]:
+    """Return the parts of a model's description in FMI 2.0."""
+    places = [place for place, variable in enumerate(variables, 1) if variable.is_output]
+    outputs = "".join(f'<Unknown index="{place}"/>' for place in places)
+    return {"@VARIABLES@": "\n".join(map(_scalar, variables)), "@OUTPUTS@": outputs}
+
+
+def describe_for_3(variables: Sequence[Variable], actuators: int) -> dict[str, str]:
+    """Return the parts of a model's description in FMI 3.0, which has the time as a variable."""
+    numbers = [variable.number for variable in variables if variable.is_output]
+    time = (
+        f'    <Float64 name="time" valueReference="{5 * actuators + 2}" causality="independent" '
+        'variability="continuous" unit="s" description="Time of the last sample"/>'
+    )
+    return {
+        "@VARIABLES@": "\n".join([*map(_typed, variables), time]),
+        "@OUTPUTS@": "".join(f'<Output valueReference="{number}"/>' for number in numbers),
+        "@INITIAL@": "".join(f'<InitialUnknown valueReference="{number}"/>' for number in numbers),
+    }
+
+
+def _attributes(variable: Variable) -> str:
+    variability = "fixed" if variable.causality == "parameter" else "discrete"
+    initial = ' initial="calculated"' if variable.is_output else ""
+    return (
+        f'name="{variable.name}" valueReference="{variable.number}" causality="{variable.causality}" '
+        f'variability="{variability}"{initial} description="{variable.description}"'
+    )
+
+
+def _values(variable: Variable) -> str:
+    """Write the unit and the start value."""
+    unit = f' unit="{variable.unit}"' if variable.unit else ""
+    start = "false" if variable.kind == "Boolean" else "0"
+    return unit + ("" if variable.is_output else f' start="{start}"')
+
+
+def _scalar(variable: Variable) -> str:
+    kind = _NAMES_IN_2[variable.kind]
+    return f"    <ScalarVariable {_attributes(variable)}><{kind}{_values(variable)}/></ScalarVariable>"
+
+
+def _typed(variable: Variable) -> str:
+    return f"    <{variable.kind} {_attributes(variable)}{_values(variable)}/>"

@@ -1,5 +1,4 @@
 from .comparison import RigComparison as RigComparison, compare_tables as compare_tables
-from .describing import describe_test as describe_test
 from .drift import (
     FALSE_ALARMS as FALSE_ALARMS,
     DriftChart as DriftChart,
@@ -16,5 +15,10 @@ from .prediction import (
 )
 from .rig_folder import RigFolder as RigFolder
 from .rig_table import RigTable as RigTable
-from .rig_test import COLUMNS as COLUMNS, RigTest as RigTest, require_date as require_date
+from .rig_test import (
+    COLUMNS as COLUMNS,
+    RigTest as RigTest,
+    describe_test as describe_test,
+    require_date as require_date,
+)
 from .watching import watch as watch

@@ -55,7 +55,7 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
     def work(folder: Path) -> None:
         from reliab.structures import Structure
 
-        from . import compare_levels, compare_limits, tolerances
+        from .tolerances import compare_levels, compare_limits, tolerances
 
         table = study.structures
         structures = [

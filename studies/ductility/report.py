@@ -34,7 +34,7 @@ from reliab.report.prose import prose
 from reliab.significant import counted, percent
 from reliab.vocabulary import PERCENT
 
-from . import FARTHEST
+from .tolerances import FARTHEST
 
 _NAMES = {
     "bilinear": "bilinear",

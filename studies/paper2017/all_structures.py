@@ -8,7 +8,6 @@ from reliab.criterion.laws import OF_MANY_MOTIONS
 from reliab.vocabulary import MILLI, PERCENT, STANDARD_GRAVITY
 
 from .cases import DELAY_STEPS
-from .item import MISSING, Item
 from .printed import (
     APPLICATION_PEAK,
     AXIAL_STIFFNESS,
@@ -19,10 +18,12 @@ from .printed import (
     EQUATION_18,
     FRAME_STIFFNESS,
     MASSES,
+    MISSING,
     ONE_HERTZ,
     RATE_HZ,
     SPECIMEN_STIFFNESS,
     TWO_PERCENT,
+    Item,
     PrintedTables,
 )
 from .records import Records

@@ -6,7 +6,6 @@ import pandas as pd
 import xarray as xr
 
 from .all_structures import equation_18, figure_17, table_5, table_6
-from .item import Item
 from .many_motions import (
     equation_12,
     equation_15,
@@ -25,7 +24,7 @@ from .one_motion import (
     table_1,
     table_4,
 )
-from .printed import PrintedTables
+from .printed import Item, PrintedTables
 from .records import Records
 from .text import numbers_of_text
 

@@ -8,6 +8,7 @@ amplitude error is a gain. The first simulation has no error, the second both.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -16,15 +17,28 @@ from numpy.typing import NDArray
 
 from reliab.criterion import Criterion
 from reliab.criterion.laws import OF_MANY_MOTIONS
+from reliab.errors import InputError
 from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.indices.response_error import response_error
 from reliab.motions import Motion, resample, truncate
 from reliab.simulation import Actuator
+from reliab.simulation.compensators import (
+    Compensator,
+    Feedforward,
+    InverseCompensation,
+    PolynomialExtrapolation,
+)
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.integrators import (
+    CentralDifference,
+    ChenRicles,
+    ExactIntegrator,
+    Integrator,
+    OperatorSplitting,
+)
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI
 
-from .equipment import compensator_of, integrator_of
 from .printed import (
     FIVE_PERCENT,
     FRAME_STIFFNESS,
@@ -252,3 +266,43 @@ def case_verdicts(
                 }
             )
     return pd.DataFrame(rows)
+
+
+Maker = TypeVar("Maker")
+
+INTEGRATORS: Final[Mapping[str, Callable[[Structure], Integrator]]] = {
+    "chen_ricles": lambda structure: ChenRicles(structure=structure),
+    "central_difference": lambda _: CentralDifference(),
+    "operator_splitting": lambda structure: OperatorSplitting(structure=structure),
+    "exact": lambda _: ExactIntegrator(),
+}
+"""Integrators by name; each takes the structure of a case."""
+
+COMPENSATORS: Final[Mapping[str, Callable[[float], Compensator | None]]] = {
+    "inverse": lambda steps: InverseCompensation(steps=steps),
+    "feedforward": lambda steps: Feedforward(time=(steps - 1.0) / RATE_HZ),
+    "polynomial_extrapolation": lambda steps: PolynomialExtrapolation(steps=max(1, round(steps - 1.0))),
+    "none": lambda _: None,
+}
+"""Compensators by name; each takes the delay that the case estimates [steps], counted from when the command
+is sent, one step before it is due."""
+
+
+def integrator_of(name: str, structure: Structure) -> Integrator:
+    """Make the integrator of a name for a structure."""
+    return _chosen(INTEGRATORS, "integrator", name)(structure)
+
+
+def compensator_of(name: str, steps: float) -> Compensator | None:
+    """Make the compensator of a name for an estimated delay [steps]; None for no compensation."""
+    return _chosen(COMPENSATORS, "compensator", name)(steps)
+
+
+def _chosen(choices: Mapping[str, Maker], what: str, name: str) -> Maker:
+    if name not in choices:
+        raise InputError(
+            f"The {what} of the paper's cases must be known",
+            value=name,
+            remedy=f"Choose among {', '.join(choices)}",
+        )
+    return choices[name]

@@ -9,17 +9,19 @@ from reliab.criterion import SIGNIFICANCE
 from reliab.significant import significant
 
 from .fits import exponential, quantile
-from .item import CLOSE, MISSING, Item
 from .printed import (
+    CLOSE,
     CORRELATION_OF_FIGURE_11,
     EQUATION_12,
     EQUATION_15,
+    MISSING,
     ONE_HERTZ,
     RANGES_OF_TEXT,
     ROOTS_ABOVE_EQUATION_12,
     SLOPE_OF_FIGURE_11,
     TOO_LARGE,
     TWO_PERCENT,
+    Item,
     PrintedTables,
 )
 from .records import Records

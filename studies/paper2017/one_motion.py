@@ -9,7 +9,6 @@ from reliab.structures.stability import critical_delay
 from reliab.vocabulary import MILLI, PERCENT
 
 from .fits import exponential, proportional
-from .item import MISSING, Item
 from .printed import (
     AMPLITUDES,
     CRITICAL_DELAY,
@@ -23,6 +22,7 @@ from .printed import (
     ERRORS_OF_AMPLITUDE,
     INSTANT_OF_FIGURE_3,
     INTERVAL_OF_FIGURE_2,
+    MISSING,
     ONE_HERTZ,
     POINTS_OF_FIT,
     RAISED_PEAK_OF_FIGURE_7,
@@ -31,6 +31,7 @@ from .printed import (
     SIMULATIONS_OF_FIGURE_8,
     TABLE_1,
     TWO_PERCENT,
+    Item,
     PrintedTables,
 )
 from .records import Records

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from reliab.arrays import Array
 from reliab.boundary import Contour, Cosine, Curve, Ellipse, Parabola
 from reliab.criterion import EllipseSample, is_ellipse
+from reliab.criterion.laws import OF_MANY_MOTIONS
 from reliab.vocabulary import CurveName, Metric, Side
 
 from .fits import quantile
@@ -119,3 +121,22 @@ def contour_with_ends(example: xr.Dataset) -> Contour:
     low, high = example["ends_rms"].values
     amplitude, delay = (example[f"{name}_rms"].values for name in ("amplitude", "delay"))
     return Contour(amplitude=np.r_[low, amplitude, high], delay=np.r_[0.0, delay, 0.0])
+
+
+LAWS = ("guo_2017_15", "guo_2017_18", "guo_2017_15_corrected", "guo_2017_18_corrected")
+
+
+def containment(records: Records) -> pd.DataFrame:
+    """Share of the motions whose own fitted ellipse contains a published criterion, at ξ = 0.02.
+
+    Columns f [Hz] and one for each law, shares [-].
+    """
+    rows = []
+    for f in records.frequencies.tolist():
+        sample = records.sample(f)
+        row = {"f": f}
+        for name in LAWS:
+            a, b = (float(limit) for limit in OF_MANY_MOTIONS[name].limits(f, TWO_PERCENT))
+            row[name] = float(((sample.a >= a) & (sample.b >= b)).mean())
+        rows.append(row)
+    return pd.DataFrame(rows)

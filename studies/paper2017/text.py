@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from .item import CLOSE, Item
 from .printed import (
     AMPLITUDE_LIMIT_BELOW_EQUATION_15,
+    CLOSE,
     DELAY_LIMITS_BELOW_EQUATION_15,
     EQUATION_15,
     EQUATION_16,
@@ -17,6 +17,7 @@ from .printed import (
     RANGES_OF_TEXT,
     ROOTS_OF_TEXT,
     SETS_OF_MOTIONS,
+    Item,
     PrintedTables,
 )
 

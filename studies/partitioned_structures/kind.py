@@ -34,7 +34,7 @@ def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
     records, table = Records(study), study.partitioned
 
     def work(folder: Path) -> None:
-        from . import draw_tests, run_tests, shares_of_structures
+        from .running import draw_tests, run_tests, shares_of_structures
 
         with show("Running partitioned tests") as progress:
             tests = run_tests(draw_tests(list(records.motions), table.tests, table.seed), progress=progress)

@@ -9,7 +9,7 @@ from reliab.report import Column, Document, Figure, Fixed, Prose, Section, Table
 from reliab.report.prose import prose
 from reliab.vocabulary import PERCENT
 
-from . import PREDICTIONS, ratios
+from .running import PREDICTIONS, ratios
 
 _NAMES = {
     "law_18": "equation (18)",

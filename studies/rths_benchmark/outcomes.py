@@ -1,4 +1,7 @@
-"""The virtual hybrid-simulation benchmark: criteria J1 to J9, A and d, the error and its verdict."""
+"""The virtual hybrid-simulation benchmark: criteria J1 to J9, A and d, the error and its verdict.
+
+The paper of the benchmark numbers J5 to J7 differently (its J5 is J6 here, its J6 is J7 and its J7 is J5).
+"""
 
 import csv
 from collections.abc import Iterator, Sequence
@@ -10,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from reliab.arrays import Array
 from reliab.assessment import word_of_probability
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.errors import InputError
@@ -30,7 +34,6 @@ from .benchmark import (
     benchmark_rig,
     scaled_record,
 )
-from .criteria import NAMES, benchmark_criteria
 
 NOMINAL: Final = "nominal"
 """What the plant of the benchmark is called in results; others by their number."""
@@ -232,3 +235,51 @@ def summary(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
         tests=("lost", "size"), lost=("lost", "sum"), over_force_limit=("over_force_limit", "sum")
     )
     return counts.join(groups[columns].mean()).reset_index()
+
+
+NAMES: Final = tuple(f"J{number}" for number in range(1, 10))
+
+_LONGEST_LAG = 50  # samples
+
+
+def tracking_delay(command: Array, measured: Array, step: float) -> float:
+    """Lag [s], from 0 to 49 samples, at which measured and command displacement correlate best.
+
+    `command`, `measured`: displacements [m], shape (n,); `step`: step [s].
+
+    >>> late = np.sin(0.01 * np.arange(1000))
+    >>> tracking_delay(np.sin(0.01 * (np.arange(1000) + 7)), late, 1.0)
+    7.0
+    """
+    size = command.size
+    correlations = [
+        np.corrcoef(command[: size - lag], measured[lag:])[0, 1] for lag in range(min(_LONGEST_LAG, size - 2))
+    ]
+    return float(np.argmax(correlations)) * step
+
+
+def benchmark_criteria(run: Run) -> dict[str, float]:
+    """J1 [ms] and J2 to J9 [%] of a test whose first three degrees of freedom are floors."""
+    measured, numerical, reference = run.measured, run.floors, run.reference
+
+    def spread(values: Array, reference: Array) -> float:
+        return 100.0 * float(np.std(values, ddof=1) / np.std(reference, ddof=1))
+
+    def peak(values: Array, reference: Array) -> float:
+        return 100.0 * float(np.abs(values).max() / np.abs(reference).max())
+
+    tracking = measured - numerical[0]
+    first = measured - reference[0]
+    second, third = numerical[1] - reference[1], numerical[2] - reference[2]
+    values = [
+        spread(tracking, numerical[0]),
+        peak(tracking, numerical[0]),
+        spread(first, reference[0]),
+        peak(first, reference[0]),
+        spread(second, reference[1]),
+        spread(third, reference[2]),
+        peak(second, reference[1]),
+        peak(third, reference[2]),
+    ]
+    delay = round(1e3 * tracking_delay(numerical[0], measured, run.step), 1)
+    return dict(zip(NAMES, [delay, *(round(value, 2) for value in values)], strict=True))

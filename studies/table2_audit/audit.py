@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from reliab_studies.paper2017.item import CLOSE
-from reliab_studies.paper2017.printed import ONE_HERTZ, TWO_PERCENT
+from reliab_studies.paper2017.printed import CLOSE, ONE_HERTZ, TWO_PERCENT
 
 from reliab.arrays import Array
 from reliab.boundary import Ellipse

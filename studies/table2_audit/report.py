@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure as Drawing
-from reliab_studies.paper2017.item import CLOSE
+from reliab_studies.paper2017.printed import CLOSE
 
 from reliab.report import (
     BLUE,

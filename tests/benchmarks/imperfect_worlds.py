@@ -129,7 +129,7 @@ def draw(stated: list[tuple[float, bool]], path: Path) -> None:
                 }
             )
     if rows:
-        pages = study_module("blind_evaluation", "pages.confusions")
+        pages = study_module("blind_evaluation", "report")
         pages.discrepancy_reliability(pd.DataFrame(rows)).savefig(path, dpi=200)
 
 

@@ -25,9 +25,9 @@ from reliab.motions import Motion, resample
 from reliab.motions.synthetic import synthetic_suite
 from reliab.study import study_module
 
-controllers, loop, plants, rebuilding, structure = (
+controllers, loop, plants, outcomes, structure = (
     study_module("marths_benchmark", name)
-    for name in ("controllers", "loop", "plant", "rebuilding", "structure")
+    for name in ("controllers", "loop", "plant", "outcomes", "structure")
 )
 RATE_OF_BENCHMARK = structure.RATE
 LONGEST = 40.0  # s of the benchmark
@@ -61,7 +61,7 @@ def of_benchmark(number: int, diverges: bool, motion: Motion, rng: np.random.Gen
             monitor=CoupledMonitor(
                 structure.benchmark_partition(),
                 1.0 / RATE_OF_BENCHMARK,
-                recursion=rebuilding.own_recursion(),
+                recursion=outcomes.own_recursion(),
             ),
             command=structure.to_node(run.target),
             measured=structure.to_node(run.measured),

@@ -25,9 +25,9 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 
-controllers, loop, plants, rebuilding, structure = (
+controllers, loop, plants, outcomes, structure = (
     study_module("marths_benchmark", name)
-    for name in ("controllers", "loop", "plant", "rebuilding", "structure")
+    for name in ("controllers", "loop", "plant", "outcomes", "structure")
 )
 
 LONGEST = 40.0  # s
@@ -49,10 +49,10 @@ def judged(
         strayed = structure.to_node(run.true) - ideal
         true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
         white = rng.standard_normal(run.true.shape) * run.true.std(axis=1, keepdims=True)
-        noisy = rebuilding.rebuilt_error(
+        noisy = outcomes.rebuilt_error(
             run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS, ordinary=ordinary
         )
-        clean = rebuilding.rebuilt_error(run.target, run.true, FEW_DRAWS)
+        clean = outcomes.rebuilt_error(run.target, run.true, FEW_DRAWS)
         for found, exact, error in zip(noisy.displacements, clean.displacements, true, strict=True):
             yield {
                 "plant": plant.name,

@@ -7,7 +7,7 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.api.criterion_figures import _plane
+from reliab.api.derived_criteria import _plane
 from reliab.cli.criterion import criterion
 from reliab.criterion import Criterion
 from reliab.errors import IncompleteError, InputError

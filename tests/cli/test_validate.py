@@ -6,7 +6,7 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.api.kept_shares import kept_shares
+from reliab.api.judged_motions import kept_shares
 from reliab.cli.validate import validate
 from reliab.errors import InputError
 from reliab.shipped import shipped

@@ -30,8 +30,7 @@ from reliab.validation.rebuilt_error_study import (
     summarised,
     try_tests,
 )
-from reliab.validation.rebuilt_error_study.conditions import _DECIBELS, CONDITIONS, PLAIN, QUANTISED
-from reliab.validation.rebuilt_error_study.rigs import RIGS, Scales
+from reliab.validation.rebuilt_error_study.rigs import _DECIBELS, CONDITIONS, PLAIN, QUANTISED, RIGS, Scales
 from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS
 from reliab.vocabulary import Metric
 

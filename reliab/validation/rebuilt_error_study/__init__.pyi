@@ -1,4 +1,3 @@
-from .conditions import PLAIN as PLAIN, RIGHT as RIGHT
 from .design import Design as Design
 from .judges import (
     CERTAIN as CERTAIN,
@@ -6,5 +5,5 @@ from .judges import (
     REBUILT as REBUILT,
     WITH_MODEL as WITH_MODEL,
 )
-from .rigs import LINEAR as LINEAR
+from .rigs import LINEAR as LINEAR, PLAIN as PLAIN, RIGHT as RIGHT
 from .study import shares as shares, summarised as summarised, try_tests as try_tests

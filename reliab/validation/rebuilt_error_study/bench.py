@@ -21,7 +21,6 @@ from reliab.simulation import Excitation
 from reliab.simulation.hybrid_test import Histories, HybridTest, run_closed_loop
 from reliab.structures import Structure
 from reliab.validation.beyond_the_model import Rig
-from reliab.validation.rebuilt_error_study.conditions import CONDITIONS, PLAIN, RIGHT, Condition
 from reliab.validation.rebuilt_error_study.design import Design
 from reliab.validation.rebuilt_error_study.judges import (
     WITH_MODEL,
@@ -31,9 +30,13 @@ from reliab.validation.rebuilt_error_study.judges import (
     by_verdict,
 )
 from reliab.validation.rebuilt_error_study.rigs import (
+    CONDITIONS,
     LINEAR,
+    PLAIN,
+    RIGHT,
     RIGS,
     SPECIMENS,
+    Condition,
     NonlinearSpecimen,
     Scales,
 )

@@ -12,10 +12,9 @@ from reliab.files import refuse_unwritable, written_whole
 from reliab.progress import Progress, silent
 from reliab.validation.cross_validation.counts import event_bootstrap
 from reliab.validation.rebuilt_error_study.bench import tests_of_round
-from reliab.validation.rebuilt_error_study.conditions import PLAIN, RIGHT
 from reliab.validation.rebuilt_error_study.design import Design
 from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT
-from reliab.validation.rebuilt_error_study.rigs import LINEAR
+from reliab.validation.rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
 
 STUDY_COLUMNS: Final = (
     *("study", "round", "motion", "event", "test", "rig", "specimen", "f", "xi", "alpha", "sensor", "stated"),

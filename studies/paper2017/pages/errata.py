@@ -8,7 +8,7 @@ import pandas as pd
 from reliab.report import Paragraph, Points, Prose, Section
 from reliab.report.prose import prose
 
-from ..item import CLOSE
+from ..printed import CLOSE
 from ..text import SLIPS
 
 _ALWAYS: Final[tuple[Prose, ...]] = (

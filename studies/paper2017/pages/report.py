@@ -28,9 +28,8 @@ from reliab.sweep import share_of
 from reliab.vocabulary import PERCENT
 
 from ..audit import items_of, tabulate
-from ..containment import LAWS, containment
 from ..printed import EXAMPLE, PrintedTables
-from ..records import Records
+from ..records import LAWS, Records, containment
 from .errata import count, errata_section, of_row, rows_that_agree
 from .figures import (
     boundary_section,

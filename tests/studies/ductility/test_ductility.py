@@ -3,14 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-from reliab_studies.ductility import (
-    DIRECTIONS,
-    NonlinearSpecimen,
-    SpecimenKind,
-    compare_levels,
-    compare_limits,
-    tolerances,
-)
+from reliab_studies.ductility.specimens import NonlinearSpecimen, SpecimenKind
+from reliab_studies.ductility.tolerances import DIRECTIONS, compare_levels, compare_limits, tolerances
 from reliab_studies.ductility.yielding import _fine, _response
 
 from reliab.boundary import motion_contours

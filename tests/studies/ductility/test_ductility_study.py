@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
-from reliab_studies.ductility import DIRECTIONS, SPECIMENS, compare_levels, compare_limits
 from reliab_studies.ductility.kind import KIND, LEVELS, LIMITS, TESTS
+from reliab_studies.ductility.specimens import SPECIMENS
+from reliab_studies.ductility.tolerances import DIRECTIONS, compare_levels, compare_limits
 
 from reliab.errors import InputError
 from reliab.progress import quietly

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 import scipy
 from reliab_studies.marths_benchmark.controllers import CONTROLLERS, find_controller
-from reliab_studies.marths_benchmark.criteria import criteria
 from reliab_studies.marths_benchmark.loop import reference, run_perfect, run_test
+from reliab_studies.marths_benchmark.outcomes import criteria, own_recursion, rebuilt_error
 from reliab_studies.marths_benchmark.plant import drawn_plants, nominal_plant
-from reliab_studies.marths_benchmark.rebuilding import own_recursion, rebuilt_error
 from reliab_studies.marths_benchmark.structure import (
     RATE,
     SCALE,

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from reliab_studies.paper2017 import audit
+from reliab_studies.paper2017.audit import audit
 from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
 from reliab_studies.paper2017.example import run_paper_example
 from reliab_studies.paper2017.printed import (

@@ -1,8 +1,7 @@
 """The paper's cases with other integrators and compensators than the paper's."""
 
 import pytest
-from reliab_studies.paper2017.cases import printed_cases, run_paper_cases
-from reliab_studies.paper2017.equipment import COMPENSATORS, INTEGRATORS
+from reliab_studies.paper2017.cases import COMPENSATORS, INTEGRATORS, printed_cases, run_paper_cases
 
 from reliab.errors import InputError
 from reliab.motions import truncate

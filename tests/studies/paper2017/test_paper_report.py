@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from reliab_studies.paper2017 import audit
+from reliab_studies.paper2017.audit import audit
 from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
-from reliab_studies.paper2017.containment import containment
 from reliab_studies.paper2017.example import run_paper_example
 from reliab_studies.paper2017.pages.report import paper_report
 from reliab_studies.paper2017.printed import EXAMPLE, PrintedTables
-from reliab_studies.paper2017.records import Records
+from reliab_studies.paper2017.records import Records, containment
 
 from reliab.motions import Motion
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reliab_studies.paper2017 import audit
+from reliab_studies.paper2017.audit import audit
 from reliab_studies.validation.motion_terms import gain_of_terms
 
 from reliab.boundary.first_order import first_order_ellipse

@@ -15,7 +15,7 @@ from reliab_studies.rths_benchmark.benchmark import (
     benchmark_rig,
     scaled_record,
 )
-from reliab_studies.rths_benchmark.criteria import NAMES, benchmark_criteria, tracking_delay
+from reliab_studies.rths_benchmark.outcomes import NAMES, benchmark_criteria, tracking_delay
 
 from reliab.effects import find_effect
 from reliab.errors import InputError

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from reliab_studies.partitioned_structures import (
+from reliab_studies.partitioned_structures.running import (
     PREDICTIONS,
     draw_tests,
     partitioned_structures,
