@@ -181,8 +181,8 @@ def assess(
     filter : iterable of str, optional
         Low-pass filters before the converters, "measured=200" (second order, 200 Hz) or "command=200/4".
     equipment : str, pathlib.Path or Equipment, optional
-        What a laboratory does not know where nothing is stated, or its file; by default that of ordinary
-        equipment. A number that is stated without its standard deviation is as uncertain as there.
+        Uncertainties that are assumed where nothing is stated, or their file; by default those of
+        ordinary equipment. A number that is stated without its standard deviation is as uncertain as there.
     exact : bool, optional
         Whether everything that is stated without a standard deviation is exact, and so are all channels.
     motion : str, pathlib.Path or Motion, optional
@@ -196,18 +196,18 @@ def assess(
         How the specimen is known: linear, with the share `alpha` of the stiffness, or by its recorded force
         only, from which it is learned; that needs `mass`, and f and ξ then say what the computer's part is:
         a damping 2ξωm and a stiffness (1 − α)mω², or the `structure` of a frame with one actuator, of which
-        the computer's part is all but the specimen. By default it is taken as linear, and where no force was
-        recorded the interval holds that it may have yielded.
+        the computer's part is all but the specimen. By default it is taken as linear; where no force
+        was recorded, the interval allows for yielding.
     force_channel : iterable of str, optional
-        What the recorded force of a measured specimen holds beside that of the specimen, all of which was fed
-        back: its lag behind the displacement "lag_ms=2±0.5", the mass between load cell and specimen
+        What the recorded force of a measured specimen contains besides that of the specimen, all of which
+        was fed back: its lag behind the displacement "lag_ms=2±0.5", the mass between load cell and specimen
         "attached_kg=12±1", and friction in the load path "friction_n=40±20". A constant offset needs no
         statement.
     threshold, confidence : float, optional
         Error of the whole test, 0.05 by default, and share of the population's ground motions, 0.95 by
-        default; a criterion brings its own.
+        default; a criterion states its own.
     metric : {"rms", "mte"}, optional
-        Error of the whole test, RMS^R or MTE^R; a criterion brings its own.
+        Error of the whole test, RMS^R or MTE^R; a criterion states its own.
     command, measured, time : str, optional
         Names of the columns, where they are not recognised.
     rate : float, optional
@@ -220,7 +220,7 @@ def assess(
         Which test, where a file holds several; "all" for all of them.
     channels : str or pathlib.Path, optional
         File `channels.toml` in which a laboratory states its channels, their calibration and filters. What a
-        test's own file states of skew and scale goes before it, and options before both.
+        test's own file states of skew and scale takes precedence over it, and options over both.
     progress : callable, optional
         Called after each of several tests.
     **former

@@ -142,7 +142,7 @@ def derive_criteria(
     Returns
     -------
     Criteria
-        The criteria, their limits at each structure, and what was asked for beside them. Those of a posterior
+        The criteria, their limits at each structure, and what else was asked for. Those of a posterior
         that has not converged are there to be looked at; `require_converged` refuses them.
 
     Raises

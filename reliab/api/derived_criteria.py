@@ -46,7 +46,7 @@ class Criteria(ResultWithRows):
     derivations : tuple of Derivation
         What was learned, one for each share of the stiffness and error; none for a printed law.
     beside : dict
-        What was asked for beside the criteria: `figures`, `comparison`; of frames `frame` and `rig`, of
+        What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of
         several actuators `cross_coupling`, of several shares of the stiffness `share_law`.
     """
 

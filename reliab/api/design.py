@@ -62,12 +62,12 @@ def design_test(
         it by a law for springs, which holds from ten times the damping ratio on. A criterion of one's own
         speaks for its own share.
     threshold : float, optional
-        Error of the whole test [-], 0.05 by default; a criterion brings its own.
+        Error of the whole test [-], 0.05 by default; a criterion states its own.
     confidence : float or sequence of float, optional
-        Shares of the population's ground motions, 0.80, 0.90, 0.95 and 0.99 by default; a criterion brings
+        Shares of the population's ground motions, 0.80, 0.90, 0.95 and 0.99 by default; a criterion states
         its own.
     metric : {"rms", "mte"}, optional
-        Error of the whole test; a criterion brings its own.
+        Error of the whole test; a criterion states its own.
     criterion : str, pathlib.Path or Criterion, optional
         The criterion, or its file as `reliab criterion --out` writes it; by default the one that ships.
 

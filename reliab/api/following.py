@@ -130,7 +130,7 @@ def follow_test(
     structure : str, pathlib.Path or FrameUnderTest, optional
         Frame with a linear specimen that one actuator drives or several, in place of `f`, `xi` and `alpha`;
         with the tolerances that its file states. With several actuators the columns are command_1,
-        measured_1, command_2, …, messages hold each interface displacement beside the governing one, and the
+        measured_1, command_2, …, messages hold each interface displacement besides the governing one, and the
         test is held whole.
     specimen : {"linear", "measured"}, optional
         How the specimen is known, linear by default; measured: learned from its recorded force as
@@ -139,7 +139,8 @@ def follow_test(
     mass : float, str or StatedValue, optional
         Mass of the structure [kg], which a measured specimen of one mass needs.
     force_channel : iterable of str, optional
-        What the recorded force of a measured specimen holds beside it, as for `reliab.assess`.
+        What the recorded force of a measured specimen contains besides that of the specimen, as for
+        `reliab.assess`.
     scale, feedback_lag : float, str or StatedValue, optional
         Scale of the displacement sensor [-], by default as calibrated, else 1; time by which the force is
         fed back late [ms].

@@ -49,7 +49,7 @@ class Boundaries(ResultWithRows):
         return math.prod(self.ellipses.sizes.get(dimension, 1) for dimension in _WHERE)
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Give one row to each boundary, both sides and both curves beside each other.
+        """Give one row to each boundary, with both sides and both curves in columns.
 
         `a`, `b`, `sse`, `n` are of the ellipse of least squares for delays; those of leads end in `_lead`,
         those of the inscribed ellipse in `_inscribed` and `_lead_inscribed`. None where there is none, for

@@ -99,10 +99,11 @@ def assess(
         Whether somebody states that the specimen is linear. Where nobody does and no force was recorded, the
         interval holds that it may have yielded, as likely as `equipment` says.
     force_channel : ForceChannel, optional
-        What the recorded force of a measured specimen holds beside that of the specimen.
+        What the recorded force of a measured specimen contains besides that of the specimen.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
-        warnings. The verdict then stands only if it is the same with each of seven ratios from 0.5 to 10 %.
+        warnings. The test is then undecided unless the verdict is the same with each of seven
+        ratios from 0.5 to 10 %.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional

@@ -1,4 +1,4 @@
-"""Errors of every floor and storey of a tested frame, beside those of the measured interface displacements.
+"""Errors of every floor and storey of a tested frame, besides those of the measured displacements.
 
 What is not driven follows from the interface displacements and the ground motion, whatever the specimen does
 (see `Substructures`): the difference of two such motions follows from that of the interface, x_c − x_I,

@@ -123,7 +123,7 @@ def assess_frame(
         Whether the specimen is known by its recorded force only: what it does is learned from the test
         itself, and the frame without its specimen is what the computer simulates.
     force_channel : ForceChannel, optional
-        What the recorded force of a measured specimen holds beside that of the specimen.
+        What the recorded force of a measured specimen contains besides that of the specimen.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A specimen of which nobody recorded the force: the error if it yielded, beside that of a linear one.
+"""A specimen of which nobody recorded the force: the error if it yielded, compared with that of a linear one.
 
 Command and measured displacement do not show whether a specimen yielded. A share of the draws of the error
 therefore has specimens that yield: stiff as stated up to the largest displacement over a ductility, softer by

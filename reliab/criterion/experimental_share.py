@@ -1,4 +1,4 @@
-"""How tolerable errors grow when a part of the stiffness only stands in the laboratory.
+"""How tolerable errors grow when only a part of the stiffness is in the laboratory.
 
 To first order an error u − 1 of the actuator makes the measured displacement stray by (u − 1)(1 − αω₀²/D)
 times the exact response, D = s² + 2ξω₀s + ω₀². Under white noise near resonance D ≈ 2iξω₀²(1 + iδ) with the

@@ -1,4 +1,4 @@
-"""Limits that were simulated for several shares of the stiffness, beside the law of the share.
+"""Limits that were simulated for several shares of the stiffness, compared with the law of the share.
 
 The law (see `reliab.criterion.experimental_share`) has one number besides α, the strength of resonance
 s = 1/8ξ² under white noise ::

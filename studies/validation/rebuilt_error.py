@@ -1,4 +1,4 @@
-"""Section on the rebuilt error beside criteria, on the same simulated tests."""
+"""Section on the rebuilt error compared with criteria, on the same simulated tests."""
 
 from collections.abc import Mapping
 

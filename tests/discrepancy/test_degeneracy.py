@@ -19,4 +19,4 @@ def test_a_remark_names_both_effects_with_their_probabilities():
     assert "two speeds" in said
     unlisted = remark("coulomb_friction", 0.62, ("added_mass", 0.31))
     assert "stronger input of wider band" in unlisted
-    assert "hint at gap without settling it" in remark("gap", 0.4, None)
+    assert "suggest gap, but do not settle it" in remark("gap", 0.4, None)
