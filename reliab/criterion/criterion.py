@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.laws import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
@@ -92,7 +93,7 @@ class Criterion:
 
     def limits(
         self, frequency: ArrayLike, damping_ratio: ArrayLike, side: str = Side.LAG
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[Array, Array]:
         """Ellipse parameters of structures.
 
         Parameters
@@ -116,7 +117,7 @@ class Criterion:
 
     def index(
         self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Index of reliability (A − 1)²/a + d²/b; a test is reliable up to 1.
 
         A negative delay is a lead and has limits of its own. The paper's printed laws have d² and no limits
@@ -153,7 +154,7 @@ class Criterion:
 
     def probability(
         self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Predictive probability that the error of a test stays below the threshold.
 
         Parameters
@@ -288,7 +289,7 @@ class Criterion:
 
 def _broadcast(
     amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
-) -> tuple[NDArray[np.float64], ...]:
+) -> tuple[Array, ...]:
     """Bring A − 1 [-], d [ms], f [Hz] and ξ [-] into one shape."""
     arrays = np.broadcast_arrays(
         *(np.asarray(values, dtype=np.float64) for values in (amplitude, delay, frequency, damping_ratio))
@@ -303,7 +304,7 @@ def _broadcast(
     return arrays[0] - 1.0, MILLI * arrays[1], arrays[2], arrays[3]
 
 
-def _sides(milliseconds: NDArray[np.float64]) -> list[tuple[str, NDArray[np.bool_]]]:
+def _sides(milliseconds: Array) -> list[tuple[str, NDArray[np.bool_]]]:
     """Sides of the tests with their delays, those with tests only."""
     lead = milliseconds < 0.0
     return [(side, chosen) for side, chosen in ((Side.LAG, ~lead), (Side.LEAD, lead)) if chosen.any()]

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.cautions import cautions_of, few_leads
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import position, position_of_name
@@ -33,7 +33,7 @@ MOST_AT_REST = 0.05
 """Largest share of motions under which an actuator at rest may keep the threshold."""
 
 
-def share_at_rest(errors: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
+def share_at_rest(errors: Array, threshold: float) -> Array:
     """Share of motions under which an actuator at rest keeps a threshold.
 
     `errors` (motions, ...) [-]; `threshold` [-].

@@ -10,8 +10,9 @@ from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 
 FEWEST_VALUES = 3
@@ -46,27 +47,27 @@ class Distribution(ABC):
 
     @classmethod
     @abstractmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         """Fit to checked values, shape (n,)."""
 
     @abstractmethod
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+    def log_density(self, values: ArrayLike) -> Array:
         """Natural logarithm of the density of the quantity itself (not of its logarithm)."""
 
     @abstractmethod
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+    def cumulative(self, values: ArrayLike) -> Array:
         """Probability of being at most each value."""
 
     @abstractmethod
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+    def quantile(self, probability: ArrayLike) -> Array:
         """Value that is not exceeded with the given probability, in (0, 1)."""
 
 
 def maximise_likelihood(
-    log_likelihood: Callable[[NDArray[np.float64]], float],
+    log_likelihood: Callable[[Array], float],
     start: Sequence[float],
     bounds: Sequence[tuple[float, float]],
-) -> NDArray[np.float64]:
+) -> Array:
     """Find the parameters of greatest log-likelihood within bounds."""
     optimum = scipy.optimize.minimize(
         lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B"
@@ -89,15 +90,15 @@ class OfQuantity(Distribution):
     def parameters(self) -> tuple[float, ...]:
         """Parameters in scipy's order: shapes, location, scale."""
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+    def log_density(self, values: ArrayLike) -> Array:
         """Natural logarithm of the density."""
         return np.asarray(self.family.logpdf(values, *self.parameters))
 
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+    def cumulative(self, values: ArrayLike) -> Array:
         """Probability of being at most each value."""
         return np.asarray(self.family.cdf(values, *self.parameters))
 
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+    def quantile(self, probability: ArrayLike) -> Array:
         """Value that is not exceeded with the given probability."""
         return np.asarray(self.family.ppf(probability, *self.parameters))
 
@@ -105,16 +106,16 @@ class OfQuantity(Distribution):
 class OfLogarithm(OfQuantity):
     """A family of scipy for the natural logarithm of the quantity."""
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+    def log_density(self, values: ArrayLike) -> Array:
         """Natural logarithm of the density of the quantity itself."""
         logarithms = np.log(values)
         return super().log_density(logarithms) - logarithms
 
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+    def cumulative(self, values: ArrayLike) -> Array:
         """Probability of being at most each value."""
         return super().cumulative(np.log(values))
 
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+    def quantile(self, probability: ArrayLike) -> Array:
         """Value that is not exceeded with the given probability."""
         return np.exp(super().quantile(probability))
 
@@ -137,7 +138,7 @@ class Lognormal(OfLogarithm):
     sigma: float
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         return cls(mu=float(logarithms.mean()), sigma=float(logarithms.std()))
 
@@ -162,7 +163,7 @@ class Gamma(OfQuantity):
     scale: float
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         unit = float(values.mean())
         shape, _, scale = scipy.stats.gamma.fit(values / unit, floc=0.0)
         return cls(shape=float(shape), scale=float(scale) * unit)
@@ -191,7 +192,7 @@ class Weibull(OfQuantity):
     scale: float
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
 
         def score(shape: float) -> float:
@@ -232,12 +233,12 @@ class LogStudentT(OfLogarithm):
     degrees_of_freedom: float  # From 1 (Cauchy) to 500 (all but normal)
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
         standardised = (logarithms - mean) / spread
 
-        def log_likelihood(parameters: NDArray[np.float64]) -> float:
+        def log_likelihood(parameters: Array) -> float:
             location, log_scale, log_degrees = parameters
             return float(
                 scipy.stats.t.logpdf(standardised, np.exp(log_degrees), location, np.exp(log_scale)).sum()
@@ -281,12 +282,12 @@ class LogSkewNormal(OfLogarithm):
     shape: float  # α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
         standardised = (logarithms - mean) / spread
 
-        def log_likelihood(parameters: NDArray[np.float64]) -> float:
+        def log_likelihood(parameters: Array) -> float:
             location, log_scale, shape = parameters
             return float(scipy.stats.skewnorm.logpdf(standardised, shape, location, np.exp(log_scale)).sum())
 
@@ -315,20 +316,20 @@ class NormalKernels(Distribution):
     """Weighted normal distributions of the logarithm."""
 
     # weights, means, spreads: Weight, mean and standard deviation of the logarithm of each, shape (k,)
-    weights: NDArray[np.float64]
-    means: NDArray[np.float64]
-    spreads: NDArray[np.float64]
+    weights: Array
+    means: Array
+    spreads: Array
 
-    def log_density(self, values: ArrayLike) -> NDArray[np.float64]:
+    def log_density(self, values: ArrayLike) -> Array:
         """Natural logarithm of the density."""
         logarithms = np.log(values)
         return log_mixture(logarithms, self.weights, self.means, self.spreads) - logarithms
 
-    def cumulative(self, values: ArrayLike) -> NDArray[np.float64]:
+    def cumulative(self, values: ArrayLike) -> Array:
         """Probability of being at most each value."""
         return self._cumulative_of_logarithm(np.log(values))
 
-    def quantile(self, probability: ArrayLike) -> NDArray[np.float64]:
+    def quantile(self, probability: ArrayLike) -> Array:
         """Value that is not exceeded with the given probability."""
         from scipy.optimize import elementwise
 
@@ -340,18 +341,18 @@ class NormalKernels(Distribution):
         )
         return np.asarray(np.exp(root.x))
 
-    def _cumulative_of_logarithm(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _cumulative_of_logarithm(self, logarithms: Array) -> Array:
         return np.asarray(
             scipy.stats.norm.cdf(logarithms[..., None], self.means, self.spreads) @ self.weights
         )
 
 
 def log_mixture(
-    logarithms: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    means: NDArray[np.float64],
-    spreads: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    logarithms: Array,
+    weights: Array,
+    means: Array,
+    spreads: Array,
+) -> Array:
     """Logarithm of a mixture's density of the logarithm, shape of `logarithms`."""
     by_kernel = scipy.stats.norm.logpdf(logarithms[..., None], means, spreads)
     return np.asarray(scipy.special.logsumexp(by_kernel, b=weights, axis=-1))
@@ -377,7 +378,7 @@ class Empirical(NormalKernels):
     name: ClassVar[str] = "empirical"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         quartiles = scipy.stats.iqr(logarithms) / _NORMAL_QUARTILES
         spread = min(logarithms.std(), quartiles) if quartiles > 0.0 else logarithms.std()
@@ -408,7 +409,7 @@ class LogGaussianMixture(NormalKernels):
     name: ClassVar[str] = "gaussian_mixture"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: NDArray[np.float64]) -> Self:
+    def _of_maximum_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         floor = _NARROWEST * logarithms.std()
         weights = np.array([0.5, 0.5])

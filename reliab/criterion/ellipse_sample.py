@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.laws.law import LARGEST
 from reliab.errors import InputError
@@ -58,8 +59,8 @@ class EllipseSample:
     (3, 2, 1.0)
     """
 
-    a: NDArray[np.float64]
-    b: NDArray[np.float64]
+    a: Array
+    b: Array
     motions: NDArray[np.str_]
     events: NDArray[np.str_]
     frequency: float
@@ -91,12 +92,12 @@ class EllipseSample:
                 )
 
     @property
-    def log_a(self) -> NDArray[np.float64]:
+    def log_a(self) -> Array:
         """Logarithms of a, shape (motions,)."""
         return np.log(self.a)
 
     @property
-    def log_b(self) -> NDArray[np.float64]:
+    def log_b(self) -> Array:
         """Logarithms of b [ms²], shape (motions,)."""
         return np.log(self.b)
 
@@ -229,7 +230,7 @@ def _absent(name: str, value: str, names: list[str]) -> InputError:
     )
 
 
-def is_ellipse(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.bool_]:
+def is_ellipse(a: Array, b: Array) -> NDArray[np.bool_]:
     """Tell where both parameters describe an ellipse.
 
     A boundary that reaches beyond five damping ratios of amplitude error is cut there, and the straight line

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
+
 _FEWEST_EFFECTIVE = 2.0
 
 
@@ -13,19 +15,19 @@ class EventComponents:
     """Components of variance of values over motions, by analysis of variance."""
 
     # between, within: Variance between earthquakes and between motions of one earthquake
-    between: NDArray[np.float64]
-    within: NDArray[np.float64]
+    between: Array
+    within: Array
     # Number of independent motions that would leave the mean as uncertain
-    effective_number: NDArray[np.float64]
+    effective_number: Array
 
     @property
-    def event_share(self) -> NDArray[np.float64]:
+    def event_share(self) -> Array:
         """Share of the variance that lies between earthquakes [-], the intraclass correlation."""
         total = self.between + self.within
         return np.asarray(self.between / np.where(total > 0.0, total, 1.0))
 
 
-def event_components(values: NDArray[np.float64], events: NDArray[np.str_]) -> EventComponents:
+def event_components(values: Array, events: NDArray[np.str_]) -> EventComponents:
     """Divide the variance of values between and within earthquakes.
 
     Unbiased for any numbers of motions in the earthquakes; a negative variance between earthquakes

@@ -12,8 +12,9 @@ For α far above ξ that is 1/α². The specimen must be a spring: nothing is sa
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def whole_is_worst(frequency: float, damping_ratio: float) -> bool:
     )
 
 
-def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> NDArray[np.float64]:
+def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
     """Ellipse parameters of a structure with a share α in the laboratory over those of α = 1.
 
     Parameters

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.criterion.distributions import Distribution
 from reliab.significant import significant
 
@@ -101,10 +102,10 @@ class QuantilePlot:
         Where 95 % of each order statistic would lie if the distribution were true.
     """
 
-    expected: NDArray[np.float64]
-    observed: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
+    expected: Array
+    observed: Array
+    low: Array
+    high: Array
 
 
 def quantile_plot(values: ArrayLike, distribution: Distribution) -> QuantilePlot:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Learned, Method
@@ -12,7 +12,7 @@ from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 
 
-def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: NDArray[np.float64]) -> Law:
+def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) -> Law:
     """Scale a law so that it contains as many motions as the limits that it was fitted to.
 
     Limits that all motions contain are compared at the depth of the least motion, so that they keep their
@@ -35,7 +35,7 @@ def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: NDArray
     return kind.fit(grid.frequencies, grid.damping_ratios, factor * a, factor * b)
 
 
-def room(sample: EllipseSample, a: float, b: float) -> NDArray[np.float64]:
+def room(sample: EllipseSample, a: float, b: float) -> Array:
     """Factor by which limits could grow before a motion's own ellipse no longer contains theirs.
 
     Returns (motions,).

@@ -117,16 +117,16 @@ class MotionPredictive:
     (array([-1.62]), array([0.53]))
     """
 
-    ordered: NDArray[np.float64]
-    location: NDArray[np.float64]
-    scale: NDArray[np.float64]
-    shape: NDArray[np.float64]
-    effective_number: NDArray[np.float64]
+    ordered: Array
+    location: Array
+    scale: Array
+    shape: Array
+    effective_number: Array
     concentration: float = CONCENTRATION
 
     @classmethod
     def fit(
-        cls, values: NDArray[np.float64], events: NDArray[np.str_], concentration: float = CONCENTRATION
+        cls, values: Array, events: NDArray[np.str_], concentration: float = CONCENTRATION
     ) -> "MotionPredictive":
         """Learn from motions.
 
@@ -154,7 +154,7 @@ class MotionPredictive:
             concentration=concentration,
         )
 
-    def cumulative(self, x: ArrayLike) -> NDArray[np.float64]:
+    def cumulative(self, x: ArrayLike) -> Array:
         """Probability that a further motion's value is at most x.
 
         Parameters
@@ -172,7 +172,7 @@ class MotionPredictive:
         weight = self.effective_number / (self.effective_number + self.concentration)
         return np.asarray(weight * self._empirical(at, base, above) + (1.0 - weight) * base)
 
-    def quantile(self, probability: float) -> NDArray[np.float64]:
+    def quantile(self, probability: float) -> Array:
         """Value that a further motion stays below with the given probability, shape (quantities,).
 
         Parameters
@@ -195,12 +195,12 @@ class MotionPredictive:
         return roots
 
     @cached_property
-    def _tails(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _tails(self) -> tuple[Array, Array]:
         """Probability of the base below the smallest and above the greatest value."""
         below, above = self._base(self.ordered[0])[0], self._base(self.ordered[-1])[1]
         return np.maximum(below, _EXTREME), np.maximum(above, _EXTREME)
 
-    def _base(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _base(self, x: Array) -> tuple[Array, Array]:
         """Share of the base below x, and above it."""
         normal = _normal_score((x - self.location) / self.scale, self.shape)
         degrees = self.effective_number - 1.0
@@ -211,9 +211,7 @@ class MotionPredictive:
             scipy.special.stdtr(degrees, -student)
         )
 
-    def _empirical(
-        self, x: NDArray[np.float64], base: NDArray[np.float64], above: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _empirical(self, x: Array, base: Array, above: Array) -> Array:
         """Ranks over n + 1, linear between motions and in proportion to the base beyond them."""
         n = self.ordered.shape[0]
         below = (self.ordered <= x).sum(axis=0)
@@ -228,7 +226,7 @@ class MotionPredictive:
         return np.asarray(np.where(below == 0, lower, np.where(below == n, upper, inner)) / (n + 1.0))
 
 
-def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+def _normal_score(x: Array, shape: Array) -> Array:
     """Find the standard normal value that is as probable to be exceeded as a standard skew-normal x.
 
     Where a tail of the skew-normal distribution is too small to be computed, its asymptote is used: it falls
@@ -250,8 +248,8 @@ def _normal_score(x: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray
 
 
 def _skew_normal_of_moments(
-    values: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    values: Array,
+) -> tuple[Array, Array, Array]:
     """Location, scale and shape of the skew-normal distribution with the sample's first three moments."""
     deviation = values - values.mean(axis=0)
     spread = np.maximum(deviation.std(axis=0), _NARROWEST)

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.ellipse_sample import (
     FEWEST_MOTIONS,
     is_ellipse,
@@ -46,10 +47,10 @@ class Population:
         an increasing grid and finite logarithms (or NaN for both parameters).
     """
 
-    frequencies: NDArray[np.float64]
-    damping_ratios: NDArray[np.float64]
-    log_alpha: NDArray[np.float64]
-    log_beta: NDArray[np.float64]
+    frequencies: Array
+    damping_ratios: Array
+    log_alpha: Array
+    log_beta: Array
     events: NDArray[np.str_]
 
     def __post_init__(self) -> None:
@@ -132,7 +133,7 @@ class Population:
 
     def probability(
         self, amplitude: ArrayLike, delay: ArrayLike, frequency: ArrayLike, damping_ratio: ArrayLike
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Predictive probability that a further motion's boundary holds a test.
 
         Along the ray from the perfect test through (A, d), each motion's boundary lies at a distance of
@@ -176,9 +177,7 @@ class Population:
                 probability[near] += weight[near] * self._at_node(u[near], v[near], row, column)
         return np.asarray(probability.reshape(arrays[0].shape))
 
-    def _at_node(
-        self, u: NDArray[np.float64], v: NDArray[np.float64], row: int, column: int
-    ) -> NDArray[np.float64]:
+    def _at_node(self, u: Array, v: Array, row: int, column: int) -> Array:
         """Probability of dimensionless squared errors u and v, shape (points,), at one structure."""
         alpha, beta = np.exp(self.log_alpha[:, row, column]), np.exp(self.log_beta[:, row, column])
         known = np.isfinite(alpha)
@@ -221,7 +220,7 @@ class Population:
         return cls(events=np.asarray(content["events"], dtype=np.str_), **arrays)
 
 
-def _plain(values: NDArray[np.float64]) -> list[Any]:
+def _plain(values: Array) -> list[Any]:
     rounded = values.round(_DIGITS).astype(object)
     rounded[np.isnan(values)] = None
     return list(rounded.tolist())

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.criterion.population import Population
@@ -45,12 +43,12 @@ class SampleGrid:
         return [sample for row in self.samples for sample in row]
 
     @property
-    def frequencies(self) -> NDArray[np.float64]:
+    def frequencies(self) -> Array:
         """Natural frequencies [Hz], shape (F,), increasing."""
         return self.population.frequencies
 
     @property
-    def damping_ratios(self) -> NDArray[np.float64]:
+    def damping_ratios(self) -> Array:
         """Damping ratios [-], shape (X,), increasing."""
         return self.population.damping_ratios
 

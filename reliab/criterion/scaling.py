@@ -6,12 +6,13 @@ broad-band the motion is, and hardly on the structure.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.vocabulary import MILLI
 
 
-def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[Array, Array]:
     """Ellipse parameters of a structure for α = β = 1.
 
     Parameters

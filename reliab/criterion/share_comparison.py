@@ -13,9 +13,9 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from reliab.arrays import Array
 from reliab.boundary import REACH
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import LEAST_SHARE_OVER_DAMPING, growth
@@ -76,9 +76,7 @@ def compare_shares(
     }
 
 
-def fitted_strength(
-    shares: NDArray[np.float64], ratios: NDArray[np.float64], reference: float
-) -> tuple[float, float]:
+def fitted_strength(shares: Array, ratios: Array, reference: float) -> tuple[float, float]:
     """Fit the strength of resonance to ratios of limits, by least squares in their logarithms.
 
     `shares`, `ratios`, `reference` [-]; returns strength, deviation [-].
@@ -89,7 +87,7 @@ def fitted_strength(
     (300, 0.0)
     """
 
-    def residuals(log_strength: float) -> NDArray[np.float64]:
+    def residuals(log_strength: float) -> Array:
         s = np.exp(log_strength)
         return np.asarray(np.log(ratios) - np.log((1.0 + s * reference**2) / (1.0 + s * shares**2)))
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import Limits
 from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.scaling import scales
@@ -32,20 +32,16 @@ class Dimensionless(LogLinearLaw):
     equation: ClassVar[str] = "a = α(f, ξ) ξ², b = β(f, ξ) (ξ/ω₀)²"
 
     @classmethod
-    def terms_of(
-        cls, frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def terms_of(cls, frequencies: Array, damping_ratios: Array) -> Array:
         """Terms of ln α and ln β over a grid [Hz, -], shape (F, X, 6)."""
         return cls._terms(*np.meshgrid(frequencies, damping_ratios, indexing="ij"))[0]
 
     @staticmethod
-    def _terms(
-        f: NDArray[np.float64], xi: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _terms(f: Array, xi: Array) -> tuple[Array, Array]:
         phi, eta = np.log(f), np.log(xi / _REFERENCE_DAMPING)
         terms = np.stack([np.ones_like(phi), phi, eta, phi**2, phi * eta, eta**2], axis=-1)
         return terms, terms
 
     @staticmethod
-    def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _references(f: Array, xi: Array) -> Limits:
         return scales(f, xi)

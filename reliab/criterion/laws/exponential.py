@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import Limits
 from reliab.criterion.laws.log_linear import LogLinearLaw
 
@@ -25,14 +25,12 @@ class Exponential(LogLinearLaw):
     equation: ClassVar[str] = "a = k₃ξ, b = k₁ξ e^(−k₂f)"
 
     @staticmethod
-    def _terms(
-        f: NDArray[np.float64], xi: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _terms(f: Array, xi: Array) -> tuple[Array, Array]:
         del xi
         constant = np.ones_like(f)
         return constant[..., None], np.stack([constant, f], axis=-1)
 
     @staticmethod
-    def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _references(f: Array, xi: Array) -> Limits:
         del f
         return xi, xi

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import Law, Limits, Validity
 from reliab.vocabulary import Metric
 
@@ -47,7 +47,7 @@ class Equation11(PrintedLaw):
         """One structure, one ground motion."""
         return _valid((1.0, 1.0), (0.02, 0.02))
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del xi
         return np.full_like(f, 1.3e-4), np.full_like(f, 2.3)  # (11)
 
@@ -64,7 +64,7 @@ class Equation12(PrintedLaw):
         """One structure."""
         return _valid((1.0, 1.0), (0.02, 0.02))
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del xi
         return np.full_like(f, 5.3e-5), np.full_like(f, 1.04)  # (12)
 
@@ -81,7 +81,7 @@ class Equation14(PrintedLaw):
         """Frequencies of Table 3, one damping ratio, one ground motion."""
         return _valid(_FREQUENCIES, (0.02, 0.02))
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del xi
         k1, k2 = 97.0, 3.4
         return np.full_like(f, 5.8e-5), k1 * np.exp(-k2 * f)  # (14); b by (13)
@@ -102,7 +102,7 @@ class Equation15(PrintedLaw):
         """Frequencies of Table 3, one damping ratio."""
         return _valid(_FREQUENCIES, (0.02, 0.02))
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del xi
         k1, k2 = 121.6, 6.6
         return np.full_like(f, 5.6e-5), k1 * np.exp(-k2 * f)  # (15); b by (13)
@@ -123,7 +123,7 @@ class Equation17(PrintedLaw):
         """One frequency, damping ratios of Table 4, one ground motion."""
         return _valid((1.0, 1.0), _DAMPING_RATIOS)
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del f
         k3, k4 = 0.046, 100.0
         return k3 * xi, k4 * xi  # (16a), (16b)
@@ -144,7 +144,7 @@ class Equation18(PrintedLaw):
         """Frequencies of Table 3 and damping ratios of Table 4."""
         return _valid(_FREQUENCIES, _DAMPING_RATIOS)
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         k2 = 6.6
         return 0.021 * xi, 6080.0 * xi * np.exp(-k2 * f)  # (18)
 
@@ -164,7 +164,7 @@ class Equation15Corrected(PrintedLaw):
         """Frequencies of Table 3, one damping ratio."""
         return _valid(_FREQUENCIES, (0.02, 0.02))
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del xi
         return np.full_like(f, 5.6e-5), 1.15 / f**2
 
@@ -184,7 +184,7 @@ class Equation17Corrected(PrintedLaw):
         """One frequency, damping ratios of Table 4, one ground motion."""
         return _valid((1.0, 1.0), _DAMPING_RATIOS)
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         del f
         return 0.52 * xi**2, 9950.0 * xi**2
 
@@ -201,7 +201,7 @@ class Equation18Corrected(PrintedLaw):
         """Frequencies of Table 3 and damping ratios of Table 4."""
         return _valid(_FREQUENCIES, _DAMPING_RATIOS)
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         growth = (xi / 0.02) ** 2
         return 5.6e-5 * growth, 1.15 * growth / f**2
 

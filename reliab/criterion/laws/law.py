@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.errors import InputError
 
 _ROUNDING = 1e-9
@@ -73,7 +74,7 @@ LARGEST = 1e30
 _REMEDY = "Derive the criterion again; few motions give limits of zero, never negative ones"
 
 
-def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return limits as an array, or say what is wrong with them."""
     limits = _numbers(f"limits {name}", values)
     if limits.shape != shape:
@@ -92,7 +93,7 @@ def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDAr
     return limits
 
 
-def checked_grid(name: str, values: ArrayLike) -> NDArray[np.float64]:
+def checked_grid(name: str, values: ArrayLike) -> Array:
     """Return the frequencies or damping ratios of a law, or say what is wrong with them."""
     grid = _numbers(name, values)
     increasing = grid.ndim == 1 and grid.size > 0 and bool((np.diff(grid) > 0.0).all())
@@ -116,7 +117,7 @@ def checked_coefficients(name: str, values: ArrayLike, terms: int) -> None:
         )
 
 
-def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+def _numbers(name: str, values: ArrayLike) -> Array:
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -127,7 +128,7 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         ) from error
 
 
-Limits = tuple[NDArray[np.float64], NDArray[np.float64]]
+Limits = tuple[Array, Array]
 """Ellipse parameters a [-] and b [ms²]."""
 
 
@@ -160,5 +161,5 @@ class Law(ABC):
         )
 
     @abstractmethod
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         """Limits inside the validity; f and xi have one shape."""

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import (
     Law,
     Limits,
@@ -70,7 +71,7 @@ class LogLinearLaw(Law):
         """The structures that the law was fitted to."""
         return Validity(frequency=self.frequency, damping_ratio=self.damping_ratio)
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         (terms_a, terms_b), (reference_a, reference_b) = self._terms(f, xi), self._references(f, xi)
         a = reference_a * np.exp(terms_a @ np.asarray(self.coefficients_a))
         b = reference_b * np.exp(terms_b @ np.asarray(self.coefficients_b))
@@ -78,18 +79,16 @@ class LogLinearLaw(Law):
 
     @staticmethod
     @abstractmethod
-    def _terms(
-        f: NDArray[np.float64], xi: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _terms(f: Array, xi: Array) -> tuple[Array, Array]:
         """Terms of a and of b, shape (..., terms) each."""
 
     @staticmethod
     @abstractmethod
-    def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _references(f: Array, xi: Array) -> Limits:
         """Return a₀ [-] and b₀ [ms²]."""
 
 
-def _require_positive(limits: NDArray[np.float64]) -> None:
+def _require_positive(limits: Array) -> None:
     if (limits == 0.0).any():
         raise InputError(
             "A law of f and ξ is fitted to limits that are positive at every structure",

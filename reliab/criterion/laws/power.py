@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import Limits
 from reliab.criterion.laws.log_linear import LogLinearLaw
 
@@ -24,13 +24,11 @@ class Power(LogLinearLaw):
     equation: ClassVar[str] = "a = c f^p ξ^q, b = c′ f^p′ ξ^q′"
 
     @staticmethod
-    def _terms(
-        f: NDArray[np.float64], xi: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _terms(f: Array, xi: Array) -> tuple[Array, Array]:
         terms = np.stack([np.ones_like(f), np.log(f), np.log(xi)], axis=-1)
         return terms, terms
 
     @staticmethod
-    def _references(f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _references(f: Array, xi: Array) -> Limits:
         del xi
         return np.ones_like(f), np.ones_like(f)

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from reliab.arrays import Array
 from reliab.criterion.laws.law import Law, Limits, Validity, checked_grid, checked_limits
 from reliab.criterion.scaling import scales
 
 
-def tents(nodes: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+def tents(nodes: Array, x: Array) -> Array:
     """Weights of nodes in a linear interpolation over ln x.
 
     `nodes` (nodes,); `x` any shape; returns (..., nodes).
@@ -68,7 +69,7 @@ class Table(Law):
             damping_ratio=(self.damping_ratios[0], self.damping_ratios[-1]),
         )
 
-    def _limits(self, f: NDArray[np.float64], xi: NDArray[np.float64]) -> Limits:
+    def _limits(self, f: Array, xi: Array) -> Limits:
         along_f = tents(np.asarray(self.frequencies), f)
         along_xi = tents(np.asarray(self.damping_ratios), xi)
         nodes = scales(np.asarray(self.frequencies)[:, None], np.asarray(self.damping_ratios)[None, :])
@@ -79,9 +80,7 @@ class Table(Law):
         return a, b
 
 
-def _geometric_mean(
-    values: NDArray[np.float64], along_f: NDArray[np.float64], along_xi: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _geometric_mean(values: Array, along_f: Array, along_xi: Array) -> Array:
     """Weighted geometric mean over the grid; zero where a value that counts is zero."""
     weights = along_f[..., :, None] * along_xi[..., None, :]
     zero = ((weights > 0.0) & (values == 0.0)).any(axis=(-2, -1))

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import AssuredBound
 
 
@@ -40,9 +41,7 @@ class Bootstrap(AssuredBound):
         """Whether the promise needs lognormal motions."""
         return True
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         centred = logarithms - logarithms.mean()
         _, group = np.unique(events, return_inverse=True)
         sums = np.stack([np.bincount(group, centred**power) for power in range(3)], axis=1)

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.sample_grid import SampleGrid
@@ -34,23 +35,23 @@ class Scatter:
     """
 
     # centre, spread: Mean and standard deviation over the motions, shape (..., 2)
-    centre: NDArray[np.float64]
-    spread: NDArray[np.float64]
+    centre: Array
+    spread: Array
 
     @classmethod
-    def from_logarithms(cls, logarithms: NDArray[np.float64]) -> Self:
+    def from_logarithms(cls, logarithms: Array) -> Self:
         """Take mean and spread of ln a and ln b over motions, shape (motions, ..., 2)."""
         return cls(centre=logarithms.mean(axis=0), spread=logarithms.std(axis=0))
 
-    def standard(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+    def standard(self, logarithms: Array) -> Array:
         """Standardise ln a and ln b, shape (motions, ..., 2)."""
         return np.asarray((logarithms - self.centre) / self.spread)
 
-    def worse(self, logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+    def worse(self, logarithms: Array) -> Array:
         """Take the smaller of the two standardised logarithms, shape (motions, ...)."""
         return np.asarray(self.standard(logarithms).min(axis=-1))
 
-    def at(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, depth: Array) -> Array:
         """Carry a depth of both, shape (...), back to ln a and ln b, shape (..., 2)."""
         return np.asarray(self.centre + self.spread * depth[..., None])
 
@@ -58,9 +59,7 @@ class Scatter:
 class BoundMethod(Method):
     """A lower bound of the logarithm of a, of b, or of the worse of the two."""
 
-    def lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         """Bound that the stated share of the motions exceeds.
 
         `logarithms`, `events` (motions,).
@@ -69,9 +68,7 @@ class BoundMethod(Method):
         return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
 
     @abstractmethod
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         """Bound for a checked confidence."""
 
     def learn(
@@ -104,7 +101,7 @@ class _Bounds(Learned):
     method: BoundMethod
     grid: SampleGrid
 
-    def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
+    def limits(self, confidence: float, *, joint: bool) -> Array:
         """Limits of every structure, shape (F, X, 2)."""
         return np.array(
             [

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import BoundMethod
 
 
@@ -41,9 +42,7 @@ class Conformal(BoundMethod):
         del n_motions
         return n_events / (n_events + 1.0)
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         _, group, sizes = np.unique(events, return_inverse=True, return_counts=True)
         weight = 1.0 / ((sizes.size + 1) * sizes[group])
         order = np.argsort(logarithms)

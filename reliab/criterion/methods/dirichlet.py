@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import BoundMethod
 from reliab.criterion.motion_predictive import CONCENTRATION, MotionPredictive
 
@@ -35,8 +36,6 @@ class Dirichlet(BoundMethod):
 
     concentration: float = CONCENTRATION  # Weight of the fitted shape, as a number of motions
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         learned = MotionPredictive.fit(logarithms[:, None], events, self.concentration)
         return float(learned.quantile(1.0 - confidence)[0])

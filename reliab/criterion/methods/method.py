@@ -6,9 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
+from reliab.arrays import Array
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
@@ -22,7 +20,7 @@ class Learned(ABC):
     grid: SampleGrid  # The motions
 
     @abstractmethod
-    def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
+    def limits(self, confidence: float, *, joint: bool) -> Array:
         """Limits of every structure.
 
         Returns (F, X, 2).

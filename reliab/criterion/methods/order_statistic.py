@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import AssuredBound
 
 
@@ -40,9 +41,7 @@ class OrderStatistic(AssuredBound):
         del n_events
         return float((1.0 - self.assurance) ** (1.0 / n_motions))
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         n = logarithms.size
         # The r-th smallest value is low enough when at least r motions lie below the true quantile.

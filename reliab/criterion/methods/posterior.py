@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import AssuredBound
 from reliab.sampling import NormalInverseChiSquared
 
@@ -36,9 +37,7 @@ class Posterior(AssuredBound):
         """Whether the promise needs lognormal motions."""
         return True
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         posterior = NormalInverseChiSquared.posterior(logarithms)
         return float(posterior.quantile_of_quantile(1.0 - confidence, 1.0 - self.assurance))

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import BoundMethod
 from reliab.sampling import NormalInverseChiSquared
 
@@ -32,9 +33,7 @@ class Predictive(BoundMethod):
         """Whether the promise needs lognormal motions."""
         return True
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         posterior = NormalInverseChiSquared.posterior(logarithms)
         return float(posterior.predictive_quantile(1.0 - confidence))

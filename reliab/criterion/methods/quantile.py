@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.methods.bound import BoundMethod
 from reliab.errors import InputError
@@ -65,9 +66,7 @@ class Quantile(BoundMethod):
             )
         )
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         centre = logarithms.mean()  # the families scale, and this keeps the exponential in range
         fitted = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.bound import AssuredBound
 
 
@@ -57,9 +58,7 @@ class Tolerance(AssuredBound):
         """Whether the promise needs lognormal motions."""
         return True
 
-    def _lower_bound(
-        self, logarithms: NDArray[np.float64], events: NDArray[np.str_], confidence: float
-    ) -> float:
+    def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         factor = tolerance_factor(logarithms.size, confidence, self.assurance)
         return float(logarithms.mean() - factor * logarithms.std(ddof=1))

@@ -5,8 +5,8 @@ thousands of them are handled at once.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.sampling import Parameter
 
 
@@ -23,7 +23,7 @@ def covariance_parameters(prefix: str, typical_spread: float, doubt: float = 0.8
     )
 
 
-def covariance_of(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+def covariance_of(theta: Array) -> Array:
     """Covariance of sampled parameters, last axis 3 to 3.
 
     >>> covariance_of(np.array([0.0, np.log(2.0), np.arctanh(0.5)])).round(6)
@@ -33,9 +33,7 @@ def covariance_of(theta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([a**2, b**2, np.tanh(theta[..., 2]) * a * b], axis=-1)
 
 
-def normal_log_density(
-    covariance: NDArray[np.float64], squares: NDArray[np.float64], count: float | NDArray[np.float64]
-) -> NDArray[np.float64]:
+def normal_log_density(covariance: Array, squares: Array, count: float | Array) -> Array:
     """Log-density up to a constant of pairs with mean zero, by their sums of squares.
 
     `covariance`, `squares` (..., 3); returns (...).
@@ -44,21 +42,19 @@ def normal_log_density(
     return np.asarray(-0.5 * (count * np.log(determinant) + distance(covariance, squares, determinant)))
 
 
-def distance(
-    covariance: NDArray[np.float64], squares: NDArray[np.float64], determinant: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def distance(covariance: Array, squares: Array, determinant: Array) -> Array:
     """Trace of covariance⁻¹ squares, shape (...)."""
     crossed = covariance[..., 1] * squares[..., 0] + covariance[..., 0] * squares[..., 1]
     return np.asarray((crossed - 2.0 * covariance[..., 2] * squares[..., 2]) / determinant)
 
 
-def squares_of(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
+def squares_of(pairs: Array) -> Array:
     """Products a², b² and ab of pairs, last axis 2 to 3."""
     a, b = pairs[..., 0], pairs[..., 1]
     return np.stack([a * a, b * b, a * b], axis=-1)
 
 
-def factor_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def factor_of(covariance: Array) -> Array:
     """Lower Cholesky factors, last axis 3 to (2, 2)."""
     first = np.sqrt(covariance[..., 0])
     mixed = covariance[..., 2] / first

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
 from reliab.criterion.methods.bound import Scatter
 from reliab.criterion.methods.hierarchical.model import Hierarchical
@@ -48,14 +49,14 @@ _TINY = 1e-300  # in place of zero, where a ratio would have no sign
 class FurtherMotions:
     """Normal ln α and ln β of one motion at each structure, or mixtures that differ in their spread."""
 
-    mean: NDArray[np.float64]  # Means, for each vector of parameters, shape (vectors, F, X, 2)
+    mean: Array  # Means, for each vector of parameters, shape (vectors, F, X, 2)
     # Variance of ln α, variance of ln β and covariance of each part of the mixture, shape (vectors, F, X,
     # parts, 3)
-    covariance: NDArray[np.float64]
-    weights: NDArray[np.float64]  # Shares of the mixture, shape (parts,)
+    covariance: Array
+    weights: Array  # Shares of the mixture, shape (parts,)
 
     @classmethod
-    def from_draws(cls, model: Hierarchical, theta: NDArray[np.float64]) -> Self:
+    def from_draws(cls, model: Hierarchical, theta: Array) -> Self:
         """Integrate out every effect of a motion and of its earthquake.
 
         `theta` (vectors, parameters).
@@ -74,7 +75,7 @@ class FurtherMotions:
             covariance = covariance + ((stretch[..., None] - 1.0) * of_mean[:, None])[:, None, None]
         return cls(mean=mean, covariance=covariance, weights=weights)
 
-    def depth(self, share: float, scatter: Scatter, *, joint: bool) -> NDArray[np.float64]:
+    def depth(self, share: float, scatter: Scatter, *, joint: bool) -> Array:
         """Standardised logarithms that a share of the motions exceeds.
 
         Returns (vectors, F, X, 2).
@@ -93,11 +94,11 @@ class FurtherMotions:
 
 def _depth(
     share: float,
-    weights: NDArray[np.float64],
-    mean: NDArray[np.float64],
-    spread: NDArray[np.float64],
-    correlation: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    weights: Array,
+    mean: Array,
+    spread: Array,
+    correlation: Array,
+) -> Array:
     """Depth that one variable exceeds, or two together; last axes of mean and spread (parts, variables)."""
     from scipy.optimize import elementwise
 
@@ -105,7 +106,7 @@ def _depth(
     means = mean.reshape(-1, 1, variables)
     spreads, correlations = spread.reshape(-1, weights.size, variables), correlation.reshape(-1, weights.size)
 
-    def excess(depth: NDArray[np.float64], cell: NDArray[np.float64]) -> NDArray[np.float64]:
+    def excess(depth: Array, cell: Array) -> Array:
         these = cell.astype(np.int64)
         above = np.moveaxis((means[these] - depth[:, None, None]) / spreads[these], -1, 0)
         shares = (
@@ -124,7 +125,7 @@ def _depth(
     return np.asarray(root.x.reshape(shape))
 
 
-def both_below(first: ArrayLike, second: ArrayLike, correlation: ArrayLike) -> NDArray[np.float64]:
+def both_below(first: ArrayLike, second: ArrayLike, correlation: ArrayLike) -> Array:
     """Distribution function of the standard bivariate normal distribution, by two of Owen's T functions.
 
     D. B. Owen, Tables for computing bivariate normal probabilities, Annals of Mathematical Statistics 27
@@ -146,7 +147,7 @@ def both_below(first: ArrayLike, second: ArrayLike, correlation: ArrayLike) -> N
 _ROUNDS = 2
 
 
-def filled(model: Hierarchical, lacking: NDArray[np.float64], events: NDArray[np.str_]) -> Hierarchical:
+def filled(model: Hierarchical, lacking: Array, events: NDArray[np.str_]) -> Hierarchical:
     """Add motions that lack some structures to a model of motions that have all.
 
     What is missing is drawn once, given what the motion has at its other structures, at the mode of the
@@ -171,7 +172,7 @@ def filled(model: Hierarchical, lacking: NDArray[np.float64], events: NDArray[np
     return completed
 
 
-def _covariance(grid: Grid, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
+def _covariance(grid: Grid, covariances: Array) -> Array:
     """Covariance of all values of one motion, shape (F·X·2, F·X·2), from those of the effects."""
     along_f, along_xi = grid.shape
     everywhere, same = np.ones((along_f, along_f)), np.eye(along_f)
@@ -190,11 +191,11 @@ def _covariance(grid: Grid, covariances: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def _drawn(
-    values: NDArray[np.float64],
-    law: NDArray[np.float64],
-    covariance: NDArray[np.float64],
+    values: Array,
+    law: Array,
+    covariance: Array,
     rng: np.random.Generator,
-) -> NDArray[np.float64]:
+) -> Array:
     """Draw what one motion lacks given what it has, shape (F, X, 2)."""
     y, centre = values.ravel().copy(), law.ravel()
     gone = np.isnan(y)
@@ -219,7 +220,7 @@ def posterior_limits(
     joint: bool,
     assurance: float | None = None,
     seed: int = 2017,
-) -> NDArray[np.float64]:
+) -> Array:
     """Limits that the stated share of motions of further earthquakes exceeds.
 
     Returns (F, X, 2).
@@ -256,7 +257,7 @@ class HierarchicalFit(Learned):
     model: Hierarchical  # The model with its data
     posterior: PosteriorSample  # Its draws
 
-    def limits(self, confidence: float, *, joint: bool) -> NDArray[np.float64]:
+    def limits(self, confidence: float, *, joint: bool) -> Array:
         """Limits of every structure, shape (F, X, 2)."""
         return posterior_limits(
             self.posterior,
@@ -378,7 +379,7 @@ def hierarchical_model(population: Population, *, curved: bool = True, robust: b
     return filled(model, values[partial], population.events[partial])
 
 
-def _values(population: Population) -> NDArray[np.float64]:
+def _values(population: Population) -> Array:
     """Ln α and ln β, shape (motions, F, X, 2)."""
     return np.stack([population.log_alpha, population.log_beta], axis=-1)
 

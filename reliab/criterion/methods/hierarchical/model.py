@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.hierarchical.covariance import (
     covariance_of,
     covariance_parameters,
@@ -62,10 +63,10 @@ class Hierarchical(Model):
 
     name: ClassVar[str] = "hierarchical"
 
-    values: NDArray[np.float64]  # ln α and ln β, all finite, shape (motions, F, X, 2)
+    values: Array  # ln α and ln β, all finite, shape (motions, F, X, 2)
     events: NDArray[np.str_]  # Earthquake of each motion, shape (motions,)
-    frequencies: NDArray[np.float64]  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
-    damping_ratios: NDArray[np.float64]
+    frequencies: Array  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
+    damping_ratios: Array
     curved: bool = False  # Whether the law has squares and products of its terms
     robust: bool = False  # Whether motions are Student-t
 
@@ -104,17 +105,17 @@ class Hierarchical(Model):
         return (*coefficients, *covariances, *(degrees if self.robust else ()))
 
     @property
-    def data(self) -> NDArray[np.float64]:
+    def data(self) -> Array:
         """The values."""
         return self.values
 
     @cached_property
-    def terms(self) -> NDArray[np.float64]:
+    def terms(self) -> Array:
         """Terms of the law on the grid, shape (F, X, terms)."""
         return np.stack(list(self._terms.values()), axis=-1)
 
     @cached_property
-    def _terms(self) -> dict[str, NDArray[np.float64]]:
+    def _terms(self) -> dict[str, Array]:
         phi, eta = np.meshgrid(np.log(self.frequencies), np.log(self.damping_ratios / 0.05), indexing="ij")
         fits = {"constant": True, "ln f": phi.shape[0] > 1, "ln ξ": phi.shape[1] > 1}
         terms = {"constant": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
@@ -134,7 +135,7 @@ class Hierarchical(Model):
         return divide(self.grid, self.values, self.terms)
 
     @cached_property
-    def _weights_of_mean(self) -> NDArray[np.float64]:
+    def _weights_of_mean(self) -> Array:
         return weights_of_motion_mean(self.grid)
 
     @cached_property
@@ -142,17 +143,17 @@ class Hierarchical(Model):
         groups = np.unique(self.events, return_inverse=True)[1]
         return MotionMeans(means=self.values.mean(axis=(1, 2)), groups=groups)
 
-    def coefficients(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def coefficients(self, theta: Array) -> Array:
         """Coefficients of the law, shape (vectors, terms, 2)."""
         count = len(self._terms)
         return theta[:, : 2 * count].reshape(-1, 2, count).swapaxes(1, 2)
 
-    def covariances(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def covariances(self, theta: Array) -> Array:
         """Covariance of each effect of the grid, shape (vectors, effects, 3)."""
         begin, count = 2 * len(self._terms), len(self.grid.effects)
         return covariance_of(theta[:, begin : begin + 3 * count].reshape(-1, count, 3))
 
-    def log_likelihood(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def log_likelihood(self, theta: Array) -> Array:
         """Likelihood of all strata; event and motion effects are integrated out."""
         coefficients, covariances = self.coefficients(theta), self.covariances(theta)
         centre = np.einsum("wtq,t->wq", coefficients, self.terms.mean(axis=(0, 1)))
@@ -162,15 +163,13 @@ class Hierarchical(Model):
             return below + self._means.robust(centre, covariances[:, 0], within, np.exp(theta[:, -1]))
         return below + self._means.normal(centre, covariances[:, 0], within)
 
-    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> Self:
+    def simulate(self, theta: Array, rng: np.random.Generator) -> Self:
         """Draw as many motions of as many earthquakes at the same structures."""
         groups = np.unique(self.events, return_inverse=True)[1]
         drawn = self.draw_motions(theta[None, :], groups, rng)[0]
         return replace(self, values=drawn)
 
-    def draw_motions(
-        self, theta: NDArray[np.float64], groups: NDArray[np.int64], rng: np.random.Generator
-    ) -> NDArray[np.float64]:
+    def draw_motions(self, theta: Array, groups: NDArray[np.int64], rng: np.random.Generator) -> Array:
         """Draw motions of further earthquakes.
 
         `theta` (vectors, parameters); `groups` (motions,); returns (vectors, motions, F, X, 2).
@@ -180,7 +179,7 @@ class Hierarchical(Model):
         every = factor_of(self.covariances(theta))
         factors = {name: every[:, k] for k, name in enumerate(self.grid.effects)}
 
-        def effect(name: str, *shape: int) -> NDArray[np.float64]:
+        def effect(name: str, *shape: int) -> Array:
             if name not in factors:
                 return np.zeros((1,) * (len(shape) + 2))
             normal = rng.standard_normal((len(theta), *shape, 2))

@@ -7,17 +7,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.criterion.methods.hierarchical.covariance import normal_log_density, squares_of
 
 
 @compiled
 def log_distances(
-    strayed: NDArray[np.float64],
-    effects: NDArray[np.float64],
+    strayed: Array,
+    effects: Array,
     groups: NDArray[np.int64],
-    degrees: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    degrees: Array,
+) -> Array:
     """Sum ln(1 + d²/ν) over the motions of each earthquake."""
     vectors, events, nodes, _ = effects.shape
     sums = np.zeros((vectors, events, nodes))
@@ -41,15 +42,15 @@ _ROUNDS: Final = 6  # reweighted means that place them
 class MotionMeans:
     """Means of ln α and ln β of each motion over all structures, grouped by earthquake."""
 
-    means: NDArray[np.float64]  # The means, shape (motions, 2)
+    means: Array  # The means, shape (motions, 2)
     groups: NDArray[np.int64]  # Number of each motion's earthquake, from zero, shape (motions,)
 
     def normal(
         self,
-        centre: NDArray[np.float64],
-        between: NDArray[np.float64],
-        within: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+        centre: Array,
+        between: Array,
+        within: Array,
+    ) -> Array:
         """Log-likelihood with normal event and motion effects.
 
         `centre` (vectors, 2); `between`, `within` (vectors, 3); returns (vectors,).
@@ -62,11 +63,11 @@ class MotionMeans:
 
     def robust(
         self,
-        centre: NDArray[np.float64],
-        between: NDArray[np.float64],
-        within: NDArray[np.float64],
-        degrees: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+        centre: Array,
+        between: Array,
+        within: Array,
+        degrees: Array,
+    ) -> Array:
         """Log-likelihood with normal event effects and bivariate Student-t motions about them.
 
         The event effects are integrated out by Gauss–Hermite quadrature about their conditional mode,
@@ -90,21 +91,19 @@ class MotionMeans:
         return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(_matrix(within))))
 
     @cached_property
-    def _by_event(self) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    def _by_event(self) -> tuple[NDArray[np.int64], Array, Array]:
         """Sizes of the earthquakes, their means, and the squares about these."""
         sizes = np.bincount(self.groups)
         event_means = self._event_sums(self.means) / sizes[:, None]
         return sizes, event_means, squares_of(self.means - event_means[self.groups]).sum(axis=0)
 
-    def _event_sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _event_sums(self, values: Array) -> Array:
         """Sum motions of each earthquake along the last axis but one."""
         order = np.argsort(self.groups, kind="stable")
         starts = np.flatnonzero(np.diff(self.groups[order], prepend=-1))
         return np.asarray(np.add.reduceat(values[..., order, :], starts, axis=-2))
 
-    def _conditional(
-        self, strayed: NDArray[np.float64], prior: NDArray[np.float64], degrees: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _conditional(self, strayed: Array, prior: Array, degrees: Array) -> tuple[Array, Array]:
         """Mode (vectors, events, 2) of the event effects and precision (vectors, events, 2, 2) about it."""
         weight = np.ones((*strayed.shape[:2], 1))
         for _ in range(_ROUNDS):
@@ -117,11 +116,11 @@ class MotionMeans:
 
     def _integrand(
         self,
-        strayed: NDArray[np.float64],
-        effects: NDArray[np.float64],
-        prior: NDArray[np.float64],
-        degrees: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+        strayed: Array,
+        effects: Array,
+        prior: Array,
+        degrees: Array,
+    ) -> Array:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
         from reliab.criterion.methods.hierarchical.motion_means import log_distances
 
@@ -132,7 +131,7 @@ class MotionMeans:
         return np.asarray(events - 0.5 * (degrees[:, None, None] + 2.0) * motions)
 
 
-def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _matrix(covariance: Array) -> Array:
     """Covariances (..., 3) as matrices (..., 2, 2)."""
     aa, bb, ab = np.moveaxis(covariance, -1, 0)
     return np.stack([np.stack([aa, ab], axis=-1), np.stack([ab, bb], axis=-1)], axis=-2)
@@ -140,38 +139,36 @@ def _matrix(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
 
 # Two by two and in closed form, so that a covariance that is singular to rounding gives NaN, and with it no
 # probability, instead of an exception for all vectors.
-def _determinant(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _determinant(matrix: Array) -> Array:
     return np.asarray(matrix[..., 0, 0] * matrix[..., 1, 1] - matrix[..., 0, 1] * matrix[..., 1, 0])
 
 
-def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inverse(matrix: Array) -> Array:
     """Inverse of symmetric matrices."""
     aa, bb, ab = matrix[..., 0, 0], matrix[..., 1, 1], matrix[..., 0, 1]
     adjugate = _matrix(np.stack([bb, aa, -ab], axis=-1))
     return np.asarray(adjugate / _determinant(matrix)[..., None, None])
 
 
-def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cholesky(matrix: Array) -> Array:
     """Lower factors; NaN where there is none."""
     first = np.sqrt(matrix[..., 0, 0])
     mixed = matrix[..., 1, 0] / first
     return _triangle(first, mixed, np.sqrt(matrix[..., 1, 1] - mixed**2))
 
 
-def _inverse_of_triangle(factor: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inverse_of_triangle(factor: Array) -> Array:
     """Inverse of lower triangular matrices."""
     first, mixed, second = factor[..., 0, 0], factor[..., 1, 0], factor[..., 1, 1]
     return _triangle(1.0 / first, -mixed / (first * second), 1.0 / second)
 
 
-def _triangle(
-    first: NDArray[np.float64], mixed: NDArray[np.float64], second: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _triangle(first: Array, mixed: Array, second: Array) -> Array:
     rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([mixed, second], axis=-1)]
     return np.stack(rows, axis=-2)
 
 
-def _nodes() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _nodes() -> tuple[Array, Array]:
     """Nodes (nodes, 2) and logarithms of weights of the two-dimensional standard normal density."""
     x, w = np.polynomial.hermite_e.hermegauss(_NODES)
     grid = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.criterion.methods.hierarchical.covariance import normal_log_density
 
 EVENT: Final = "event"
@@ -29,8 +29,8 @@ class Grid:
     ('event', 'motion', 'motion, slope in ln ξ')
     """
 
-    frequencies: NDArray[np.float64]  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
-    damping_ratios: NDArray[np.float64]
+    frequencies: Array  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
+    damping_ratios: Array
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -38,13 +38,13 @@ class Grid:
         return self.frequencies.size, self.damping_ratios.size
 
     @property
-    def eta(self) -> NDArray[np.float64]:
+    def eta(self) -> Array:
         """Ln ξ about its mean, shape (X,)."""
         logarithms = np.log(self.damping_ratios)
         return np.asarray(logarithms - logarithms.mean())
 
     @property
-    def bases(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def bases(self) -> tuple[Array, Array]:
         """Orthonormal contrasts in columns along f and ξ: mean first, along ξ then slope, then the rest."""
         along_f, along_xi = self.shape
         of_f = np.linalg.qr(np.column_stack([np.ones(along_f), np.eye(along_f)]))[0]
@@ -72,14 +72,12 @@ class Strata:
     """Sums over the pairs (ln α, ln β) of each stratum, which are independent given the law."""
 
     # Weight of each effect's covariance in that of each stratum, shape (strata, effects)
-    weights: NDArray[np.float64]
-    counts: NDArray[np.float64]  # Numbers of pairs, shape (strata,)
+    weights: Array
+    counts: Array  # Numbers of pairs, shape (strata,)
     # Sums of products of the terms and values of each pair, shape (strata, terms + 2, terms + 2)
-    products: NDArray[np.float64]
+    products: Array
 
-    def log_likelihood(
-        self, coefficients: NDArray[np.float64], covariances: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def log_likelihood(self, coefficients: Array, covariances: Array) -> Array:
         """Log-likelihood up to a constant.
 
         `coefficients` (vectors, terms, 2); `covariances` (vectors, effects, 3); returns (vectors,).
@@ -92,7 +90,7 @@ class Strata:
         return np.asarray(normal_log_density(covariance, about, self.counts).sum(axis=1))
 
 
-def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) -> Strata:
+def divide(grid: Grid, values: Array, terms: Array) -> Strata:
     """Divide values into the strata below that of the motions' means.
 
     `values` (motions, F, X, 2); `terms` (F, X, terms).
@@ -123,7 +121,7 @@ def divide(grid: Grid, values: NDArray[np.float64], terms: NDArray[np.float64]) 
     )
 
 
-def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
+def weights_of_motion_mean(grid: Grid) -> Array:
     """Weight of each effect in the mean of a motion over all structures, about its earthquake.
 
     Returns (effects,).
@@ -132,7 +130,7 @@ def weights_of_motion_mean(grid: Grid) -> NDArray[np.float64]:
     return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / along_f, REMAINDER: 1.0 / (along_f * along_xi)})
 
 
-def weights_of_motion(grid: Grid) -> NDArray[np.float64]:
+def weights_of_motion(grid: Grid) -> Array:
     """Weight of each effect in the covariance of one motion of a further earthquake.
 
     Returns (X, effects).
@@ -147,5 +145,5 @@ def weights_of_motion(grid: Grid) -> NDArray[np.float64]:
     )
 
 
-def _weights(grid: Grid, given: dict[str, float]) -> NDArray[np.float64]:
+def _weights(grid: Grid, given: dict[str, float]) -> Array:
     return np.array([given.get(effect, 0.0) for effect in grid.effects])
