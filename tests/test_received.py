@@ -20,7 +20,7 @@ import reliab
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
 from reliab.motions import load_motions
-from reliab.motions.checking import check_folder
+from reliab.motions.checking import inspect
 from reliab.received import named_within, objects_of, opened_hdf5
 from reliab.recordings.readers import read_tests
 from reliab.report import saved_content
@@ -49,7 +49,7 @@ def first_motion(folder):
 
 
 def checked(folder):
-    faults = check_folder(folder)
+    faults = inspect(folder).faults
     if faults:
         raise faults[0].error()
 

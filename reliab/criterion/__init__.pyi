@@ -39,7 +39,6 @@ from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
 from .protection import (
     PROTECTED_FROM as PROTECTED_FROM,
-    lengths_together as lengths_together,
     protect_over_lengths as protect_over_lengths,
     protects as protects,
 )
@@ -50,14 +49,12 @@ from .provenance import (
 )
 from .published import printed_share as printed_share, published_criterion as published_criterion
 from .response_measures import (
-    BoundaryScales as BoundaryScales,
     ResponseMeasures as ResponseMeasures,
     compared_by_ellipse as compared_by_ellipse,
 )
 from .scaling import scales as scales
 from .scope import (
     Position as Position,
-    ScopeComparison as ScopeComparison,
     compare_with_scope as compare_with_scope,
     magnitudes_of as magnitudes_of,
     population_of as population_of,

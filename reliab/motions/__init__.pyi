@@ -1,4 +1,4 @@
-from .checking import check_folder as check_folder, inspect as inspect
+from .checking import inspect as inspect
 from .faults import Fault as Fault
 from .intensity import arias_times as arias_times, measure as measure
 from .loading import load_motions as load_motions, read_motion as read_motion

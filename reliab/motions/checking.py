@@ -52,19 +52,19 @@ class _Peak:
     confirmed: bool
 
 
-def check_folder(
+def inspect(
     path: str | Path,
     *,
     sets: Sequence[str] | None = None,
     time_step: float | None = None,
     units: str | None = None,
-) -> list[Fault]:
-    """Read every record of a folder and report every fault of every file.
+) -> Inspection:
+    """Read every record of a folder, report every fault of every file, and count the records.
 
     Parameters
     ----------
     path : str or Path
-        A folder with or without a catalogue, or one file.
+        A folder with or without a catalogue, one file, or the name of a built-in suite.
     sets : sequence of str, optional
         Sets of the catalogue to check; None checks all, including the set ``held_out``.
     time_step : float, optional
@@ -74,8 +74,8 @@ def check_folder(
 
     Returns
     -------
-    list of Fault
-        Empty if there is no fault.
+    Inspection
+        Its `faults` are empty if there is no fault.
 
     Raises
     ------
@@ -86,20 +86,8 @@ def check_folder(
     -----
     Beyond the rules for each file, the peaks in one folder are compared: one that differs from their median
     by more than a factor of 50 is a fault where the units of the record are those that were given here, which
-    may mix units; where the file states them it is a note of :func:`inspect`; where a catalogue confirms them
-    it is neither.
+    may mix units; where the file states them it is a note; where a catalogue confirms them it is neither.
     """
-    return inspect(path, sets=sets, time_step=time_step, units=units).faults
-
-
-def inspect(
-    path: str | Path,
-    *,
-    sets: Sequence[str] | None = None,
-    time_step: float | None = None,
-    units: str | None = None,
-) -> Inspection:
-    """Check a folder, a file or a built-in suite like `check_folder`, and count the records too."""
     if path in BUILT_IN:
         return Inspection(records=len(list(load_motions(path))), faults=[])
     source, declared = Path(path), declare(time_step, units)

@@ -7,7 +7,6 @@ from .normal_inverse_chi_squared import (
 )
 from .posterior_sample import (
     ConvergenceWarning as ConvergenceWarning,
-    Diagnostics as Diagnostics,
     PosteriorSample as PosteriorSample,
     walkers_in_turn as walkers_in_turn,
 )

@@ -13,7 +13,7 @@ from .frame_table import (
     FrameRequest as FrameRequest,
     trace_frame_ellipses as trace_frame_ellipses,
 )
-from .grid import ExplicitGrid as ExplicitGrid, Grid as Grid, ScaledGrid as ScaledGrid
+from .grid import ExplicitGrid as ExplicitGrid, ScaledGrid as ScaledGrid
 from .netcdf import packed as packed, read_netcdf as read_netcdf, write_netcdf as write_netcdf
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,

@@ -24,7 +24,7 @@ from reliab.criterion import Criterion
 from reliab.discrepancy import read_campaign
 from reliab.errors import IncompleteError, InputError
 from reliab.files import ordinary
-from reliab.motions import check_folder, load_motions
+from reliab.motions import inspect, load_motions
 from reliab.recordings import check_record, read_channels_file, read_recording
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
@@ -144,7 +144,7 @@ def _refuse(constant: str) -> float:
 
 
 def _motions(folder: Path) -> None:
-    faults = check_folder(folder)
+    faults = inspect(folder).faults
     assert all(fault.rule and fault.file for fault in faults)
     for path in folder.iterdir():
         for motion in load_motions(path):
@@ -152,7 +152,7 @@ def _motions(folder: Path) -> None:
 
 
 def _catalogue(folder: Path) -> None:
-    check_folder(folder)
+    inspect(folder)
     for motion in load_motions(folder):
         assert np.isfinite(motion.acceleration).all()
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.motions import check_folder, load_motions
+from reliab.motions import inspect, load_motions
 from reliab.vocabulary import STANDARD_GRAVITY as G
 
 Write = Callable[[str, str | bytes], Path]
@@ -33,7 +33,7 @@ def test_a_catalogue_names_motions_events_and_sets(at2: str, write: Write) -> No
     assert suite[0].acceleration[0] == pytest.approx(0.1 * G)
     assert (suite[1].time_step, suite[1].peak_acceleration) == (0.02, 0.003)
     assert [motion.event for motion in suite] == list(suite.events)
-    assert check_folder(folder) == []
+    assert inspect(folder).faults == []
 
 
 def test_columns_are_found_in_any_order_and_case(at2: str, write: Write) -> None:
@@ -52,7 +52,7 @@ def test_what_the_catalogue_notes_of_a_header_changes_nothing(at2: str, write: W
     write("a.AT2", at2)
     folder = write("catalog.csv", "motion,file,header_dt_s,header_npts\nx,a.AT2,0.005,7\n").parent
     assert load_motions(folder)[0].time_step == 0.005
-    assert check_folder(folder) == []
+    assert inspect(folder).faults == []
 
 
 def test_channels_of_a_file_are_chosen_by_number(records: dict[str, str], write: Write) -> None:
@@ -93,7 +93,7 @@ def test_a_faulty_catalogue_is_explained(
     with pytest.raises(InputError, match=rule) as caught:
         load_motions(path.parent)
     assert str(caught.value).startswith(f"{path}, line {line}: ")
-    assert [(fault.file, fault.line) for fault in check_folder(path.parent)] == [(str(path), line)]
+    assert [(fault.file, fault.line) for fault in inspect(path.parent).faults] == [(str(path), line)]
 
 
 @pytest.mark.parametrize(
@@ -113,14 +113,14 @@ def test_a_catalogue_that_contradicts_a_header_is_refused(
     folder = write("catalog.csv", f"motion,file,{column}\nx,a.AT2,{value}\n").parent
     with pytest.raises(InputError, match=rule):
         load_motions(folder)[0]
-    assert [(fault.file, fault.line) for fault in check_folder(folder)] == [(str(record), line)]
+    assert [(fault.file, fault.line) for fault in inspect(folder).faults] == [(str(record), line)]
 
 
 def test_every_faulty_row_is_reported(at2: str, write: Write) -> None:
     write("a.AT2", at2)
     rows = "ok,a.AT2,\nx,gone,0\nok,a.AT2,\ny,a.AT2,-1\n"
     folder = write("catalog.csv", f"motion,file,dt_s\n{rows}").parent
-    assert [fault.line for fault in check_folder(folder)] == [3, 3, 4, 5]
+    assert [fault.line for fault in inspect(folder).faults] == [3, 3, 4, 5]
 
 
 def test_what_is_given_must_not_contradict_the_catalogue(write: Write) -> None:

@@ -4,8 +4,7 @@ from pathlib import Path
 import pytest
 
 from reliab.errors import InputError
-from reliab.motions import Fault, check_folder, load_motions
-from reliab.motions.checking import inspect
+from reliab.motions import Fault, inspect, load_motions
 from reliab.motions.loading import UnreadFileWarning
 
 Write = Callable[[str, str | bytes], Path]
@@ -20,8 +19,8 @@ def test_sound_records_have_no_faults(records: dict[str, str], write: Write, tmp
     write("a.AT2", records["record.AT2"])
     write("b.csv", records["record.csv"])
     assert inspect(tmp_path).records == 2
-    assert check_folder(tmp_path) == []
-    assert check_folder(str(tmp_path / "a.AT2")) == []
+    assert inspect(tmp_path).faults == []
+    assert inspect(str(tmp_path / "a.AT2")).faults == []
 
 
 def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: Write, tmp_path: Path) -> None:
@@ -37,7 +36,7 @@ def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: W
     write("peak.AT2", at2.replace(".5000000E+00", ".5000000E+02"))
     write("step.AT2", at2.replace("DT=   .0050", "DT=   .0000"))
     write("unitless.txt", "0.1\n0.2\n")
-    found = [(Path(fault.file).name, fault.line, fault.rule) for fault in check_folder(tmp_path)]
+    found = [(Path(fault.file).name, fault.line, fault.rule) for fault in inspect(tmp_path).faults]
     assert found == [
         ("binary.AT2", 1, "A record must be a text file"),
         ("cut.AT2", 6, "A record must hold as many samples as its header states"),
@@ -54,7 +53,7 @@ def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: W
 
 def test_units_and_step_can_be_given_for_records_that_state_none(write: Write, tmp_path: Path) -> None:
     write("a.txt", "0.1\n0.2\n")
-    assert check_folder(tmp_path, units="g", time_step=0.01) == []
+    assert inspect(tmp_path, units="g", time_step=0.01).faults == []
 
 
 def test_a_fault_in_one_of_several_channels_is_reported_once(
@@ -62,7 +61,7 @@ def test_a_fault_in_one_of_several_channels_is_reported_once(
 ) -> None:
     one = records["record.V2"]
     write("a.V2", one + one.replace("in cm/sec2.", "in ft.") + one)
-    faults = [(fault.line, fault.value) for fault in check_folder(tmp_path)]
+    faults = [(fault.line, fault.value) for fault in inspect(tmp_path).faults]
     assert len(faults) == len(set(faults)) == 1
 
 
@@ -72,9 +71,9 @@ def test_sets_choose_what_is_checked_and_all_are_by_default(
     write("a.AT2", records["record.AT2"])
     write("b.AT2", b"")
     write("catalog.csv", "motion,set,file\na,near,a.AT2\nb,held_out,b.AT2\n")
-    assert len(check_folder(tmp_path)) == 1
-    assert check_folder(tmp_path, sets=["near"]) == []
-    assert check_folder(tmp_path, sets=["far"])[0].value == "none in the sets far"
+    assert len(inspect(tmp_path).faults) == 1
+    assert inspect(tmp_path, sets=["near"]).faults == []
+    assert inspect(tmp_path, sets=["far"]).faults[0].value == "none in the sets far"
 
 
 @pytest.mark.parametrize(("units", "scale"), [("cm/s2", 0.3), ("m/s2", 0.0003), ("cm/s2", 2.0)])
@@ -108,7 +107,7 @@ def test_files_in_formats_that_are_not_read_are_named(
 def test_units_given_for_a_whole_folder_do_not_hide_a_mixture(write: Write, tmp_path: Path) -> None:
     for name, peak in {"a": 200, "b": 300, "c": 900, "odd": 0.3}.items():
         write(f"{name}.txt", two_columns("cm/s2", peak).partition("\n")[2])
-    (fault,) = check_folder(tmp_path, units="cm/s2")
+    (fault,) = inspect(tmp_path, units="cm/s2").faults
     assert Path(fault.file).name == "odd.txt"
     assert fault.value == "0.000306 g against 0.255 g"
 
@@ -119,18 +118,18 @@ def test_a_record_whose_units_the_catalogue_confirms_may_be_weak(write: Write, t
         write(f"{name}.txt", two_columns("g", peak))
         rows += f"{name},{name}.txt,{'g' if name == 'weak' else ''}\n"
     write("catalog.csv", f"motion,file,units\n{rows}")
-    assert check_folder(tmp_path) == []
+    assert inspect(tmp_path).faults == []
 
 
 def test_records_of_a_wide_but_possible_range_are_not_reported(write: Write, tmp_path: Path) -> None:
     for name, peak in {"a": 0.02, "b": 0.15, "c": 0.3, "d": 0.5, "e": 1.5}.items():
         write(f"{name}.txt", two_columns("g", peak))
-    assert check_folder(tmp_path) == []
+    assert inspect(tmp_path).faults == []
 
 
 def test_a_path_that_does_not_exist_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="source of motions must exist"):
-        check_folder(tmp_path / "gone")
+        inspect(tmp_path / "gone")
 
 
 def test_a_fault_is_an_error_of_one_sentence() -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from reliab.errors import InputError
-from reliab.motions import check_folder, load_motions
+from reliab.motions import inspect, load_motions
 
 Write = Callable[[str, str | bytes], Path]
 
@@ -49,7 +49,7 @@ def test_what_is_no_record_is_passed_over(at2: str, write: Write, tmp_path: Path
     write("notes.pdf", b"%PDF")
     write("sub/catalog.csv", "nothing")
     assert load_motions(tmp_path).names == ("a",)
-    assert check_folder(tmp_path) == []
+    assert inspect(tmp_path).faults == []
 
 
 def test_a_record_is_found_whatever_its_ending(at2: str, write: Write, tmp_path: Path) -> None:
@@ -84,4 +84,4 @@ def test_a_folder_without_records_is_explained(write: Write, tmp_path: Path) -> 
     write("README.md", "none")
     with pytest.raises(InputError, match="folder of motions must hold a record"):
         load_motions(tmp_path)
-    assert [fault.rule for fault in check_folder(tmp_path)] == ["A source of motions must hold a record"]
+    assert [fault.rule for fault in inspect(tmp_path).faults] == ["A source of motions must hold a record"]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from reliab.errors import InputError
-from reliab.motions import Motion, check_folder, load_motions, read_motion
+from reliab.motions import Motion, inspect, load_motions, read_motion
 
 NAMES = ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv", "record.txt", "record"]
 TOKENS = st.sampled_from(
@@ -104,7 +104,7 @@ def outcomes(name: str, content: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_bytes(content)
-        faults = check_folder(folder, units="g" if path.suffix == ".txt" else None)
+        faults = inspect(folder, units="g" if path.suffix == ".txt" else None).faults
         assert all(fault.rule and fault.file for fault in faults)
         try:
             motions = list(load_motions(path))
@@ -159,7 +159,7 @@ def test_any_catalogue_is_read_or_explained(rows: list[list[str]], records: dict
         table = [["motion", "file", "dt_s", "units", "channel", "header_npts"], *rows]
         text = "\n".join(",".join(row) for row in table)
         (Path(folder) / "catalog.csv").write_bytes(text.encode("utf-8", errors="replace"))
-        check_folder(folder)
+        inspect(folder)
         try:
             load_motions(folder)
         except InputError as error:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.motions import MotionSuite, check_folder, load_motions
+from reliab.motions import MotionSuite, inspect, load_motions
 from reliab.motions.writing import write_suite
 from reliab.vocabulary import STANDARD_GRAVITY
 
@@ -51,8 +51,8 @@ def test_samples_are_those_that_numpy_reads(
 
 
 def test_no_fault_is_found(real_motions_folder: Path) -> None:
-    assert check_folder(real_motions_folder) == []
-    assert check_folder(real_motions_folder / "near_field") == []
+    assert inspect(real_motions_folder).faults == []
+    assert inspect(real_motions_folder / "near_field").faults == []
 
 
 def test_events_are_told_by_the_headers_without_the_catalogue(real_motions_folder: Path) -> None:

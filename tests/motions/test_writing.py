@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from reliab.errors import InputError
-from reliab.motions import Motion, MotionSuite, check_folder, load_motions, read_motion
+from reliab.motions import Motion, MotionSuite, inspect, load_motions, read_motion
 from reliab.motions.writing import write_motion, write_suite
 
 LABELS = st.text("abcXYZ019 /.,;-_()'\"äß", max_size=12).map(lambda text: " ".join(text.split()))
@@ -49,7 +49,7 @@ def test_names_that_make_one_file_name_make_two_files(tmp_path: Path) -> None:
     assert suite.names == tuple(names)
     files = [path for path in (tmp_path / "out").rglob("*.txt") if path.is_file()]
     assert len({path.as_posix().lower() for path in files}) == len(names)
-    assert check_folder(tmp_path / "out") == []
+    assert inspect(tmp_path / "out").faults == []
 
 
 def test_one_event_can_replace_all(tmp_path: Path) -> None:

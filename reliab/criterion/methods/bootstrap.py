@@ -32,14 +32,10 @@ class Bootstrap(AssuredBound):
     name: ClassVar[str] = "bootstrap"
     meaning: ClassVar[str] = "a bound from resampling whole earthquakes"
     exchangeable: ClassVar[str] = "earthquakes, each with all its motions; lognormal"
+    lognormal: ClassVar[bool] = True
 
     resamples: int = 4000  # Number of suites
     seed: int = 2017  # Seed of the draws
-
-    @property
-    def assumes_lognormality(self) -> bool:
-        """Whether the promise needs lognormal motions."""
-        return True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         centred = logarithms - logarithms.mean()

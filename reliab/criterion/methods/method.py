@@ -66,15 +66,16 @@ class Method(ABC):
     curve: ClassVar[str] = CurveName.INSCRIBED
     # Whether a and b hold together unless one says otherwise; in the paper each holds for itself
     joint_by_default: ClassVar[bool] = True
-    # Whether the promise needs no shape of the distribution over motions
+    # Whether the promise needs no shape of the distribution over motions, or needs the lognormal one
     distribution_free: ClassVar[bool] = False
+    lognormal: ClassVar[bool] = False
     # Whether it samples a posterior whose chains can be kept in a file
     samples_chains: ClassVar[bool] = False
 
     @property
     def assumes_lognormality(self) -> bool:
         """Whether the promise needs lognormal motions."""
-        return False
+        return self.lognormal
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -31,11 +31,7 @@ class Posterior(AssuredBound):
         "a credible bound of the population's quantile, if motions are independent and lognormal"
     )
     exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
-
-    @property
-    def assumes_lognormality(self) -> bool:
-        """Whether the promise needs lognormal motions."""
-        return True
+    lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events

@@ -1,6 +1,5 @@
 from .scenario import Mechanism as Mechanism, Scenario as Scenario
 from .suite import (
-    SyntheticEntry as SyntheticEntry,
     synthetic_entries as synthetic_entries,
     synthetic_suite as synthetic_suite,
 )

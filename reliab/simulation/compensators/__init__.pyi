@@ -7,4 +7,4 @@ from .inverse import InverseCompensation as InverseCompensation
 from .model_inverse import ModelInverse as ModelInverse
 from .pi_phase_lead import PhaseLeadControl as PhaseLeadControl
 from .polynomial_extrapolation import PolynomialExtrapolation as PolynomialExtrapolation
-from .registry import compensators as compensators, find_compensator as find_compensator
+from .registry import compensators as compensators

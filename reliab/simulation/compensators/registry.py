@@ -42,8 +42,3 @@ def compensators() -> Registry[type[Compensator]]:
     True
     """
     return _LIBRARY
-
-
-def find_compensator(name: str) -> type[Compensator]:
-    """Return the compensator of a name."""
-    return _LIBRARY.find(name)

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from reliab.arrays import Array
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.specimen_table import KinematicsTable, SpecimenTable
-from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable
+from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable, require
 from reliab.simulation.frames.transfer_table import TransferTable
 from reliab.structures import drift_interface, floor_interface, static_shapes
 from reliab.structures.frames import (
@@ -74,12 +74,11 @@ class FrameTable(DescribedTable):
     def _one_of_each(self) -> Self:
         masses = (self.masses_kg, self.mass_matrix_kg)
         stiffnesses = (self.storey_stiffnesses_n_per_m, self.stiffness_matrix_n_per_m, self.planar)
-        if sum(value is not None for value in masses) != 1:
-            message = "give masses_kg or mass_matrix_kg"
-            raise ValueError(message)
-        if sum(value is not None for value in stiffnesses) != 1:
-            message = "give storey_stiffnesses_n_per_m, stiffness_matrix_n_per_m or the table planar"
-            raise ValueError(message)
+        require(sum(value is not None for value in masses) == 1, "give masses_kg or mass_matrix_kg")
+        require(
+            sum(value is not None for value in stiffnesses) == 1,
+            "give storey_stiffnesses_n_per_m, stiffness_matrix_n_per_m or the table planar",
+        )
         return self
 
     @property
@@ -112,12 +111,14 @@ class DampingTable(DescribedTable):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         ways = (self.ratio, self.ratios, self.rayleigh_ratios, self.matrix_n_s_per_m)
-        if sum(value is not None for value in ways) != 1:
-            message = "give one of ratio, ratios, rayleigh_ratios and matrix_n_s_per_m"
-            raise ValueError(message)
-        if (self.rayleigh_ratios is None) != (self.rayleigh_frequencies_hz is None):
-            message = "rayleigh_ratios and rayleigh_frequencies_hz belong together"
-            raise ValueError(message)
+        require(
+            sum(value is not None for value in ways) == 1,
+            "give one of ratio, ratios, rayleigh_ratios and matrix_n_s_per_m",
+        )
+        require(
+            (self.rayleigh_ratios is None) == (self.rayleigh_frequencies_hz is None),
+            "rayleigh_ratios and rayleigh_frequencies_hz belong together",
+        )
         return self
 
     def matrix(self, mass: Array, stiffness: Array) -> Array:
@@ -146,9 +147,7 @@ class ErrorTable(DescribedTable):
 
     @model_validator(mode="after")
     def _drift(self) -> Self:
-        if (self.of == "drift") != (self.between is not None):
-            message = 'between belongs to of = "drift"'
-            raise ValueError(message)
+        require((self.of == "drift") == (self.between is not None), 'between belongs to of = "drift"')
         return self
 
     def output(self, frame: Frame) -> Array | None:

@@ -11,7 +11,7 @@ from reliab.effects import Effect, find_effect
 from reliab.errors import InputError
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
-from reliab.simulation.frames.tolerances_table import DescribedTable
+from reliab.simulation.frames.tolerances_table import DescribedTable, require
 from reliab.structures import condensed
 from reliab.structures.frames import place_of
 
@@ -89,23 +89,22 @@ class SpecimenTable(DescribedTable):
     @model_validator(mode="after")
     def _one_place(self) -> Self:
         places = (self.degree_of_freedom, self.direction, self.degrees_of_freedom, self.directions)
-        if sum(place is not None for place in places) != 1:
-            message = "give degree_of_freedom or direction; of several degrees_of_freedom or directions"
-            raise ValueError(message)
+        require(
+            sum(place is not None for place in places) == 1,
+            "give degree_of_freedom or direction; of several degrees_of_freedom or directions",
+        )
         foreign = sorted((_OF_ONE if self.several else _OF_SEVERAL) & self.model_fields_set)
-        if foreign:
-            number = "several driven degrees" if self.several else "one driven degree"
-            message = f"a specimen of {number} of freedom takes no {', '.join(foreign)}"
-            raise ValueError(message)
-        if self.several and self.stiffness_matrix_n_per_m is None:
-            message = "several driven degrees of freedom need stiffness_matrix_n_per_m"
-            raise ValueError(message)
-        if self.below is not None and self.degree_of_freedom is None:
-            message = "below needs degree_of_freedom"
-            raise ValueError(message)
-        if self.damping_n_s_per_m is not None and self.damping_ratio is not None:
-            message = "give damping_n_s_per_m or damping_ratio"
-            raise ValueError(message)
+        number = "several driven degrees" if self.several else "one driven degree"
+        require(not foreign, f"a specimen of {number} of freedom takes no {', '.join(foreign)}")
+        require(
+            not self.several or self.stiffness_matrix_n_per_m is not None,
+            "several driven degrees of freedom need stiffness_matrix_n_per_m",
+        )
+        require(self.below is None or self.degree_of_freedom is not None, "below needs degree_of_freedom")
+        require(
+            self.damping_n_s_per_m is None or self.damping_ratio is None,
+            "give damping_n_s_per_m or damping_ratio",
+        )
         return self
 
     @property
@@ -207,9 +206,7 @@ class KinematicsTable(DescribedTable):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        if (self.matrix is None) == (self.geometry is None):
-            message = "give matrix or geometry"
-            raise ValueError(message)
+        require((self.matrix is None) != (self.geometry is None), "give matrix or geometry")
         return self
 
     @property

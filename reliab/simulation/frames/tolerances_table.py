@@ -19,6 +19,12 @@ class DescribedTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
+def require(sound: bool, message: str) -> None:  # noqa: FBT001 - what must hold, as in an assertion
+    """Refuse a table whose keys do not go together."""
+    if not sound:
+        raise ValueError(message)
+
+
 Deviation = Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)]
 
 Deviations = Deviation | tuple[Deviation, ...]
@@ -138,20 +144,21 @@ class TolerancesTable(DescribedTable):
     def _one_way(self) -> Self:
         matrices = self.mass or self.stiffness
         storeys = self.floor_masses or self.storey_stiffnesses or self.entries
-        if self.frequency is not None and matrices:
-            message = "give frequency, or mass and stiffness"
-            raise ValueError(message)
-        if self.mode_frequencies and (self.frequency is not None or matrices or storeys):
-            message = "give mode_frequencies, or tolerances of mass, stiffness and frequency"
-            raise ValueError(message)
+        require(self.frequency is None or not matrices, "give frequency, or mass and stiffness")
+        require(
+            not self.mode_frequencies or not (self.frequency is not None or matrices or storeys),
+            "give mode_frequencies, or tolerances of mass, stiffness and frequency",
+        )
         ways = self.damping is not None, bool(self.damping_ratio), bool(self.mode_damping_ratios)
-        if sum(ways) > 1 or (self.mode_damping_ratios and (self.storey_dampings or self.entries)):
-            message = "give one of damping, damping_ratio and mode_damping_ratios"
-            raise ValueError(message)
+        require(
+            sum(ways) <= 1 and not (self.mode_damping_ratios and (self.storey_dampings or self.entries)),
+            "give one of damping, damping_ratio and mode_damping_ratios",
+        )
         of_storeys = (self.floor_masses, self.storey_stiffnesses, self.storey_dampings)
-        if self.storey_correlation and not any(isinstance(values, float) for values in of_storeys):
-            message = "storey_correlation needs floors or storeys whose deviation is one number"
-            raise ValueError(message)
+        require(
+            not self.storey_correlation or any(isinstance(values, float) for values in of_storeys),
+            "storey_correlation needs floors or storeys whose deviation is one number",
+        )
         return self
 
     @property

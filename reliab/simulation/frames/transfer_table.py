@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.received import named_within
-from reliab.simulation.frames.tolerances_table import DescribedTable
+from reliab.simulation.frames.tolerances_table import DescribedTable, require
 from reliab.simulation.transfer_systems import (
     ActuatorMatrix,
     ServoHydraulic,
@@ -90,35 +90,26 @@ class TransferTable(DescribedTable):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        if (self.numerator is None) != (self.denominator is None):
-            message = "numerator and denominator belong together"
-            raise ValueError(message)
+        require(
+            (self.numerator is None) == (self.denominator is None),
+            "numerator and denominator belong together",
+        )
         ways = self.denominator, self.poles_per_s, self.file, self.servo_hydraulic, self.matrix
         count = sum(way is not None for way in ways)
-        if count > 1 or (count == 0 and self.gain is None and not self.delay_ms):
-            message = (
-                "give numerator and denominator, or poles_per_s, file, servo_hydraulic, matrix, or gain and "
-                "delay_ms"
-            )
-            raise ValueError(message)
-        only_with = (
-            (
-                self.gain is not None,
-                self.poles_per_s is not None or count == 0,
-                "gain needs poles_per_s or delay_ms",
-            ),
-            (bool(self.zeros_per_s), self.poles_per_s is not None, "zeros_per_s needs poles_per_s"),
-            (self.variable is not None, self.file is not None, "variable needs file"),
-            (bool(self.delay_ms), self.servo_hydraulic is None, "servo_hydraulic takes no delay_ms"),
-            (
-                bool(self.delay_ms),
-                self.matrix is None,
-                "a matrix takes no delay_ms apart from those of its entries",
-            ),
+        require(
+            count == 1 or (count == 0 and (self.gain is not None or bool(self.delay_ms))),
+            "give numerator and denominator, or poles_per_s, file, servo_hydraulic, matrix, or gain and "
+            "delay_ms",
         )
-        for present, allowed, message in only_with:
-            if present and not allowed:
-                raise ValueError(message)
+        by_poles = self.poles_per_s is not None
+        require(self.gain is None or by_poles or count == 0, "gain needs poles_per_s or delay_ms")
+        require(not self.zeros_per_s or by_poles, "zeros_per_s needs poles_per_s")
+        require(self.variable is None or self.file is not None, "variable needs file")
+        require(not self.delay_ms or self.servo_hydraulic is None, "servo_hydraulic takes no delay_ms")
+        require(
+            not self.delay_ms or self.matrix is None,
+            "a matrix takes no delay_ms apart from those of its entries",
+        )
         return self
 
     def system(self, folder: Path) -> TransferSystem:

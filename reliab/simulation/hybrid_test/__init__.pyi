@@ -14,4 +14,4 @@ from .open_loop import (
     read_displacement as read_displacement,
     read_force as read_force,
 )
-from .stepping import STATES as STATES, Plan as Plan, call_all as call_all, plan as plan
+from .stepping import STATES as STATES, call_all as call_all, plan as plan

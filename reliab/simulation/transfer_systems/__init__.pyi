@@ -9,7 +9,6 @@ from .transfer_function import (
     Plant as Plant,
     TransferFunction as TransferFunction,
     TransferSystem as TransferSystem,
-    TransferUncertainty as TransferUncertainty,
     first_order_lag as first_order_lag,
     gain_and_delay as gain_and_delay,
     invertible as invertible,

@@ -55,7 +55,6 @@ class TransferSystem(ABC):
 _ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated
 _MOST_SPREAD = 1e100  # of coefficients; a system of twenty poles at 10⁵ 1/s has as much
-_MOST_DRAWS = 20  # to each that is wanted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,72 +223,6 @@ def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
     if not (math.isfinite(gain) and gain > 0.0):
         raise InputError("The actuator's gain must be positive and finite", value=gain)
     return TransferFunction(numerator=(gain,), denominator=(1.0,), delay=delay)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TransferUncertainty:
-    """Relative standard deviations of a transfer function's parameters, normally distributed.
-
-    >>> uncertain = TransferUncertainty(frequency=0.1)
-    >>> [round(abs(d.poles[0])) for d in uncertain.draw(first_order_lag(0.01), 3, seed=1)]
-    [103, 95, 100]
-    """
-
-    # gain, frequency, damping, delay: Of the gain, of the moduli of the poles, of the damping ratios of
-    # complex pairs, and of the delay [-]
-    gain: float = 0.0
-    frequency: float = 0.0
-    damping: float = 0.0
-    delay: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("gain", "frequency", "damping", "delay"):
-            if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
-                raise InputError(
-                    f"The relative standard deviation of the {name} must not be negative",
-                    value=getattr(self, name),
-                )
-
-    def draw(self, nominal: TransferFunction, count: int, seed: int) -> list[TransferFunction]:
-        """Draw transfer functions around a nominal one; what is unstable is drawn again."""
-        generator = np.random.default_rng(seed)
-        drawn: list[TransferFunction] = []
-        for _ in range(_MOST_DRAWS * count):
-            try:
-                drawn.append(self._realisation(nominal, generator))
-            except InputError:
-                continue
-            if len(drawn) == count:
-                return drawn
-        raise InputError(
-            "Nearly every draw of the transfer function is unstable",
-            value=f"{len(drawn)} of {_MOST_DRAWS * count} are sound",
-            remedy="Reduce the standard deviations",
-        )
-
-    def _realisation(self, nominal: TransferFunction, generator: np.random.Generator) -> TransferFunction:
-        factors = 1.0 + generator.standard_normal(2) * np.array([self.gain, self.delay])
-        poles: list[complex] = []
-        for pole in nominal.poles[nominal.poles.imag >= 0.0]:
-            faster, damped = 1.0 + generator.standard_normal(2) * np.array([self.frequency, self.damping])
-            modulus = abs(pole) * faster
-            if pole.imag == 0.0:
-                poles.append(complex(math.copysign(modulus, pole.real), 0.0))
-                continue
-            ratio = -pole.real / abs(pole) * damped
-            if not (modulus > 0.0 and abs(ratio) < 1.0):
-                raise InputError(
-                    "The complex poles of a drawn transfer function must stay underdamped", value=pole
-                )
-            moved = modulus * complex(-ratio, math.sqrt(1.0 - ratio**2))
-            poles.extend([moved, moved.conjugate()])
-        return TransferFunction.from_poles(
-            nominal.zeros,
-            poles,
-            nominal.static_gain * float(factors[0]),
-            static=True,
-            delay=max(nominal.delay * float(factors[1]), 0.0),
-        )
 
 
 def coefficients_of(values: Sequence[float] | Array) -> tuple[float, ...]:

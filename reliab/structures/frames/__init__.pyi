@@ -1,10 +1,8 @@
 from .frame import (
     Frame as Frame,
-    Modes as Modes,
     exact_step as exact_step,
     follow_load as follow_load,
     modal_damping as modal_damping,
-    natural_modes as natural_modes,
     place_of as place_of,
     rayleigh_damping as rayleigh_damping,
     square_matrix as square_matrix,

@@ -9,7 +9,6 @@ from reliab.errors import InputError
 from reliab.simulation.transfer_systems import (
     ServoHydraulic,
     TransferFunction,
-    TransferUncertainty,
     first_order_lag,
     gain_and_delay,
     read_matlab,
@@ -187,30 +186,8 @@ def test_a_single_undamped_pair_of_poles_is_allowed():
     assert sorted(undamped.poles.imag) == pytest.approx([-10.0, 10.0])
 
 
-@pytest.mark.parametrize(("frequency", "damping"), [(2.0, 0.0), (0.0, 2.0)])
-def test_pairs_of_poles_that_are_drawn_oscillate_and_decay(frequency, damping):
-    """Draws of a modulus below zero, or of a damping ratio of one and more, are left out."""
-    uncertain = TransferUncertainty(frequency=frequency, damping=damping)
-    for drawn in uncertain.draw(second_order(10.0, 0.5), 200, seed=5):
-        assert drawn.poles.size == 2
-        assert (drawn.poles.imag != 0.0).all()
-        assert (drawn.poles.real < 0.0).all()
-
-
 def test_a_single_integrator_is_allowed():
     assert TransferFunction(numerator=[1.0], denominator=[1.0, 0.0]).static_gain == np.inf
-
-
-@pytest.mark.slow
-def test_draws_have_the_stated_deviations():
-    uncertain = TransferUncertainty(gain=0.02, frequency=0.1, damping=0.2, delay=0.3)
-    drawn = uncertain.draw(second_order(10.0, 0.5, delay=0.002), 2000, seed=3)
-    frequency = np.array([abs(system.poles[0]) for system in drawn]) / (2 * np.pi)
-    damping = np.array([-system.poles[0].real / abs(system.poles[0]) for system in drawn])
-    assert frequency.std() == pytest.approx(1.0, rel=0.08)
-    assert damping.std() == pytest.approx(0.1, rel=0.08)
-    assert np.std([system.static_gain for system in drawn]) == pytest.approx(0.02, rel=0.08)
-    assert np.std([system.delay for system in drawn]) == pytest.approx(6e-4, rel=0.08)
 
 
 @pytest.mark.parametrize("gain", [0.0, -1.0, np.inf, -np.inf, np.nan])

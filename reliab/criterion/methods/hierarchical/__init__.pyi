@@ -1,3 +1,2 @@
-from .fit import HierarchicalFit as HierarchicalFit, hierarchical_model as hierarchical_model
+from .fit import hierarchical_model as hierarchical_model
 from .method import HierarchicalNormal as HierarchicalNormal, HierarchicalRobust as HierarchicalRobust
-from .model import Hierarchical as Hierarchical
