@@ -199,8 +199,8 @@ class TolerancesTable(DescribedTable):
 def _by_number(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
     """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
     if isinstance(values, float):
-        own = values * math.sqrt(1.0 - alike**2)
-        return {name: alike * values} | {f"{name}_{place + 1}": own for place in range(size)}
+        by_itself = values * math.sqrt(1.0 - alike**2)
+        return {name: alike * values} | {f"{name}_{place + 1}": by_itself for place in range(size)}
     if len(values) not in (0, size):
         raise InputError(
             f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",
