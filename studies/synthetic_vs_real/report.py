@@ -7,33 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 from scipy.stats import ks_2samp
 
-from reliab.report import (
-    SOURCES,
-    Block,
-    Column,
-    Document,
-    Figure,
-    Fixed,
-    Paragraph,
-    Prose,
-    Section,
-    Shortest,
-    Significant,
-    Table,
-    label_logarithmic,
-    legend_below,
-    letters,
-    line,
-    listed,
-    name_axes,
-    panels,
-    plain,
-    provenance_of,
-    styled,
-)
+from reliab import report as rp
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
 from reliab.significant import percent
@@ -58,9 +35,9 @@ def suites_report(
     coverage: pd.DataFrame | None = None,
     confidence: float,
     provenance: Mapping[str, object],
-    notes: Sequence[Prose] = (),
+    notes: Sequence[rp.Prose] = (),
     purpose: str = "",
-) -> Document:
+) -> rp.Document:
     """Compare suites of ground motions, the first being the reference.
 
     `measures`: by the name of the suite, one row for each motion: `event`, `peak_acceleration` [m/s²],
@@ -70,32 +47,32 @@ def suites_report(
     of the criteria [-].
     """
     names, containment = list(measures), _containment(coverage, confidence)
-    blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]
+    blocks: list[rp.Block] = [_measures(measures), _limits(limits, names, confidence)]
     if spectra:
         blocks.insert(1, _spectra(spectra))
     if coverage is not None and len(coverage):
         division = f"learned from {names[-1]}, judged on {names[0]}"
         blocks.append(rates_section(coverage, confidence=confidence, division=division))
     blocks += [limits_section(notes), method_section(None, experimental_fraction=1.0, window="record")]
-    return Document(
+    return rp.Document(
         kind="Comparison of suites",
         title=title,
         verdict=_verdict(limits, names, containment, confidence),
         tone="bad" if containment is not None and containment["high"] < confidence else "plain",
         facts={
-            "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
+            "Suites": rp.listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
             "Purpose": purpose,
         },
         blocks=tuple(blocks),
-        provenance=provenance_of(provenance),
-        sources=SOURCES,
+        provenance=rp.provenance_of(provenance),
+        sources=rp.SOURCES,
     )
 
 
 def _verdict(
     limits: pd.DataFrame, names: Sequence[str], containment: pd.Series | None, confidence: float
-) -> Prose:
+) -> rp.Prose:
     reference, compared = names[0], names[-1]
     ratios = _ratios(limits, reference, compared)
     ending = (
@@ -140,7 +117,7 @@ def _ratios(limits: pd.DataFrame, reference: str, compared: str) -> pd.DataFrame
     return ratios
 
 
-def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
+def _measures(measures: Mapping[str, pd.DataFrame]) -> rp.Section:
     reference, *others = measures
     rows = [
         _row(column, measures[reference], measures[compared], compared)
@@ -148,10 +125,10 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
         for column in MEASURES
         if column in measures[reference] and column in measures[compared]
     ]
-    return Section(
+    return rp.Section(
         title="Measures of the motions",
         blocks=(
-            Paragraph(
+            rp.Paragraph(
                 text=prose(
                     "@fig:measures shows the suites motion by motion, @tab:measures their medians and "
                     "spreads (standard deviation of the logarithm). The distance is the largest difference "
@@ -159,13 +136,13 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
                     " that no p-value is given."
                 )
             ),
-            Figure(
+            rp.Figure(
                 drawing=suite_measures(measures),
                 caption="Where the lines differ, the suites differ.",
                 label="fig:measures",
                 leads=True,
             ),
-            Table(
+            rp.Table(
                 frame=pd.DataFrame(rows),
                 columns=_columns(reference),
                 caption=prose(
@@ -177,16 +154,16 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
     )
 
 
-def _columns(reference: str) -> tuple[Column, ...]:
+def _columns(reference: str) -> tuple[rp.Column, ...]:
     return (
-        Column(key="measure", heading="Measure"),
-        Column(key="suite", heading="Suite"),
-        Column(key="unit", heading="Unit"),
-        Column(key="reference_median", heading=reference, number=Significant(), group="median"),
-        Column(key="median", heading="suite", number=Significant(), group="median"),
-        Column(key="reference_spread", heading=reference, number=Fixed(), group="spread"),
-        Column(key="spread", heading="suite", number=Fixed(), group="spread"),
-        Column(key="distance", heading="Distance", number=Fixed()),
+        rp.Column(key="measure", heading="Measure"),
+        rp.Column(key="suite", heading="Suite"),
+        rp.Column(key="unit", heading="Unit"),
+        rp.Column(key="reference_median", heading=reference, number=rp.Significant(), group="median"),
+        rp.Column(key="median", heading="suite", number=rp.Significant(), group="median"),
+        rp.Column(key="reference_spread", heading=reference, number=rp.Fixed(), group="spread"),
+        rp.Column(key="spread", heading="suite", number=rp.Fixed(), group="spread"),
+        rp.Column(key="distance", heading="Distance", number=rp.Fixed()),
     )
 
 
@@ -205,36 +182,36 @@ def _row(column: str, reference: pd.DataFrame, compared: pd.DataFrame, name: str
     }
 
 
-def _spectra(spectra: Mapping[str, xr.DataArray]) -> Section:
-    figure = Figure(
+def _spectra(spectra: Mapping[str, xr.DataArray]) -> rp.Section:
+    figure = rp.Figure(
         drawing=suite_spectra(spectra),
         caption="Median response spectra with the middle two thirds of the motions.",
         label="fig:spectra",
     )
-    return Section(title="Response spectra", blocks=(figure,))
+    return rp.Section(title="Response spectra", blocks=(figure,))
 
 
-def _limits(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> Section:
+def _limits(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> rp.Section:
     wide = limits.assign(amplitude=np.sqrt(limits["a"]), delay=np.sqrt(limits["b"])).pivot_table(
         index=["f", "xi"], columns="suite", values=["amplitude", "delay"]
     )
     wide.columns = pd.Index([" ".join(name) for name in wide.columns.to_flat_index()])
     columns = [
-        Column(key=f"{value} {name}", heading=name, unit=unit, number=Fixed(factor=factor), group=group)
+        rp.Column(key=f"{value} {name}", heading=name, unit=unit, number=rp.Fixed(factor=factor), group=group)
         for value, unit, factor, group in (
             ("amplitude", "%", PERCENT, "amplitude error"),
             ("delay", "ms", 1.0, "delay"),
         )
         for name in names
     ]
-    return Section(
+    return rp.Section(
         title="Criteria of the suites",
         blocks=(
-            Table(
+            rp.Table(
                 frame=wide.reset_index(),
                 columns=(
-                    Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
-                    Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
+                    rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
+                    rp.Column(key="xi", heading=prose("$xi$"), unit="-", number=rp.Shortest()),
                     *columns,
                 ),
                 caption=prose(
@@ -264,8 +241,8 @@ _COLUMNS = 3
 _QUANTILES = (0.16, 0.5, 0.84)
 
 
-@styled
-def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Drawing:
+@rp.styled
+def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the distribution of each measure over the motions of each suite.
 
     `suites`: by the name of the suite, one row for each motion with columns of `MEASURES`; those that all
@@ -275,44 +252,44 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Drawing:
         name: axis for name, axis in MEASURES.items() if all(name in table for table in suites.values())
     }
     rows = -(-len(measures) // _COLUMNS)
-    figure, axes = panels(rows, _COLUMNS, height=_HEIGHT * rows / 2.0, share_y=True)
-    letters(axes)
+    figure, axes = rp.panels(rows, _COLUMNS, height=_HEIGHT * rows / 2.0, share_y=True)
+    rp.letters(axes)
     for place in axes.ravel()[len(measures) :]:
         place.set_axis_off()
     for number, (place, (column, name)) in enumerate(zip(axes.ravel(), measures.items(), strict=False)):
         for rank, (suite, table) in enumerate(suites.items()):
-            look = line(rank)
-            place.ecdf(table[column].dropna().to_numpy(), label=plain(suite), **look)
+            look = rp.line(rank)
+            place.ecdf(table[column].dropna().to_numpy(), label=rp.plain(suite), **look)
         place.set_xscale("log")
-        label_logarithmic(place.xaxis, most=4)
-        name_axes(place, name, "Share below [-]" if number % _COLUMNS == 0 else "")
-    legend_below(figure, axes[0, 0])
+        rp.label_logarithmic(place.xaxis, most=4)
+        rp.name_axes(place, name, "Share below [-]" if number % _COLUMNS == 0 else "")
+    rp.legend_below(figure, axes[0, 0])
     return figure
 
 
-@styled
-def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Drawing:
+@rp.styled
+def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Figure:
     """Draw the median response spectrum of each suite with the middle two thirds of the motions.
 
     `suites`: spectral accelerations [m/s²] over (motion, period [s]) by the name of the suite. Result:
     spectral acceleration [m/s²] over period [s]: medians, and 16 to 84 % as bands and thin lines.
     """
-    figure, axes = panels(height=_SPECTRUM_HEIGHT)
+    figure, axes = rp.panels(height=_SPECTRUM_HEIGHT)
     place = axes[0, 0]
     place.set(xscale="log", yscale="log")
     for rank, (name, spectra) in enumerate(suites.items()):
-        _band(place, spectra, plain(name), rank)
+        _band(place, spectra, rp.plain(name), rank)
     periods = np.concatenate([spectra["period"].values for spectra in suites.values()])
     place.set_xlim(periods.min(), periods.max())
-    label_logarithmic(place.xaxis, place.yaxis, most=7)
-    name_axes(place, "Period [s]", "Spectral acceleration [m/s²]")
-    legend_below(figure, place, columns=3)
+    rp.label_logarithmic(place.xaxis, place.yaxis, most=7)
+    rp.name_axes(place, "Period [s]", "Spectral acceleration [m/s²]")
+    rp.legend_below(figure, place, columns=3)
     return figure
 
 
 def _band(axes: Axes, spectra: xr.DataArray, name: str, rank: int) -> None:
     low, median, high = np.quantile(spectra.transpose("motion", "period").values, _QUANTILES, axis=0)
-    periods, look = spectra["period"].values, line(rank)
+    periods, look = spectra["period"].values, rp.line(rank)
     axes.fill_between(periods, low, high, color=look["color"], alpha=0.13, linewidth=0.0)
     for edge in (low, high):
         axes.plot(periods, edge, **{**look, "linewidth": 0.6})

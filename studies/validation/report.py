@@ -5,34 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 from reliab_studies.paper2017.cases import case_table
 from reliab_studies.paper2017.pages.displacement_histories import case_histories
 
-from reliab.report import (
-    GREY,
-    SOURCES,
-    Block,
-    Column,
-    Document,
-    Figure,
-    Fixed,
-    Paragraph,
-    Prose,
-    Section,
-    Shortest,
-    Table,
-    Whole,
-    label_logarithmic,
-    law_in_words,
-    legend_below,
-    line,
-    name_axes,
-    panels,
-    plain,
-    provenance_of,
-    styled,
-)
+from reliab import report as rp
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
 from reliab.significant import percent
@@ -59,9 +36,9 @@ def validation_report(
     threshold: float = 0.05,
     cases: xr.Dataset | None = None,
     provenance: Mapping[str, object],
-    notes: Sequence[Prose] = (),
+    notes: Sequence[rp.Prose] = (),
     purpose: str = "",
-) -> Document:
+) -> rp.Document:
     """Report how criteria did on motions that they were not learned from.
 
     `confidence`: the confidence that the verdict speaks of [-]; `experimental_fraction`: share of the
@@ -84,7 +61,7 @@ def validation_report(
         method_section(None, experimental_fraction=experimental_fraction, window=window),
     ]
     verdict, tone = _verdict(next(iter(rates.values())), confidence)
-    return Document(
+    return rp.Document(
         kind="Validation of criteria",
         title=title,
         verdict=verdict,
@@ -96,12 +73,12 @@ def validation_report(
             "To do next": _NEXT[tone],
         },
         blocks=tuple(blocks),
-        provenance=provenance_of(provenance),
-        sources=SOURCES,
+        provenance=rp.provenance_of(provenance),
+        sources=rp.SOURCES,
     )
 
 
-def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[Block]:
+def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[rp.Block]:
     """One section for each division; the curve of the first stands on the first page."""
     return [
         rates_section(table, confidence=confidence, division=name, leads=not place)
@@ -109,7 +86,7 @@ def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[Block]:
     ]
 
 
-def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
+def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[rp.Prose, bool]:
     """Say what the first criterion contained, and whether that agrees with what it states."""
     overall = rates[(rates["measure"] == "containment") & rates["f"].isna()]
     nearest = overall.iloc[[int(np.argmin(np.abs(overall["confidence"] - confidence)))]]
@@ -140,26 +117,26 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
     return verdict, keeps
 
 
-def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
+def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> rp.Section:
     """Count good and bad tests that criteria accept and refuse.
 
     `verdicts`: columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`,
     `bad_rejected`; `confidence`: share of the population's ground motions that the criteria state [-].
     """
     rows = verdicts[np.isclose(verdicts["confidence"], confidence)]
-    rows = rows.assign(candidate=[law_in_words(str(name)) for name in rows["candidate"]])
+    rows = rows.assign(candidate=[rp.law_in_words(str(name)) for name in rows["candidate"]])
     good, bad = prose("good tests"), prose("bad tests")
-    return Section(
+    return rp.Section(
         title="Verdicts on simulated tests",
         blocks=(
-            Table(
+            rp.Table(
                 frame=rows,
                 columns=(
-                    Column(key="candidate", heading="Criterion"),
-                    Column(key="good_accepted", heading="accepted", number=Whole(), group=good),
-                    Column(key="good_rejected", heading="refused", number=Whole(), group=good),
-                    Column(key="bad_accepted", heading="accepted", number=Whole(), group=bad),
-                    Column(key="bad_rejected", heading="refused", number=Whole(), group=bad),
+                    rp.Column(key="candidate", heading="Criterion"),
+                    rp.Column(key="good_accepted", heading="accepted", number=rp.Whole(), group=good),
+                    rp.Column(key="good_rejected", heading="refused", number=rp.Whole(), group=good),
+                    rp.Column(key="bad_accepted", heading="accepted", number=rp.Whole(), group=bad),
+                    rp.Column(key="bad_rejected", heading="refused", number=rp.Whole(), group=bad),
                 ),
                 caption=prose(
                     "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
@@ -173,12 +150,12 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
     )
 
 
-def actuators_section(tests: pd.DataFrame) -> Section:
+def actuators_section(tests: pd.DataFrame) -> rp.Section:
     """Report tests whose actuators are no constant gain and delay."""
-    return Section(
+    return rp.Section(
         title="Actuators that are not a constant gain and delay",
         blocks=(
-            Paragraph(
+            rp.Paragraph(
                 text=prose(
                     "Each test was simulated with its actuator; $A$ and $d$ were evaluated from command and "
                     "measured displacement as a laboratory would, and the error was compared with that of a "
@@ -187,7 +164,7 @@ def actuators_section(tests: pd.DataFrame) -> Section:
                     "good and bad tests are accepted or refused as the criterion decides."
                 )
             ),
-            Figure(
+            rp.Figure(
                 drawing=error_beyond_the_model(tests),
                 caption=(
                     "Error of each test over the error that a constant gain and delay would have made: "
@@ -220,19 +197,19 @@ def _by_actuator(tests: pd.DataFrame) -> pd.DataFrame:
     ).reset_index()
 
 
-def _actuator_rows(frame: pd.DataFrame) -> Table:
-    share, off = Fixed(decimals=1, factor=PERCENT), "off the prediction"
-    return Table(
+def _actuator_rows(frame: pd.DataFrame) -> rp.Table:
+    share, off = rp.Fixed(decimals=1, factor=PERCENT), "off the prediction"
+    return rp.Table(
         frame=frame,
         columns=(
-            Column(key="rig", heading="Actuator", wide=True),
-            Column(key="tests", heading="Tests", number=Whole()),
-            Column(key="typical", heading="median", unit="%", number=share, group=off),
-            Column(key="worst", heading="worst", unit="%", number=share, group=off),
-            Column(key="bad", heading="Bad", number=Whole()),
-            Column(key="accepted", heading="Accepted", number=Whole()),
-            Column(key="unsafe", heading="Accepted, yet bad", number=Whole()),
-            Column(key="wasted", heading="Good, yet refused", number=Whole()),
+            rp.Column(key="rig", heading="Actuator", wide=True),
+            rp.Column(key="tests", heading="Tests", number=rp.Whole()),
+            rp.Column(key="typical", heading="median", unit="%", number=share, group=off),
+            rp.Column(key="worst", heading="worst", unit="%", number=share, group=off),
+            rp.Column(key="bad", heading="Bad", number=rp.Whole()),
+            rp.Column(key="accepted", heading="Accepted", number=rp.Whole()),
+            rp.Column(key="unsafe", heading="Accepted, yet bad", number=rp.Whole()),
+            rp.Column(key="wasted", heading="Good, yet refused", number=rp.Whole()),
         ),
         caption=(
             "Verdicts on actuators beyond the model; a test is bad when its own simulated error "
@@ -246,38 +223,38 @@ _HEIGHT = 76.0
 _WIDTH = 120.0
 
 
-@styled
+@rp.styled
 def error_beyond_the_model(
     tests: pd.DataFrame, *, prediction: str = "Error of a constant gain $A$ and delay $d$"
-) -> Drawing:
+) -> Figure:
     """Draw the error of each test over that of a constant gain and delay with the same indices.
 
     `tests`: columns rig, error [-] and predicted [-], one row a test. Result: both errors [%] on logarithmic
     scales; on the diagonal they agree.
     """
-    figure, axes = panels(height=_HEIGHT, width=_WIDTH)
+    figure, axes = rp.panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
     percent = PERCENT * tests[["predicted", "error"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
-    place.plot(ends, ends, color=GREY, linewidth=0.9)
+    place.plot(ends, ends, color=rp.GREY, linewidth=0.9)
     for rank, (name, errors) in enumerate(percent.groupby(tests["rig"], sort=False)):
-        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-        place.plot(errors["predicted"], errors["error"], label=plain(str(name)), **look)
+        look = {**rp.line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+        place.plot(errors["predicted"], errors["error"], label=rp.plain(str(name)), **look)
     place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
-    label_logarithmic(place.xaxis, place.yaxis)
-    name_axes(place, f"{prediction} [%]", "Error of the test [%]")
-    legend_below(figure, place, columns=2)
+    rp.label_logarithmic(place.xaxis, place.yaxis)
+    rp.name_axes(place, f"{prediction} [%]", "Error of the test [%]")
+    rp.legend_below(figure, place, columns=2)
     return figure
 
 
-def cases_section(cases: xr.Dataset) -> Section:
+def cases_section(cases: xr.Dataset) -> rp.Section:
     """Show the verdicts of equation (18) on the four cases, their errors, and what the paper prints."""
     seconds = f"{cases.attrs.get('window', 0.0):g}"
     caption = "Exact response and measured displacement of the four cases."
-    return Section(
+    return rp.Section(
         title="The four cases of the paper",
         blocks=(
-            Paragraph(
+            rp.Paragraph(
                 text=prose(
                     "The application of the paper @guo2017, simulated under {motion}: $A$ and $d$ are those "
                     "of command and measured displacement, the index is that of equation (18), and a test "
@@ -294,26 +271,26 @@ def cases_section(cases: xr.Dataset) -> Section:
     )
 
 
-def _case_rows(frame: pd.DataFrame, seconds: str) -> Table:
-    number, ratio, good = Fixed(decimals=3), Fixed(factor=PERCENT), prose('$"RMS"^R$')
+def _case_rows(frame: pd.DataFrame, seconds: str) -> rp.Table:
+    number, ratio, good = rp.Fixed(decimals=3), rp.Fixed(factor=PERCENT), prose('$"RMS"^R$')
     simulated, printed, index, verdict = "simulated", "printed", "index of (18)", "index at most 1"
-    of_rms = Fixed(decimals=1, factor=PERCENT)
-    return Table(
+    of_rms = rp.Fixed(decimals=1, factor=PERCENT)
+    return rp.Table(
         frame=frame,
         columns=(
-            Column(key="case", heading="Case", number=Whole()),
-            Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
-            Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
-            Column(key="A", heading=prose("$A$"), unit="-", number=Fixed(decimals=4)),
-            Column(key="d", heading=prose("$d$"), unit="ms", number=Fixed(factor=MILLI)),
-            Column(key="index", heading=simulated, unit="-", number=number, group=index),
-            Column(key="index_printed", heading=printed, unit="-", number=number, group=index),
-            Column(key="accepted", heading=simulated, group=verdict),
-            Column(key="accepted_printed", heading=printed, group=verdict),
-            Column(key="rms", heading=simulated, unit="%", number=ratio, group=good),
-            Column(key="rms_printed", heading=printed, unit="%", number=ratio, group=good),
-            Column(key="good", heading="good"),
-            Column(key="of_rms", heading="of its RMS", unit="%", number=of_rms),
+            rp.Column(key="case", heading="Case", number=rp.Whole()),
+            rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
+            rp.Column(key="xi", heading=prose("$xi$"), unit="-", number=rp.Shortest()),
+            rp.Column(key="A", heading=prose("$A$"), unit="-", number=rp.Fixed(decimals=4)),
+            rp.Column(key="d", heading=prose("$d$"), unit="ms", number=rp.Fixed(factor=MILLI)),
+            rp.Column(key="index", heading=simulated, unit="-", number=number, group=index),
+            rp.Column(key="index_printed", heading=printed, unit="-", number=number, group=index),
+            rp.Column(key="accepted", heading=simulated, group=verdict),
+            rp.Column(key="accepted_printed", heading=printed, group=verdict),
+            rp.Column(key="rms", heading=simulated, unit="%", number=ratio, group=good),
+            rp.Column(key="rms_printed", heading=printed, unit="%", number=ratio, group=good),
+            rp.Column(key="good", heading="good"),
+            rp.Column(key="of_rms", heading="of its RMS", unit="%", number=of_rms),
         ),
         caption=prose(
             "Verdicts of equation (18), errors over the first {seconds} s, and what is printed.",

@@ -10,25 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Drawing
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.report import (
-    BLUE,
-    DISPLACEMENT,
-    INK,
-    PALE,
-    TIME,
-    VERMILION,
-    Figure,
-    Prose,
-    legend_below,
-    letters,
-    mark,
-    panels,
-    plain,
-    styled,
-)
+from reliab import report as rp
 from reliab.vocabulary import MILLI, PERCENT
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
@@ -52,23 +37,23 @@ class HistoryPanel:
     note: str = ""
 
 
-@styled
-def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Drawing:
+@rp.styled
+def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
     """Draw exact response and measured displacement of several tests on one scale of time.
 
     Displacement [mm] over time [s].
     """
     rows = -(-len(histories) // columns)
-    figure, axes = panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
-    letters(axes, tuple(plain(panel.title) for panel in histories))
+    figure, axes = rp.panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
+    rp.letters(axes, tuple(rp.plain(panel.title) for panel in histories))
     for place, history in zip(axes.ravel(), histories, strict=False):
         _draw(place, history)
     for place in axes.ravel()[len(histories) :]:
         place.set_axis_off()
     for place in axes[-1]:
-        place.set_xlabel(TIME)
+        place.set_xlabel(rp.TIME)
     richest = next((k for k, panel in enumerate(histories) if panel.measured is not None), 0)
-    legend_below(figure, axes.ravel()[richest])
+    rp.legend_below(figure, axes.ravel()[richest])
     return figure
 
 
@@ -91,7 +76,7 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     history = as_printed(history)
     curves = [history.ideal] if history.measured is None else [history.ideal, history.measured]
     # The exact response lies underneath, broad and pale, so that both remain visible where they agree.
-    colour, width = (INK, 0.8) if history.measured is None else (PALE, 2.6)
+    colour, width = (rp.INK, 0.8) if history.measured is None else (rp.PALE, 2.6)
     axes.plot(
         history.times, MILLI * history.ideal, color=colour, linewidth=width, label="exact response $x_I$"
     )
@@ -99,14 +84,14 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
         axes.plot(
             history.times,
             MILLI * history.measured,
-            color=BLUE,
+            color=rp.BLUE,
             linewidth=0.7,
             label="measured displacement $x_m$",
         )
         axes.plot(
             history.times,
             MILLI * (history.measured - history.ideal),
-            color=VERMILION,
+            color=rp.VERMILION,
             linewidth=0.7,
             linestyle=(0, (2.0, 1.0)),
             label="difference $x_m - x_I$",
@@ -114,12 +99,12 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     peak = MILLI * max(float(np.abs(values).max()) for values in curves)
     axes.set_ylim(-_HEADROOM * peak, _HEADROOM * peak)
     axes.set_xlim(history.times[0], history.times[-1])
-    axes.set_ylabel(DISPLACEMENT)
+    axes.set_ylabel(rp.DISPLACEMENT)
     if history.note:
-        mark(axes, plain(history.note), (0.985, 0.95), ha="right")
+        rp.mark(axes, rp.plain(history.note), (0.985, 0.95), ha="right")
 
 
-def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: bool = False) -> Figure:
+def case_histories(cases: xr.Dataset, *, caption: rp.Prose, label: str, errors: bool = False) -> rp.Figure:
     """Draw the exact response and the measured displacement of each case."""
     panels = [
         HistoryPanel(
@@ -131,4 +116,4 @@ def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: boo
         )
         for number in cases["case"].values.tolist()
     ]
-    return Figure(drawing=displacement_histories(panels), caption=caption, label=label)
+    return rp.Figure(drawing=displacement_histories(panels), caption=caption, label=label)

@@ -5,22 +5,9 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 import xarray as xr
 
+from reliab import report as rp
 from reliab.criterion import records_checksum
 from reliab.errors import InputError
-from reliab.report import (
-    SOURCES,
-    Column,
-    Document,
-    Fixed,
-    Paragraph,
-    Prose,
-    Section,
-    Shortest,
-    Significant,
-    Table,
-    in_line,
-    provenance_of,
-)
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section
 from reliab.significant import percent
@@ -50,9 +37,9 @@ def paper_report(
     ellipses: xr.Dataset,
     cases: xr.Dataset,
     provenance: Mapping[str, object],
-    notes: Sequence[Prose] = (),
+    notes: Sequence[rp.Prose] = (),
     purpose: str = "",
-) -> Document:
+) -> rp.Document:
     """Report the reproduction of Guo and others (2017)."""
     if example.attrs["motion"] not in ellipses["motion"]:
         raise InputError(
@@ -64,7 +51,7 @@ def paper_report(
     numbers, contained = tabulate(items_of(printed, records)), containment(records)
     window = str(ellipses.attrs.get("window", "record"))
     fraction = share_of(ellipses)
-    return Document(
+    return rp.Document(
         kind="Reproduction of a published study",
         title=title,
         verdict=_verdict(numbers, contained),
@@ -81,12 +68,12 @@ def paper_report(
             _numbers(numbers),
             method_section(None, experimental_fraction=fraction, window=window),
         ),
-        provenance=provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
-        sources=SOURCES,
+        provenance=rp.provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
+        sources=rp.SOURCES,
     )
 
 
-def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
+def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> rp.Prose:
     close, recomputed = count(numbers)
     rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
@@ -105,7 +92,7 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     )
 
 
-def _facts(records: Records, fraction: float) -> dict[str, Prose]:
+def _facts(records: Records, fraction: float) -> dict[str, rp.Prose]:
     sample = records.sample()
     return {
         "Paper": prose("Guo and others (2017) @guo2017"),
@@ -119,13 +106,13 @@ def _facts(records: Records, fraction: float) -> dict[str, Prose]:
     }
 
 
-def _numbers(numbers: pd.DataFrame) -> Section:
+def _numbers(numbers: pd.DataFrame) -> rp.Section:
     rows = numbers[~of_row(numbers)]
-    relative = Fixed(decimals=1, factor=PERCENT, signed=True)
-    return Section(
+    relative = rp.Fixed(decimals=1, factor=PERCENT, signed=True)
+    return rp.Section(
         title="All tables, figures and numbered equations",
         blocks=(
-            Paragraph(
+            rp.Paragraph(
                 text=prose(
                     "@tab:all lists what the paper prints with a number: as printed, as it follows from "
                     "the tables and equations that the paper prints, and as it follows from the records. "
@@ -136,17 +123,17 @@ def _numbers(numbers: pd.DataFrame) -> Section:
                     "@sec:errata."
                 )
             ),
-            Table(
+            rp.Table(
                 frame=_set(rows),
                 columns=(
-                    Column(key="item", heading="Paper"),
-                    Column(key="quantity", heading="Quantity", wide=True),
-                    Column(key="unit", heading="Unit"),
-                    Column(key="printed", heading="Printed"),
-                    Column(key="from_tables", heading="Its tables"),
-                    Column(key="from_records", heading="Records"),
-                    Column(key="difference", heading="Off", unit="%", number=relative),
-                    Column(key="finding", heading="Finding", wide=True),
+                    rp.Column(key="item", heading="Paper"),
+                    rp.Column(key="quantity", heading="Quantity", wide=True),
+                    rp.Column(key="unit", heading="Unit"),
+                    rp.Column(key="printed", heading="Printed"),
+                    rp.Column(key="from_tables", heading="Its tables"),
+                    rp.Column(key="from_records", heading="Records"),
+                    rp.Column(key="difference", heading="Off", unit="%", number=relative),
+                    rp.Column(key="finding", heading="Finding", wide=True),
                 ),
                 caption="What the paper prints, what follows from its tables, and what from its records.",
                 label="tab:all",
@@ -167,17 +154,17 @@ def _set(numbers: pd.DataFrame) -> pd.DataFrame:
         unit=numbers["unit"].replace(_UNITS).where(~without, ""),
         quantity=numbers["quantity"].str.replace("^R", "ᴿ"),
         finding=numbers["finding"].str.replace("^R", "ᴿ"),
-        **{name: [in_line(Significant()(value)) for value in numbers[name]] for name in columns},
+        **{name: [rp.in_line(rp.Significant()(value)) for value in numbers[name]] for name in columns},
     )
 
 
-def _promise(contained: pd.DataFrame) -> Section:
-    share = Fixed(decimals=0, factor=PERCENT)
+def _promise(contained: pd.DataFrame) -> rp.Section:
+    share = rp.Fixed(decimals=0, factor=PERCENT)
     headings = ("(15)", "(18)", "(15) corrected", "(18) corrected")
-    return Section(
+    return rp.Section(
         title="Whether the published criteria keep their promise",
         blocks=(
-            Paragraph(
+            rp.Paragraph(
                 text=prose(
                     "A criterion that promises 95 % should lie inside the ellipses of 95 % of the motions. "
                     "@tab:contained counts the fitted ellipses at $xi = 0.02$ that do. Equation (18) allows "
@@ -186,12 +173,12 @@ def _promise(contained: pd.DataFrame) -> Section:
                     "structures tolerate more."
                 )
             ),
-            Table(
+            rp.Table(
                 frame=contained,
                 columns=(
-                    Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
+                    rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
                     *(
-                        Column(
+                        rp.Column(
                             key=name,
                             heading=heading,
                             unit="%",
@@ -211,9 +198,9 @@ def _promise(contained: pd.DataFrame) -> Section:
     )
 
 
-def _limits(numbers: pd.DataFrame) -> list[Prose]:
+def _limits(numbers: pd.DataFrame) -> list[rp.Prose]:
     rows, errors, all_rows = rows_that_agree(numbers)
-    sentences: list[Prose] = [
+    sentences: list[rp.Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
             "have another time step, length or name than those used here. Its column “error” comes back in "
