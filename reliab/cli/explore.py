@@ -37,7 +37,7 @@ class ExploreDemand(Demand):
 
 @takes(ExploreDemand)
 def explore(demand: ExploreDemand) -> None:
-    """Write a web page, for use offline, of tolerable errors and of where a test dropped on it lies."""
+    """Write a web page, for use offline, that shows tolerable errors and where a test dropped on it lies."""
     from reliab.api import write_explorer
 
     written = demand.ask(write_explorer, "json_target")

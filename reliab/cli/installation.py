@@ -17,7 +17,7 @@ class FetchDemand(Demand):
 
 @takes(FetchDemand)
 def fetch(demand: FetchDemand) -> None:
-    """Bring shipped data that the wheel leaves out, results.nc of real_suite, and compare its checksum."""
+    """Fetch data that are too large for the package, results.nc of real_suite, and compare their checksum."""
     from reliab.api import fetch_dataset
 
     write_line(f"{demand.ask(fetch_dataset)}: the checksum is as listed")

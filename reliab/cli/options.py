@@ -15,7 +15,9 @@ from reliab.files import require_ending
 if TYPE_CHECKING:
     from reliab.report import Setting
 
-MOTIONS = option("SOURCE...", "Records, folders or a built-in suite (synthetic).", autocompletion=suites)
+MOTIONS = option(
+    "SOURCE...", "Ground motions: records, folders or a built-in suite (synthetic).", autocompletion=suites
+)
 SETS = option("NAME...", "Sets of a catalogue; the set held_out is left out unless you name it.")
 
 
@@ -43,7 +45,7 @@ ELLIPSES = option(
 )
 FREQUENCIES = option("HZ...", "Natural frequencies [Hz].")
 DAMPING_RATIOS = option("RATIO...", "Damping ratios, 0.02 for 2 %.")
-THRESHOLDS = option("ERROR...", "Errors, 0.05 for 5 %.")
+THRESHOLDS = option("ERROR...", "Largest acceptable errors of the whole test, 0.05 for 5 %.")
 METRIC_NAME = option(
     "rms|mte", "Error of the whole test: RMS^R or MTE^R.", default="rms", autocompletion=metrics
 )
@@ -99,7 +101,7 @@ TAKEN_AS_EXACT = flag("Take channels, and values that are stated without a stand
 CRITERION_FILE = option("FILE.json", "Criterion, as `reliab criterion --out` writes it.")
 ERROR_THRESHOLD = option("ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.")
 JSON_TARGET = option("FILE|-", "Write JSON to a file; - prints only JSON to standard output.", name="--json")
-COLUMN = option("NAME", "Name of the column, if not recognised.")
+COLUMN = option("NAME", "Column of this channel, if it is not recognised.")
 UNITS = option("m|mm|in...", "Unit of both displacements.")
 TIME_UNITS = option("s|ms", "Unit of the time.")
 RATE = option("HZ", "Sampling rate, if there is no time column.")

@@ -189,8 +189,8 @@ class PredictDemand(OfNextTest):
     suite: str | None = option(
         "NAME", "Suite of which the next motion may be any: real_suite, synthetic, or a folder."
     )
-    date: str | None = option("DATE", "When; after the last test by default.")
-    specimen: str | None = option("TEXT", "On what; the last one by default.")
+    date: str | None = option("DATE", "Date of the next test; after the last test by default.")
+    specimen: str | None = option("TEXT", "Specimen of the next test; by default that of the last test.")
     covariate: list[str] | None = option(
         "NAME=NUMBER...", "Quantities of the next test that all tests have, such as peak_mm=40."
     )

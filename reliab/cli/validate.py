@@ -36,7 +36,9 @@ class ValidateDemand(Demand):
     ellipses: Path | None = ELLIPSES
     f: list[float] | None = FREQUENCIES
     xi: list[float] | None = DAMPING_RATIOS
-    threshold: float | None = option("ERROR", "Error, 0.05 for 5 %, the default.")
+    threshold: float | None = option(
+        "ERROR", "Largest acceptable error of the whole test, 0.05 (5 %) by default."
+    )
     metric: str = METRIC_NAME
     window: str | None = WINDOW_IF_GIVEN
     alpha: list[float] | None = FRACTIONS
@@ -66,7 +68,7 @@ class ValidateDemand(Demand):
     law: list[str] | None = option(
         "NAME...", "Fitted or printed laws; table and printed by default.", autocompletion=laws
     )
-    confidence: list[float] | None = option("SHARE...", "Stated shares of the motions.")
+    confidence: list[float] | None = option("SHARE...", "Shares of the motions that the criteria state.")
     trials: int | None = option(
         "",
         "Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of "

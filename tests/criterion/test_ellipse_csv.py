@@ -69,7 +69,7 @@ def test_a_motion_that_is_missing_in_a_cell_is_left_out_there(tmp_path):
         ("a,b\n1e-4,two\n", "line 2: The column b must hold positive numbers below 1e.30; found 'two'"),
         ("a,b\n1e-4,inf\n", "line 2"),
         ("a,b\n1e-4,\n", "line 2"),
-        ("motion,a,b\nx,1e-4,2\nx,1e-4,3\n", "line 3: A motion may stand only once"),
+        ("motion,a,b\nx,1e-4,2\nx,1e-4,3\n", "line 3: A motion may occur only once"),
         ("a,b,xi\n1e-4,1,zero\n", "column xi"),
     ],
 )

@@ -75,7 +75,7 @@ derived = partial(derive_criterion, method="quantile")
         (lambda: checked_grid("frequencies", []), "frequencies of a law must be positive"),
         (
             lambda: Quantile(distribution="gumbel of nobody"),
-            "must be known; found gumbel of nobody",
+            "must be one of the known ones; found gumbel of nobody",
         ),
         (lambda: population(log_alpha=np.log(A).reshape(3, 1, 1) - 1e4), "Logarithms .* must be between"),
         (lambda: population(log_beta=np.log(B).reshape(1, 3, 1)), "a pair of ellipse parameters for each"),

@@ -137,5 +137,5 @@ def _with_number(words: str, name: str, actuator: str) -> str:
     if (numbered := part_and_number(name)) is not None:
         return f"{words} {numbered[1]}"
     if name in PARTS:
-        return f"{words} 1, and of all others alike"
+        return f"{words} 1 and, equally, of all others"
     return f"{words} of actuator {actuator}" if actuator else words
