@@ -14,7 +14,8 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment import Equipment, LowPass
+    from reliab.assessment import Equipment
+    from reliab.signals import LowPass
     from reliab.simulation.hybrid_test import UpdatedModel
 
 Quantity = float | str | StatedValue
@@ -109,7 +110,8 @@ def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     >>> stated_filters(["measured=200/4"])
     {'measured': LowPass(corner=200.0, order=4)}
     """
-    from reliab.assessment import CHANNELS, LowPass
+    from reliab.assessment import CHANNELS
+    from reliab.signals import LowPass
 
     filters: dict[str, LowPass] = {}
     for text in texts:

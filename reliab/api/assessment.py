@@ -23,7 +23,6 @@ from reliab.api.channels import Channels, Judge, Test, assess_each, is_test, nam
 from reliab.assessment import (
     Assessment,
     Equipment,
-    LowPass,
     corrected,
     stated_of_filters,
 )
@@ -31,6 +30,7 @@ from reliab.assessment.assess import assess as assess_structure
 from reliab.criterion import Criterion
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
+from reliab.signals import LowPass
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric

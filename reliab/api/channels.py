@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from typing_extensions import TypeIs
 
-    from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment, LowPass
+    from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
+    from reliab.signals import LowPass
     from reliab.stated_value import StatedValue
 
 Test: TypeAlias = "str | Path | pd.DataFrame | Recording | CoupledRecording"

@@ -4,7 +4,6 @@ from .budget import (
     CHANNELS as CHANNELS,
     BudgetItem as BudgetItem,
     Equipment as Equipment,
-    LowPass as LowPass,
     corrected as corrected,
     ordinary_equipment as ordinary_equipment,
     read_equipment as read_equipment,

@@ -26,7 +26,7 @@ from reliab.assessment.rebuilt_error import (
     Widening,
     rebuild,
 )
-from reliab.assessment.rebuilt_error.noise_filter import filter_of_noise
+from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.verdict import word_of_probability

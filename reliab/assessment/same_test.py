@@ -17,7 +17,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.rebuilt_error.error_statistics import relative_errors
+from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.parts import follow
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.errors import InputError
@@ -173,8 +173,8 @@ class _Extrapolated:
         """Judge one of the runs by all of them."""
         one, path = self.found[place], self.measured[place]
         metric = one.error.metric
-        sizes = np.array([_size(path, response, metric) for response in self.draws])
-        value, alone = _size(path, self.best, metric), one.error.estimate(metric)
+        sizes = np.array([relative_error(path - response, response, metric) for response in self.draws])
+        value, alone = relative_error(path - self.best, self.best, metric), one.error.estimate(metric)
         low, high = np.quantile(sizes, _LEVELS).tolist()
         probability = (float(np.sum(sizes < one.error.threshold)) + 0.5) / (sizes.size + 1.0)
         return RunOfTest(
@@ -247,11 +247,6 @@ def _unknown_zero(found: Assessment, generator: np.random.Generator) -> Array:
     drawn[:, 1] += sizes.get("open_filter", 0.0) * (generator.uniform(size=_DRAWS) < _OPEN)
     drawn[:, 1] *= found.structure.circular_frequency
     return np.asarray(drawn)
-
-
-def _size(measured: Array, response: Array, metric: Metric) -> float:
-    rms, mte = relative_errors(measured - response, response)
-    return rms if metric is Metric.RMS else mte
 
 
 def _interval(size: Estimate) -> str:

@@ -6,11 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.budget import LowPass
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
-from reliab.assessment.rebuilt_error.error_statistics import relative_errors
+from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
 from reliab.assessment.yielding import (
@@ -20,8 +18,8 @@ from reliab.assessment.yielding import (
     errors_of_hardenings,
 )
 from reliab.recordings import CoupledRecording, Recording
+from reliab.signals import LowPass
 from reliab.significant import percent, significant
-from reliab.vocabulary import Metric
 
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
 """Corners of a filter of second order on one channel [Hz], from the weakest filter that is tried."""
@@ -149,12 +147,6 @@ def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:
     return next((value for value, size in errors.items() if (size < error.threshold) != below), None)
 
 
-def _size(strayed: Array, reference: Array, metric: Metric) -> float:
-    """RMS^R or MTE^R of x_m − x_I [-]."""
-    rms, mte = relative_errors(strayed, reference)
-    return rms if metric is Metric.RMS else mte
-
-
 def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     """Errors if one channel had passed a filter with each corner: the one nearer to the other side.
 
@@ -168,7 +160,7 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
 
     def size(late: float) -> float:
         strayed = rebuilt.smooth_error + late * (rate - moved)
-        return _size(strayed, rebuilt.reference + late * moved, error.metric)
+        return relative_error(strayed, rebuilt.reference + late * moved, error.metric)
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}

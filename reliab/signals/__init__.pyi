@@ -2,7 +2,7 @@ from .cubic_path import CubicPath as CubicPath
 from .filters import (
     REACH as REACH,
     RIPPLE as RIPPLE,
-    butterworth_delay as butterworth_delay,
+    LowPass as LowPass,
     butterworth_poles as butterworth_poles,
     low_pass as low_pass,
     recursively_filtered as recursively_filtered,

@@ -1,12 +1,16 @@
-"""Low-pass filters without delay."""
+"""Low-pass filters: symmetric ones without delay, recursive ones, and Butterworth's before a converter."""
+
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.errors import InputError
 from reliab.signals.spectra import convolved
 
+_ORDERS = range(1, 9)
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
 RIPPLE = 60.0
 """How far the deviations of a filter lie below one where nothing else is asked for [dB]."""
@@ -94,10 +98,52 @@ def butterworth_poles(order: int) -> NDArray[np.complex128]:
     return np.asarray(-np.exp(1j * np.pi * place / (2 * order)))
 
 
-def butterworth_delay(corner: float, order: int) -> float:
-    """Delay of slow motions [s] by Butterworth's low-pass filter with a corner [Hz].
+@dataclass(frozen=True, kw_only=True)
+class LowPass:
+    """Low-pass filter of Butterworth's kind before a converter."""
 
-    >>> round(1e3 * butterworth_delay(100.0, 2), 2)
-    2.25
-    """
-    return float(np.sum(-1.0 / butterworth_poles(order)).real / (2.0 * np.pi * corner))
+    corner: float  # Frequency at which half of the power passes [Hz]
+    order: int = 2  # Order
+
+    @classmethod
+    def parse(cls, text: str) -> "LowPass":
+        """Read "200" or "200/4": corner [Hz] and order.
+
+        >>> LowPass.parse("200/4")
+        LowPass(corner=200.0, order=4)
+        """
+        corner, _, order = text.partition("/")
+        try:
+            low_pass = cls(corner=float(corner), order=int(order or 2))
+        except ValueError:
+            low_pass = cls(corner=0.0)
+        if not (np.isfinite(low_pass.corner) and low_pass.corner > 0.0 and low_pass.order in _ORDERS):
+            raise InputError(
+                "A filter has a corner frequency above zero and an order of 1 to 8",
+                value=repr(text),
+                remedy="Write 200 for a filter of second order with 200 Hz, 200/4 for one of fourth order",
+            )
+        return low_pass
+
+    @property
+    def delay(self) -> float:
+        """Delay of slow motions [s].
+
+        >>> round(1e3 * LowPass(corner=100.0).delay, 2)
+        2.25
+        """
+        return float(np.sum(-1.0 / butterworth_poles(self.order)).real / (2.0 * np.pi * self.corner))
+
+    def power(self, frequency: Array) -> Array:
+        """Share of the power that passes at frequencies [Hz]."""
+        return np.asarray(1.0 / (1.0 + (frequency / self.corner) ** (2 * self.order)))
+
+    def passed(self, values: Array, time_step: float) -> Array:
+        """Pass histories through the filter, exactly for straight lines between samples, shape (…, n)."""
+        zeros, poles, gain = scipy.signal.butter(
+            self.order, 2.0 * np.pi * self.corner, analog=True, output="zpk"
+        )
+        system = scipy.signal.cont2discrete(scipy.signal.zpk2ss(zeros, poles, gain), time_step, method="foh")
+        numerator, denominator = scipy.signal.ss2tf(*system[:4])
+        begin = values[..., :1] * scipy.signal.lfilter_zi(numerator[0], denominator)
+        return np.asarray(scipy.signal.lfilter(numerator[0], denominator, values, zi=begin)[0])

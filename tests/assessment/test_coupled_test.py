@@ -10,13 +10,13 @@ from coupled_structures import coupled_response, described, node
 
 import reliab
 from reliab import cli
-from reliab.assessment import LowPass
 from reliab.assessment.frame_test import assess_frame
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.recordings import CoupledRecording
 from reliab.report.kinds.assessment import frame_assessment_report
 from reliab.shipped import shipped
+from reliab.signals import LowPass
 from reliab.simulation.frames import FrameUnderTest, read_frame, read_structure
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable

@@ -3,7 +3,7 @@
 import pytest
 
 from reliab.assessment import assess
-from reliab.assessment.criterion_window import window_for
+from reliab.assessment.default_criterion import window_for
 from reliab.assessment.doubts import probability_text
 from reliab.assessment.verdict import Word, verdict_by_index
 from reliab.criterion import published_criterion

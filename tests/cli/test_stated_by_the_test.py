@@ -7,8 +7,8 @@ from late_runs import runs_of
 
 import reliab
 from reliab.api import add_to_rig
-from reliab.assessment import LowPass
 from reliab.errors import InputError
+from reliab.signals import LowPass
 
 SECONDS = 14.0
 STRUCTURE = {"f": 1.0, "xi": 0.05}

@@ -1,7 +1,6 @@
 from .budget import BudgetItem as BudgetItem, budget_of_error as budget_of_error
 from .corrections import (
     CHANNELS as CHANNELS,
-    LowPass as LowPass,
     corrected as corrected,
     stated_of_filters as stated_of_filters,
     without_skew as without_skew,

@@ -1,70 +1,24 @@
 """A recording without the skew, scale, filters and hysteresis that are stated of its channels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeVar
 
 import numpy as np
-import scipy
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
-from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording
-from reliab.signals import CubicPath, butterworth_delay
+from reliab.signals import CubicPath, LowPass
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
 
 CHANNELS: Final = ("command", "measured")
 """Channels that may have a filter."""
 
-_ORDERS = range(1, 9)
 _UNFILTERED = ("ground", "force")
 _OfTest = TypeVar("_OfTest", bound=Recording | CoupledRecording)
 _CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
-
-
-@dataclass(frozen=True, kw_only=True)
-class LowPass:
-    """Low-pass filter of Butterworth's kind before a converter."""
-
-    corner: float  # Frequency at which half of the power passes [Hz]
-    order: int = 2  # Order
-
-    @classmethod
-    def parse(cls, text: str) -> "LowPass":
-        """Read "200" or "200/4": corner [Hz] and order.
-
-        >>> LowPass.parse("200/4")
-        LowPass(corner=200.0, order=4)
-        """
-        corner, _, order = text.partition("/")
-        try:
-            low_pass = cls(corner=float(corner), order=int(order or 2))
-        except ValueError:
-            low_pass = cls(corner=0.0)
-        if not (np.isfinite(low_pass.corner) and low_pass.corner > 0.0 and low_pass.order in _ORDERS):
-            raise InputError(
-                "A filter has a corner frequency above zero and an order of 1 to 8",
-                value=repr(text),
-                remedy="Write 200 for a filter of second order with 200 Hz, 200/4 for one of fourth order",
-            )
-        return low_pass
-
-    @property
-    def delay(self) -> float:
-        """Delay of slow motions [s]."""
-        return butterworth_delay(self.corner, self.order)
-
-    def passed(self, values: Array, time_step: float) -> Array:
-        """Pass histories through the filter, exactly for straight lines between samples, shape (…, n)."""
-        zeros, poles, gain = scipy.signal.butter(
-            self.order, 2.0 * np.pi * self.corner, analog=True, output="zpk"
-        )
-        system = scipy.signal.cont2discrete(scipy.signal.zpk2ss(zeros, poles, gain), time_step, method="foh")
-        numerator, denominator = scipy.signal.ss2tf(*system[:4])
-        begin = values[..., :1] * scipy.signal.lfilter_zi(numerator[0], denominator)
-        return np.asarray(scipy.signal.lfilter(numerator[0], denominator, values, zi=begin)[0])
 
 
 def corrected(

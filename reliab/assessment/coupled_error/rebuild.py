@@ -19,7 +19,7 @@ from reliab.assessment.coupled_error.coupled_error import (
     errors_of_displacements,
 )
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
+from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, mean_square
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     ACCURACY,
@@ -199,9 +199,7 @@ class _Sweep:
         computed: Array = 1.0 + accuracy * np.random.default_rng(self.seed).standard_normal((draws, 1))
         statistics[:, 0] *= computed**2
         statistics[:, 1] *= computed
-        mean = band[0] / draws
-        deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
-        return (statistics, np.stack([mean, deviation])), drawn
+        return (statistics, np.stack(mean_and_deviation(band, draws))), drawn
 
     def as_stated(self, differences: Array) -> tuple[Array, Array]:
         """Return the same where nothing but noise is open."""

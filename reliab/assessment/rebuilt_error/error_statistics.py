@@ -10,6 +10,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march
 from reliab.compiled import compiled
+from reliab.vocabulary import Metric
 
 
 def mean_square(values: Array) -> float:
@@ -22,6 +23,18 @@ def relative_errors(strayed: Array, reference: Array) -> tuple[float, float]:
     """RMS^R and MTE^R [-] of x_m − x_I and x_I [m], both shape (n,)."""
     peak = np.abs(reference).max()
     return float(np.sqrt(mean_square(strayed)) / peak), float(np.abs(strayed).max() / peak)
+
+
+def relative_error(strayed: Array, reference: Array, metric: Metric) -> float:
+    """RMS^R or MTE^R [-] of the same."""
+    rms, mte = relative_errors(strayed, reference)
+    return rms if metric is Metric.RMS else mte
+
+
+def mean_and_deviation(band: Array, draws: int) -> tuple[Array, Array]:
+    """Mean and standard deviation over draws from sums of their values and squares, shape (2, …)."""
+    mean = band[0] / draws
+    return mean, np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
 
 
 @compiled

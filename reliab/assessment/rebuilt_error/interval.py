@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.error_statistics import sweep_draws
+from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, sweep_draws
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
@@ -188,8 +188,7 @@ def sweep(
     else:
         states = before.first(draws).states
     swept, band = _swept(thin, recursion, drawn, states[:-2], differences)
-    mean = band[0] / draws
-    deviation = np.sqrt(np.maximum(band[1] / draws - mean**2, 0.0))
+    mean, deviation = mean_and_deviation(band, draws)
     exact = {name: np.zeros(1) for name in drawn}
     (coarse,), _ = _swept(thin, at_rest.of_draws(1), exact, states[-2:-1], thin.difference[np.newaxis])
     fine = _fine_statistics(histories, structure, states[-1:])

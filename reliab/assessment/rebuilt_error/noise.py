@@ -5,6 +5,12 @@ mostly above the motion. A smooth spectrum that is fitted there extends it to al
 spectrum is a sum, with coefficients that are not negative, of white noise and of first-order autoregressive
 noises with fixed corner frequencies, of highest Whittle likelihood (`reliab.signals`). Narrow lines above the
 motion (mains) are not part of it: the filter keeps them out.
+
+The filter of a channel is read from its noise, too. An anti-alias filter passes the noise of a sensor as it
+passes the motion: above its corner the noise falls as no slow noise of a sensor does, with the fourth power
+of frequency or steeper. The motion came late by the filter's delay, and where the command did not pass the
+same filter, that delay looks like one of the actuator. Whether it did, two displacements do not show. Noise
+of the converter, which comes after the filter, hides it.
 """
 
 from dataclasses import dataclass
@@ -18,6 +24,7 @@ from reliab.arrays import Array
 from reliab.compiled import read_only
 from reliab.signals import (
     RIPPLE,
+    LowPass,
     binned,
     fit_levels,
     low_pass,
@@ -36,6 +43,18 @@ _ABOVE_NOISE = 4.0  # times the noise that the difference must exceed to be moti
 _MOTION_LEFT = 0.1  # share of the residual that the actuator's motion may make up where noise is read
 _MARGIN = 1.3
 _BEYOND = 1e-5  # of the power of a command, that need not be followed
+
+_ORDERS = (2, 4, 8)
+_TRIED = 32  # corners
+_ROOM = 0.8  # of the Nyquist frequency: highest corner that is looked for
+_INNER = 0.99
+_PLATEAU = 3.0  # times the lowest frequency of the noise: lowest corner
+_FEWEST = 12  # bins of noise
+_CLEAR = 30.0  # logarithm of the likelihood ratio from which a filter is seen
+_STANDING = (
+    0.02  # share of samples that repeat the one before: of a reading with play, a converter, held ones
+)
+_UPDATES_OF_FILTER = 200
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -231,3 +250,51 @@ def _band(power: Array, white: float, samples: int, step: float) -> float:
     motion = above & (np.roll(above, 1) | np.roll(above, -1))
     centres = centre[motion & (np.arange(centre.size) < centre.size - 1)]
     return float(centres.max()) if centres.size else float(centre[0])
+
+
+def filter_of_noise(command: Array, measured: Array, time_step: float) -> LowPass | None:
+    """Find the filter through which the measured displacement was read; None where its noise shows none.
+
+    `command`, `measured` [m]; `time_step` [s].
+
+    >>> time = np.arange(0.0, 40.0, 0.001)
+    >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=time.size)
+    >>> filter_of_noise(command, 0.99 * command + noise, 0.001) is None
+    True
+    >>> import scipy
+    >>> coefficients = scipy.signal.butter(2, 80.0, fs=1000.0)
+    >>> read = scipy.signal.lfilter(*coefficients, 0.99 * command + noise)
+    >>> 60.0 < filter_of_noise(command, read, 0.001).corner < 100.0
+    True
+    """
+    if np.mean(np.diff(measured) == 0.0) > _STANDING:
+        return None
+    frequency, level, count = level_of_residual(command, measured, time_step)
+    highest = _ROOM * 0.5 / time_step
+    inside = frequency < highest / _ROOM
+    frequency, level, count = frequency[inside], level[inside], count[inside]
+    if frequency.size < _FEWEST or not level.max() > 0.0 or not _PLATEAU * frequency[0] < highest:
+        return None
+    shapes = noise_shapes(frequency, 1.0 / time_step, CORNERS)
+
+    def likelihood(parts: Array) -> Array:
+        start = float(np.average(level, weights=count)) / parts.shape[1]
+        floor = 1e-9 * float(level.min()) + np.finfo(float).tiny
+        weights = fit_levels(parts, level, count, start=start, floor=floor, updates=_UPDATES_OF_FILTER)
+        expected = (weights[:, np.newaxis] @ parts)[:, 0] + floor
+        return np.asarray(-0.5 * np.sum(count * (np.log(expected) + level / expected), axis=1))
+
+    def warped(f: Array) -> Array:  # by the bilinear transform, as a digital filter is
+        return np.asarray(np.tan(np.pi * f * time_step) / (np.pi * time_step))
+
+    tried, passed = [], []
+    for order in _ORDERS:
+        for corner in np.geomspace(_PLATEAU * frequency[0], highest, _TRIED).tolist():
+            digital = LowPass(corner=float(warped(np.asarray(corner))), order=order)
+            tried.append(LowPass(corner=corner, order=order))
+            passed += [tried[-1].power(frequency), digital.power(warped(frequency))]
+    *filtered, plain = likelihood(shapes * np.array([*passed, np.ones_like(frequency)])[:, np.newaxis])
+    best = int(np.argmax(filtered))
+    inner = tried[best // 2].corner < _INNER * highest  # noise that falls at the highest only: none
+    return tried[best // 2] if inner and filtered[best] - plain > _CLEAR else None

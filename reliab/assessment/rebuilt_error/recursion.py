@@ -48,10 +48,10 @@ class Recursion:
     smooth: bool = False  # Whether inputs are smooth between samples; else they are straight lines
 
     @property
-    def matrices(self) -> tuple[Array, ...]:
+    def matrices(self) -> tuple[Array, Array, Array, Array, Array]:
         """E, F₀, F₁, P and Q, of one type for compiled kernels."""
-        of_state = self.transition, self.early, self.late
-        return tuple(map(read_only, (*of_state, self.output, self.feed_through)))
+        of_output = read_only(self.output), read_only(self.feed_through)
+        return read_only(self.transition), read_only(self.early), read_only(self.late), *of_output
 
     @classmethod
     def of_displacement(

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.error_statistics import tally
+from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, tally
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
@@ -28,7 +28,7 @@ from reliab.assessment.rebuilt_error.interval import (
     structures_of_draws,
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.compiled import compiled, read_only
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
 from reliab.structures import Partition
@@ -80,20 +80,12 @@ class YieldingDraws:
         coarse = errors_with_specimens(self.specimens[:1], thin, self.structure)
         fine = errors_with_specimens(self.specimens[:1], self.histories, self.structure)
         scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
-        band, size = np.zeros((2, thin.command.size)), len(self.specimens)
+        band = np.zeros((2, thin.command.size))
         rows = _swept(
             self.specimens, thin, self.structure, drawn, velocity, self.differences, self._reading, band
         )
-        square, peak, ideal = (rows * scale).T
-        places, known = np.arange(self.histories.command.size) / self.every, np.arange(thin.command.size)
-        mean = band[0] / size
-        deviation = np.sqrt(np.maximum(band[1] / size - mean**2, 0.0))
-        return Spread(
-            rms=np.sqrt(square) / ideal,
-            mte=peak / ideal,
-            mean=np.interp(places, known, mean),
-            deviation=np.interp(places, known, deviation),
-        )
+        places = np.arange(self.histories.command.size) / self.every
+        return spread_of_draws(rows * scale, *mean_and_deviation(band, len(self.specimens)), places)
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors [m], shape (1, m), draw by draw."""
@@ -143,10 +135,12 @@ def _swept(
     started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
     columns, shifts = reading
     setting = Setting(step=thin.time_step)
-    *of_state, output, feed_through = recursion.matrices
+    transition, early, late, output, feed_through = recursion.matrices
     return np.asarray(
         _sweep(
-            *of_state,
+            transition,
+            early,
+            late,
             read_only(np.ascontiguousarray(output[:, 0])),
             read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
             specimens[0].kernel.address,

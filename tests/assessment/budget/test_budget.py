@@ -8,7 +8,6 @@ import pytest
 from reliab.api.arguments import require_positive
 from reliab.assessment import assess
 from reliab.assessment.budget import (
-    LowPass,
     Size,
     Source,
     corrected,
@@ -19,6 +18,7 @@ from reliab.assessment.budget import (
 )
 from reliab.errors import InputError
 from reliab.recordings import Recording, read_channels_file
+from reliab.signals import LowPass
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 

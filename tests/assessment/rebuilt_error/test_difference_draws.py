@@ -22,9 +22,9 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     _rounding,
     _steps,
     draw_differences,
+    sample_backwards,
 )
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
-from reliab.assessment.rebuilt_error.level_likelihood import sample_backwards
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 
 STEP = 1.0 / 256.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.assessment.rebuilt_error.level_likelihood import level_likelihood
+from reliab.assessment.rebuilt_error.difference_draws import level_likelihood
 
 LEVELS = np.array([1e-8, 1e-3, 1.0, 1e3])
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.budget import LowPass, ordinary_equipment
+from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.error_of_test import Question, error_of_test
-from reliab.assessment.rebuilt_error.noise_filter import NoiseFilter, filter_of_noise
+from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.recordings import Recording
+from reliab.signals import LowPass
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 from reliab.vocabulary import Metric
@@ -54,7 +55,7 @@ def test_a_reading_that_stands_still_at_times_shows_none():
 
 def test_its_power_falls_by_half_at_the_corner():
     frequency = np.array([0.0, 50.0, 5000.0])
-    assert NoiseFilter(corner=50.0, order=4).passed(frequency) == pytest.approx([1.0, 0.5, 1e-16])
+    assert LowPass(corner=50.0, order=4).power(frequency) == pytest.approx([1.0, 0.5, 1e-16])
 
 
 @pytest.mark.slow
