@@ -72,7 +72,8 @@ def test_a_dropped_test_is_placed_and_left_to_assess_and_nothing_is_requested(pa
     assert f"{python.tracking.amplitude:.5f}" in numbers
     assert f"{1e3 * python.tracking.delay:.4f} ms" in numbers
     assert f"{python.population.index:#.4g}: inside the region" in numbers
-    assert f"motions{python.scope.position}: length of the record 40.0 s, of theirs 9.97 to " in numbers
+    place = f"motions{python.scope.position}: length of the record 40.0 s"
+    assert f"{place}; range of the motions 9.97 to " in numbers
     assert text(page, "command") == "reliab assess test.csv --f 1 --xi 0.02"
     assert not VERDICT.search(page.find_element("tag name", "body").text)
     requests = [

@@ -6,7 +6,7 @@ the force per unit mass p that was fed back ::
     x_c'' + c x_c' + k x_c + p(t − τ) = −a_g,   c = 2ξω₀,   k = (1 − α)ω₀²
 
 With the force recorded, c and k follow from least squares, and ω₀² = k + αω₀² with αω₀² the specimen's
-stiffness from the force and the measured displacement (`specimen_spring`). Without a force the specimen is
+stiffness from the force and the measured displacement (`fit_spring`). Without a force the specimen is
 taken as linear in the measured displacement, p = αω₀²x_m, and the equation gives c and ω₀² for the stated α.
 A force that comes late by τ acts as a damping ratio of −αω₀τ/2 (expand p(t − τ)): only their combined effect
 can be identified, so that each is estimated for the stated value of the other.

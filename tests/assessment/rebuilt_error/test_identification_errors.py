@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error import identification, specimen_spring
+from reliab.assessment.rebuilt_error import identification
 from reliab.assessment.rebuilt_error.identification import Identification, Identified, identify
 from reliab.errors import InputError
 from reliab.structures.structure import Structure
@@ -155,8 +155,7 @@ def test_errors_of_coefficients_become_errors_of_parameters(relative, monkeypatc
     def fit_equation(*_):
         return next(of_equation)
 
-    for module in (identification, specimen_spring):
-        monkeypatch.setattr(module, "fit_equation", fit_equation)
+    monkeypatch.setattr(identification, "fit_equation", fit_equation)
     command, measured, ground, force = histories()
     squares = [
         np.diag((relative * np.array(means)) ** 2) for means in ((damping, spring, 1.0), (held, 1.0, 1.0))
