@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reliab.cli import options
 from reliab.cli.completion import samples
 from reliab.cli.demand import argument, option, takes
-from reliab.cli.options import JSON_TARGET, JudgesTests, ReadsTests, files_of, only_value, written_as
 from reliab.cli.output import console, progress_bar, say, table, write_json
 from reliab.significant import percent, significant
 from reliab.vocabulary import PERCENT
@@ -25,7 +25,7 @@ _COLUMNS = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareDemand(JudgesTests, ReadsTests):
+class CompareDemand(options.JudgesTests, options.ReadsTests):
     """Options of `reliab compare`: those of a verdict, and where the ranking goes."""
 
     tests: list[Path] | None = argument(
@@ -35,10 +35,12 @@ class CompareDemand(JudgesTests, ReadsTests):
         autocompletion=samples,
     )
     figure: Path | None = option(
-        "FILE.svg|png|pdf", "Chart of the ranked errors.", callback=written_as(".svg", ".png", ".pdf")
+        "FILE.svg|png|pdf", "Chart of the ranked errors.", callback=options.written_as(".svg", ".png", ".pdf")
     )
-    out: Path | None = option("FILE.csv", "Write the ranking as a table.", callback=written_as(".csv"))
-    json_target: str | None = JSON_TARGET
+    out: Path | None = option(
+        "FILE.csv", "Write the ranking as a table.", callback=options.written_as(".csv")
+    )
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(CompareDemand)
@@ -46,14 +48,14 @@ def compare(demand: CompareDemand) -> None:
     """Rank tests by their errors, and say how certain their order is."""
     from reliab import api
 
-    files = files_of(demand.tests, demand.out)
+    files = options.files_of(demand.tests, demand.out)
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
             api.assess,
             *("tests", "out", "figure", "json_target"),
             test=files[0] if len(files) == 1 and demand.test_name == "all" else files,
-            f=only_value(demand.f, "f"),
-            confidence=only_value(demand.confidence, "confidence"),
+            f=options.only_value(demand.f, "f"),
+            confidence=options.only_value(demand.confidence, "confidence"),
             progress=progress,
         )
     comparison = api.compare_assessments(verdicts)

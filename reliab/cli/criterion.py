@@ -5,24 +5,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
+from reliab.cli import options
 from reliab.cli.completion import laws, methods
 from reliab.cli.demand import Demand, flag, option, takes
-from reliab.cli.options import (
-    DAMPING_RATIOS,
-    ELLIPSES,
-    FRACTIONS,
-    FREQUENCIES,
-    JSON_TARGET,
-    METRIC_NAME,
-    MODEL_FILE,
-    MOTIONS,
-    RESULTS,
-    SETS,
-    STRUCTURE_FILE,
-    THRESHOLDS,
-    WINDOW_IF_GIVEN,
-    written_as,
-)
 from reliab.cli.output import console, progress_bar, say, table, write_json
 from reliab.significant import percent, significant
 
@@ -31,19 +16,19 @@ from reliab.significant import percent, significant
 class CriterionDemand(Demand):
     """Options of `reliab criterion`; those of the derivation are arguments of `reliab.derive_criteria`."""
 
-    motions: list[str] | None = MOTIONS
-    sets: list[str] | None = SETS
-    results: Path | None = RESULTS
-    ellipses: Path | None = ELLIPSES
-    f: list[float] | None = FREQUENCIES
-    xi: list[float] | None = DAMPING_RATIOS
-    threshold: list[float] | None = THRESHOLDS
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
+    results: Path | None = options.RESULTS
+    ellipses: Path | None = options.ELLIPSES
+    f: list[float] | None = options.FREQUENCIES
+    xi: list[float] | None = options.DAMPING_RATIOS
+    threshold: list[float] | None = options.THRESHOLDS
     confidence: list[float] | None = option(
         "SHARE...", "Shares of the population's ground motions that the criterion holds for."
     )
-    metric: str = METRIC_NAME
-    window: str | None = WINDOW_IF_GIVEN
-    alpha: list[float] | None = FRACTIONS
+    metric: str = options.METRIC_NAME
+    window: str | None = options.WINDOW_IF_GIVEN
+    alpha: list[float] | None = options.FRACTIONS
     duration: float | None = option(
         "SECONDS",
         "Length of the tests' records; by default the criterion is for lengths like those of the ground "
@@ -63,8 +48,8 @@ class CriterionDemand(Demand):
         "Magnitudes, distances, lengths or significant durations that a site expects, by which the "
         "motions are weighted; columns quantity, low, high, share.",
     )
-    model: Path | None = MODEL_FILE
-    structure: Path | None = STRUCTURE_FILE
+    model: Path | None = options.MODEL_FILE
+    structure: Path | None = options.STRUCTURE_FILE
     actuator: int | None = option(
         "N", "Number of the only actuator of --structure that errs, from 1; all err alike by default."
     )
@@ -104,9 +89,11 @@ class CriterionDemand(Demand):
         "Folder for figures of the criteria over the motions' own ellipses, and of traces, "
         "ranks and pairs of a posterior.",
     )
-    out: Path | None = option("FILE.json", "Write the criterion for later use.", callback=written_as(".json"))
+    out: Path | None = option(
+        "FILE.json", "Write the criterion for later use.", callback=options.written_as(".json")
+    )
     list_all: bool = flag("Name all methods, laws and distributions, with what each means.", name="--list")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(CriterionDemand)

@@ -5,21 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reliab.cli import options
 from reliab.cli.demand import Demand, flag, option, takes
-from reliab.cli.options import (
-    DAMPING_RATIOS,
-    FRACTIONS,
-    FREQUENCIES,
-    JSON_TARGET,
-    METRIC_NAME,
-    MODEL_FILE,
-    MOTIONS,
-    RESULTS,
-    SETS,
-    THRESHOLDS,
-    WINDOW_NAME,
-    written_as,
-)
 from reliab.cli.output import console, progress_bar, say, table, write_json
 
 if TYPE_CHECKING:
@@ -48,24 +35,26 @@ _PAGE = 1000  # rows
 class EllipsesDemand(Demand):
     """Options of `reliab ellipses`."""
 
-    motions: list[str] | None = MOTIONS
-    sets: list[str] | None = SETS
-    results: Path | None = RESULTS
-    f: list[float] | None = FREQUENCIES
-    xi: list[float] | None = DAMPING_RATIOS
-    threshold: list[float] | None = THRESHOLDS
-    metric: str = METRIC_NAME
-    window: str = WINDOW_NAME
-    alpha: list[float] | None = FRACTIONS
-    model: Path | None = MODEL_FILE
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
+    results: Path | None = options.RESULTS
+    f: list[float] | None = options.FREQUENCIES
+    xi: list[float] | None = options.DAMPING_RATIOS
+    threshold: list[float] | None = options.THRESHOLDS
+    metric: str = options.METRIC_NAME
+    window: str = options.WINDOW_NAME
+    alpha: list[float] | None = options.FRACTIONS
+    model: Path | None = options.MODEL_FILE
     first_order: bool = flag(
         "Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
         "at 5 % the simulated b is 16 to 44 % smaller."
     )
     out: Path | None = option(
-        "FILE.nc", "File for the ellipses, which `reliab criterion` reads.", callback=written_as(".nc")
+        "FILE.nc",
+        "File for the ellipses, which `reliab criterion` reads.",
+        callback=options.written_as(".nc"),
     )
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(EllipsesDemand)

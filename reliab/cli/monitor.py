@@ -10,17 +10,9 @@ from typing import TYPE_CHECKING, Any, Self, TextIO
 
 import typer
 
+from reliab.cli import options
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, argument, option, takes
-from reliab.cli.options import (
-    CHANNELS_FILE,
-    COLUMN,
-    EQUIPMENT_FILE,
-    HELD_BY_FORCE,
-    MASS_OF_STRUCTURE,
-    METRIC_NAME,
-    TAKEN_AS_EXACT,
-)
 from reliab.cli.output import console, say, table, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
@@ -56,8 +48,8 @@ class MonitorDemand(Demand):
     feedback_lag: str = option(
         "MS", "Time by which the force is fed back late [ms]; not with --model.", default="0"
     )
-    equipment: Path | None = EQUIPMENT_FILE
-    exact: bool = TAKEN_AS_EXACT
+    equipment: Path | None = options.EQUIPMENT_FILE
+    exact: bool = options.TAKEN_AS_EXACT
     structure: Path | None = option(
         "FRAME.toml",
         "File of a frame whose specimen is driven by one actuator or several, in "
@@ -71,18 +63,18 @@ class MonitorDemand(Demand):
         "How the specimen is known: linear (default), or measured: learned while the test runs from "
         "its recorded force, which needs --mass or --structure.",
     )
-    mass: str | None = MASS_OF_STRUCTURE
-    force_channel: list[str] | None = HELD_BY_FORCE
+    mass: str | None = options.MASS_OF_STRUCTURE
+    force_channel: list[str] | None = options.HELD_BY_FORCE
     threshold: float = option(
         "ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.", default=0.05
     )
-    metric: str = METRIC_NAME
-    command: str | None = COLUMN
-    measured: str | None = COLUMN
-    time: str | None = COLUMN
+    metric: str = options.METRIC_NAME
+    command: str | None = options.COLUMN
+    measured: str | None = options.COLUMN
+    time: str | None = options.COLUMN
     rate: float | None = option("HZ", "Sampling rate; by default read from the times.")
     units: str | None = option("m|mm|in...", "Unit of both displacements.")
-    channels: Path | None = CHANNELS_FILE
+    channels: Path | None = options.CHANNELS_FILE
     every: float = option("SECONDS", "Time of the test between two messages.", default=0.5)
     wait: float = option(
         "SECONDS",

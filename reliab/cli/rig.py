@@ -7,25 +7,8 @@ from typing import Any, ClassVar
 
 import typer
 
+from reliab.cli import options
 from reliab.cli.demand import Demand, argument, option, takes
-from reliab.cli.options import (
-    CHANNEL_SKEW,
-    CRITERION_FILE,
-    EQUIPMENT_FILE,
-    ERROR_THRESHOLD,
-    FEEDBACK_LAG,
-    JSON_TARGET,
-    MASS_OF_STRUCTURE,
-    OF_REPORT,
-    SENSOR_SCALE,
-    STATED_DAMPING_RATIO,
-    STATED_SHARE,
-    STRUCTURE_FILE,
-    TAKEN_AS_EXACT,
-    ReadsTests,
-    Reported,
-    written_as,
-)
 from reliab.cli.output import console, progress_bar, say, table, write_json, write_line
 from reliab.errors import InputError
 from reliab.significant import percent, significant
@@ -38,23 +21,23 @@ RIG = argument("RIG", "Folder of the rig.")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AddDemand(ReadsTests):
+class AddDemand(options.ReadsTests):
     """Options of `reliab rig add`, arguments of `reliab.api.add_to_rig`."""
 
     rig: Path = argument("RIG", "Folder of the rig, made where there is none.")
     tests: list[Path] = argument("FILE...", "Tests, in any format that `reliab assess` reads.")
     f: str | None = option("HZ", "Natural frequency, 1 or 1±0.01.")
-    xi: str | None = STATED_DAMPING_RATIO
-    alpha: str | None = STATED_SHARE
-    scale: str | None = SENSOR_SCALE
-    feedback_lag: str | None = FEEDBACK_LAG
-    mass: str | None = MASS_OF_STRUCTURE
-    skew: str | None = CHANNEL_SKEW
-    equipment: Path | None = EQUIPMENT_FILE
-    exact: bool = TAKEN_AS_EXACT
-    criterion: Path | None = CRITERION_FILE
-    structure: Path | None = STRUCTURE_FILE
-    threshold: float | None = ERROR_THRESHOLD
+    xi: str | None = options.STATED_DAMPING_RATIO
+    alpha: str | None = options.STATED_SHARE
+    scale: str | None = options.SENSOR_SCALE
+    feedback_lag: str | None = options.FEEDBACK_LAG
+    mass: str | None = options.MASS_OF_STRUCTURE
+    skew: str | None = options.CHANNEL_SKEW
+    equipment: Path | None = options.EQUIPMENT_FILE
+    exact: bool = options.TAKEN_AS_EXACT
+    criterion: Path | None = options.CRITERION_FILE
+    structure: Path | None = options.STRUCTURE_FILE
+    threshold: float | None = options.ERROR_THRESHOLD
     date: str | None = option("DATE", "When they were performed, 2026-03-01 or with a time.")
     event: str | None = option("TEXT", "Earthquake of their ground motion.")
     specimen: str | None = option("TEXT", "Specimen that was tested.")
@@ -62,7 +45,7 @@ class AddDemand(ReadsTests):
     covariate: list[str] | None = option(
         "NAME=NUMBER...", "Quantities on which the rig may depend, such as current=0.4."
     )
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
     idle_beside: ClassVar[Mapping[str, Any]] = {"structure": ("f", "xi", "alpha", "mass")}
 
@@ -72,7 +55,7 @@ class ListDemand(Demand):
     """Options of `reliab rig list`, arguments of `reliab.api.list_rig`."""
 
     rig: Path = RIG
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +64,7 @@ class ShowDemand(Demand):
 
     rig: Path = RIG
     test: str = argument("TEST", "Name of the test, or first digits of its checksum.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +73,7 @@ class RemoveDemand(Demand):
 
     rig: Path = RIG
     tests: list[str] = argument("TEST...", "Names, or first digits of checksums.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,8 +81,8 @@ class ExportDemand(Demand):
     """Options of `reliab rig export`, arguments of `reliab.api.export_rig`."""
 
     rig: Path = RIG
-    out: Path = option("FILE.csv", "The table as CSV.", default=MISSING, callback=written_as(".csv"))
-    json_target: str | None = JSON_TARGET
+    out: Path = option("FILE.csv", "The table as CSV.", default=MISSING, callback=options.written_as(".csv"))
+    json_target: str | None = options.JSON_TARGET
 
 
 @app.command("add")
@@ -174,7 +157,7 @@ class OfNextTest(Demand):
     f: str | None = option("HZ", "Natural frequency.")
     xi: str | None = option("RATIO", "Damping ratio, 0.02 by default.")
     alpha: str | None = option("SHARE", "Share of the stiffness in the laboratory, 1 by default.")
-    threshold: float | None = ERROR_THRESHOLD
+    threshold: float | None = options.ERROR_THRESHOLD
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,7 +165,7 @@ class PredictDemand(OfNextTest):
     """Options of `reliab rig predict`, arguments of `reliab.api.predict_rig`."""
 
     rig: Path = RIG
-    structure: Path | None = STRUCTURE_FILE
+    structure: Path | None = options.STRUCTURE_FILE
     motion: Path | None = option(
         "FILE", "Ground motion of the next test, simulated with actuators drawn from the posterior."
     )
@@ -194,7 +177,7 @@ class PredictDemand(OfNextTest):
     covariate: list[str] | None = option(
         "NAME=NUMBER...", "Quantities of the next test that all tests have, such as peak_mm=40."
     )
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @app.command("predict")
@@ -214,7 +197,7 @@ class PlanDemand(OfNextTest):
 
     rig: Path = RIG
     share: float = option("SHARE", "Share of the coming tests that should be good.", default=0.95)
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,7 +207,7 @@ class CompareDemand(Demand):
     rig: Path = RIG
     other: Path | None = argument("[OTHER]", "Folder of the rig to compare with.", default=None)
     since: str | None = option("DATE", "Date of a change of this rig, in place of another rig.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @app.command("plan")
@@ -250,11 +233,11 @@ def compare(demand: CompareDemand) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigReportDemand(Reported):
+class RigReportDemand(options.Reported):
     """Options of `reliab rig report`, arguments of `reliab.api.report_rig`."""
 
     rig: Path = RIG
-    out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=written_as(".pdf"))
+    out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=options.written_as(".pdf"))
     f: str | None = option("HZ", "Natural frequency; by default that of the last test.")
     xi: str | None = option("RATIO", "Damping ratio; by default that of the last test.")
     alpha: str | None = option(
@@ -263,7 +246,7 @@ class RigReportDemand(Reported):
     threshold: float | None = option(
         "ERROR", "Largest acceptable error of the whole test; by default that of the last test."
     )
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @app.command("report")
@@ -272,7 +255,7 @@ def report(demand: RigReportDemand) -> None:
     """Write two pages on what the rig does, what to expect and what to change, and an appendix."""
     from reliab.api import report_rig
 
-    written = demand.ask(report_rig, *OF_REPORT, "json_target", setting=demand.setting)
+    written = demand.ask(report_rig, *options.OF_REPORT, "json_target", setting=demand.setting)
     if not write_json({"report": str(written)}, demand.json_target):
         write_line(f"Report: {written}")
 

@@ -3,16 +3,8 @@
 from dataclasses import MISSING, dataclass
 from pathlib import Path
 
+from reliab.cli import options
 from reliab.cli.demand import Demand, flag, option, takes
-from reliab.cli.options import (
-    DAMPING_RATIOS,
-    FRACTIONS,
-    FREQUENCIES,
-    JSON_TARGET,
-    MODEL_FILE,
-    MOTIONS,
-    SETS,
-)
 from reliab.cli.output import progress_bar, say, write_json
 
 
@@ -20,10 +12,10 @@ from reliab.cli.output import progress_bar, say, write_json
 class SimulateDemand(Demand):
     """Options of `reliab simulate`, arguments of `reliab.simulate_suite`."""
 
-    motions: list[str] | None = MOTIONS
-    sets: list[str] | None = SETS
-    f: list[float] | None = FREQUENCIES
-    xi: list[float] | None = DAMPING_RATIOS
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
+    f: list[float] | None = options.FREQUENCIES
+    xi: list[float] | None = options.DAMPING_RATIOS
     out: Path = option("STORE", "The Zarr store to write.", default=MISSING)
     grid: str = option(
         "scaled|paper",
@@ -33,15 +25,15 @@ class SimulateDemand(Demand):
     window: list[str] | None = option(
         "record|SECONDS|arias...", "Part of the record over which errors are computed; several may be stored."
     )
-    alpha: list[float] | None = FRACTIONS
-    model: Path | None = MODEL_FILE
+    alpha: list[float] | None = options.FRACTIONS
+    model: Path | None = options.MODEL_FILE
     engine: str = option(
         "automatic|pole|delay|spectral", "How the equation of motion is solved.", default="automatic"
     )
     resume: bool = flag("Continue the store of an interrupted run.")
     workers: int | None = option("", "Threads; all processors by default.", min=1)
     scheduler: str | None = option("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(SimulateDemand)

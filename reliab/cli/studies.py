@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from reliab.cli import options
 from reliab.cli.completion import studies
 from reliab.cli.demand import argument, flag, option, takes
-from reliab.cli.options import JSON_TARGET, MOTIONS, OF_REPORT, SETS, Reported
 from reliab.cli.output import console, progress_bar, say, table, write_json
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunDemand(Reported):
+class RunDemand(options.Reported):
     """Options of `reliab run`, arguments of `reliab.perform_study`."""
 
     study: str = argument(
@@ -21,10 +21,10 @@ class RunDemand(Reported):
         autocompletion=studies,
     )
     out: Path | None = option("DIR", "Run folder; reliab-run/STUDY by default.")
-    motions: list[str] | None = MOTIONS
-    sets: list[str] | None = SETS
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
     list_all: bool = flag("List the studies that ship.", name="--list")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(RunDemand)
@@ -47,17 +47,17 @@ def run(demand: RunDemand) -> None:
         if demand.json_target != "-":
             say(f"{'done' if done else 'kept':>5}  {name}")
 
-    performed = demand.ask(perform_study, *OF_REPORT, "json_target", show=progress_bar, tell=tell)
+    performed = demand.ask(perform_study, *options.OF_REPORT, "json_target", show=progress_bar, tell=tell)
     if not write_json(performed.to_dict(), demand.json_target):
         say(f"Report: {performed.report}")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReportDemand(Reported):
+class ReportDemand(options.Reported):
     """Options of `reliab report`, arguments of `reliab.report_run`."""
 
     folder: Path = argument("DIR", "Run folder that `reliab run` wrote.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @takes(ReportDemand)
@@ -65,6 +65,6 @@ def report(demand: ReportDemand) -> None:
     """Write the PDF of a finished run again, from its folder alone."""
     from reliab.api import report_run
 
-    written = demand.ask(report_run, *OF_REPORT, "json_target")
+    written = demand.ask(report_run, *options.OF_REPORT, "json_target")
     if not write_json(written.to_dict(), demand.json_target):
         say(f"Report: {written.report}")

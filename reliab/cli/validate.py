@@ -5,20 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from reliab.cli import options
 from reliab.cli.completion import laws, methods
 from reliab.cli.demand import Demand, flag, option, takes
-from reliab.cli.options import (
-    DAMPING_RATIOS,
-    ELLIPSES,
-    FRACTIONS,
-    FREQUENCIES,
-    JSON_TARGET,
-    METRIC_NAME,
-    MOTIONS,
-    RESULTS,
-    SETS,
-    WINDOW_IF_GIVEN,
-)
 from reliab.cli.output import console, progress_bar, say, table, write_json
 from reliab.significant import percent, significant
 
@@ -30,18 +19,18 @@ if TYPE_CHECKING:
 class ValidateDemand(Demand):
     """Options of `reliab validate`; each way of judging is a function that takes some of them."""
 
-    motions: list[str] | None = MOTIONS
-    sets: list[str] | None = SETS
-    results: Path | None = RESULTS
-    ellipses: Path | None = ELLIPSES
-    f: list[float] | None = FREQUENCIES
-    xi: list[float] | None = DAMPING_RATIOS
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
+    results: Path | None = options.RESULTS
+    ellipses: Path | None = options.ELLIPSES
+    f: list[float] | None = options.FREQUENCIES
+    xi: list[float] | None = options.DAMPING_RATIOS
     threshold: float | None = option(
         "ERROR", "Largest acceptable error of the whole test, 0.05 (5 %) by default."
     )
-    metric: str = METRIC_NAME
-    window: str | None = WINDOW_IF_GIVEN
-    alpha: list[float] | None = FRACTIONS
+    metric: str = options.METRIC_NAME
+    window: str | None = options.WINDOW_IF_GIVEN
+    alpha: list[float] | None = options.FRACTIONS
     scheme: str | None = option(
         "NAME",
         "How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
@@ -90,7 +79,7 @@ class ValidateDemand(Demand):
         "FILE.csv",
         "For --rebuilt-error: file of all tests and verdicts, from which an interrupted run resumes.",
     )
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
     belongs_to: ClassVar[Mapping[str, str]] = {
         "integrator": "case",

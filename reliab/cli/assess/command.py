@@ -7,18 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
+from reliab.cli import options
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, argument, flag, option, takes
-from reliab.cli.options import (
-    JSON_TARGET,
-    OF_REPORT,
-    JudgesTests,
-    ReadsTests,
-    Reported,
-    files_of,
-    only_value,
-    written_as,
-)
 from reliab.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,12 +27,12 @@ class Answered(Demand):
     figure: Path | None = option(
         "FILE.svg|png|pdf",
         "With --design: chart of tolerable errors over f.",
-        callback=written_as(".svg", ".png", ".pdf"),
+        callback=options.written_as(".svg", ".png", ".pdf"),
     )
     corrected: Path | None = option(
         "FILE.csv|nc",
         "Write the response that a perfect actuator would have produced, with its band.",
-        callback=written_as(".csv", ".nc"),
+        callback=options.written_as(".csv", ".nc"),
     )
     same_test: bool = flag(
         "The files are runs of one test with different delays or gains of the actuator: their "
@@ -49,18 +40,22 @@ class Answered(Demand):
         "known."
     )
     report: Path | None = option(
-        "FILE.pdf", "Write a report of two pages, to be filed with the test.", callback=written_as(".pdf")
+        "FILE.pdf",
+        "Write a report of two pages, to be filed with the test.",
+        callback=options.written_as(".pdf"),
     )
     out: Path | None = option(
-        "FILE.csv", "Write the verdicts as a table, one row for each test.", callback=written_as(".csv")
+        "FILE.csv",
+        "Write the verdicts as a table, one row for each test.",
+        callback=options.written_as(".csv"),
     )
     details: bool = flag("Print all results, not only the most important ones.")
     check: bool = flag("Exit with code 1 unless the test is reliable.")
-    json_target: str | None = JSON_TARGET
+    json_target: str | None = options.JSON_TARGET
 
 
 @dataclass(frozen=True, kw_only=True)
-class AssessDemand(JudgesTests, Answered, ReadsTests, Reported):
+class AssessDemand(options.JudgesTests, Answered, options.ReadsTests, options.Reported):
     """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
 
     tests: list[Path] | None = argument(
@@ -71,7 +66,10 @@ class AssessDemand(JudgesTests, Answered, ReadsTests, Reported):
         autocompletion=samples,
     )
 
-    belongs_to: ClassVar[Mapping[str, str]] = {"figure": "design", **dict.fromkeys(OF_REPORT, "report")}
+    belongs_to: ClassVar[Mapping[str, str]] = {
+        "figure": "design",
+        **dict.fromkeys(options.OF_REPORT, "report"),
+    }
 
 
 @takes(AssessDemand)
@@ -110,7 +108,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
     from reliab import api
     from reliab.cli.output import progress_bar
 
-    files = files_of(demand.tests, demand.out)
+    files = options.files_of(demand.tests, demand.out)
     several = len(files) != 1 or demand.test_name == "all"
     if demand.report is not None and several and files:
         raise api.unused("report", "together with several tests, since a report is of one test")
@@ -122,10 +120,10 @@ def _answer_tests(demand: AssessDemand) -> bool:
         verdicts: Any = demand.ask(
             api.assess,
             *("tests", "out", "corrected", "details", "check", "json_target", "report", "same_test"),
-            *(OF_REPORT if demand.report is not None else ()),
+            *(options.OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
-            f=only_value(demand.f, "f"),
-            confidence=only_value(demand.confidence, "confidence"),
+            f=options.only_value(demand.f, "f"),
+            confidence=options.only_value(demand.confidence, "confidence"),
             progress=progress,
         )
     if demand.same_test:
