@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from reliab.errors import InputError
-from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
-from reliab.structures import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment import Equipment
+    from reliab.recordings import Recording
     from reliab.signals import LowPass
     from reliab.simulation.hybrid_test import UpdatedModel
+    from reliab.structures import Structure
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
@@ -147,7 +147,7 @@ def unused(name: str, why: str) -> InputError:
 _SAME: Final = 0.01  # relative difference up to which a stated structure is that of a model
 
 
-def exactly_stated(structure: Structure) -> dict[str, StatedValue]:
+def exactly_stated(structure: "Structure") -> dict[str, StatedValue]:
     """Frequency, damping ratio and share of a structure, without deviations."""
     return {
         "f": StatedValue(structure.frequency),
@@ -162,7 +162,7 @@ def stated_by_model(model: "UpdatedModel") -> dict[str, StatedValue]:
 
 
 def stated_of_test(
-    recording: Recording, numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
+    recording: "Recording", numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
 ) -> dict[str, StatedValue]:
     """Take what is stated, else what the model or the file's header states; check that they agree."""
     if "mass" in numbers and recording.force is None:
