@@ -58,7 +58,7 @@ def ellipses(
     window : str, optional
         Part of the record over which errors are computed, for ground motions: "record", "arias" or seconds.
     alpha : float or sequence of float, optional
-        Experimental fraction of the stiffness [-], for ground motions; of several the ellipses have a
+        Share of the stiffness in the laboratory [-], for ground motions; of several the ellipses have a
         dimension.
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one, whose structure takes the place of `f`, `xi` and

@@ -267,7 +267,7 @@ class _Question:
         idle += [f"`{name}`" for name in self.case.stated]
         if idle and not self.has_source:
             raise InputError(
-                "A printed law is for whole records and a wholly experimental structure, as in the paper",
+                "A printed law is for whole records and all stiffness in the laboratory, as in the paper",
                 value=f"{self.law} with {', '.join(idle)}",
                 remedy="Leave these out, or derive a criterion from ellipses",
             )

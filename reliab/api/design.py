@@ -58,9 +58,9 @@ def design_test(
     xi : float, optional
         Damping ratio [-].
     alpha : float, optional
-        Share of the stiffness in the laboratory [-]; limits of wholly experimental structures are carried to
-        it by a law for springs, which holds from ten times the damping ratio on. A criterion of one's own
-        speaks for its own share.
+        Share of the stiffness in the laboratory [-]; limits of structures with all stiffness in the
+        laboratory are transferred to it by a law for springs, which holds from ten times the damping ratio
+        on. A criterion of one's own is for its own share.
     threshold : float, optional
         Error of the whole test [-], 0.05 by default; a criterion states its own.
     confidence : float or sequence of float, optional

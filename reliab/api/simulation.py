@@ -59,7 +59,7 @@ def simulate(
     window : str or sequence of str, optional
         Part of the record over which errors are computed: "record", "arias" or seconds; may be several.
     alpha : float or sequence of float, optional
-        Experimental fraction of the stiffness [-]; of several the results have a dimension.
+        Share of the stiffness in the laboratory [-]; of several the results have a dimension.
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
         `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.

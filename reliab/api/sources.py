@@ -252,7 +252,7 @@ def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
     stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
     if not stated or not _near(_WHOLE, shares):
         raise InputError(
-            "The experimental fraction is that with which the boundaries were computed",
+            "The share of the stiffness in the laboratory must be that of the boundaries",
             value=f"`alpha={alpha:g}`, where it is {', '.join(f'{share:g}' for share in shares)}",
             remedy="Leave `alpha` out, or give `motions`, whose boundaries are computed for any fraction",
             where=str(path),

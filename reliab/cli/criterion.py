@@ -197,7 +197,7 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     first = rows[0]
     error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
     shares = ", ".join(dict.fromkeys(f"{row['alpha']:g}" for row in rows))
-    fraction = f"Experimental fraction α: {shares}."
+    fraction = f"Share α of the stiffness in the laboratory: {shares}."
     return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
 
 

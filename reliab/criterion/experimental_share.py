@@ -87,12 +87,14 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
     )
     if not ((share > 0.0) & (share <= 1.0)).all():
         raise InputError(
-            "The experimental fraction is a share above 0, at most 1", value=float(share.flat[0])
+            "The share of the stiffness in the laboratory must be above 0 and at most 1",
+            value=float(share.flat[0]),
         )
     weak = (share < _WHOLE) & (share < LEAST_SHARE_OVER_DAMPING * xi * (1.0 - 1e-9))
     if weak.any():
         raise InputError(
-            f"The law of the experimental fraction holds for α of at least {LEAST_SHARE_OVER_DAMPING:g} ξ",
+            "The law of the share of the stiffness in the laboratory holds for α of at least "
+            f"{LEAST_SHARE_OVER_DAMPING:g} ξ",
             value=f"α = {share[weak].flat[0]:g} at ξ = {xi[weak].flat[0]:g}",
             remedy="Choose less damped structures, or give `motions`, whose boundaries are computed for any "
             "fraction",

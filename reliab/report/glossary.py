@@ -63,11 +63,6 @@ TERMS: Final = (
         ),
     ),
     Term(
-        name="experimental fraction α",
-        pattern=r"α|share of the stiffness|experimental fraction",
-        meaning=prose("Share of the structure's stiffness that stands in the laboratory."),
-    ),
-    Term(
         name="held-out test",
         pattern=r"held[- ]out",
         meaning=prose("A test or an earthquake that was not used to derive what is judged by it."),
@@ -92,6 +87,11 @@ TERMS: Final = (
             "Root mean square, and largest value, of measured minus exact displacement, over the peak of the "
             "exact displacement."
         ),
+    ),
+    Term(
+        name="share of the stiffness α",
+        pattern=r"α|share of the stiffness|experimental fraction",
+        meaning=prose("Share of the structure's stiffness that the specimen in the laboratory has."),
     ),
     Term(
         name="stability margin",

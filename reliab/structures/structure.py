@@ -49,9 +49,9 @@ class Structure:
             )
         if not 0.0 < self.experimental_fraction <= 1.0:
             raise InputError(
-                "The experimental fraction of the stiffness must lie in (0, 1]",
+                "The share of the stiffness in the laboratory must lie in (0, 1]",
                 value=self.experimental_fraction,
-                remedy="Give the specimen's share of the total stiffness, 1 for the whole of it",
+                remedy="Give the specimen's share of the total stiffness, 1 for all of it",
             )
         if not _FREQUENCIES[0] <= self.frequency <= _FREQUENCIES[1]:
             raise InputError(
@@ -61,7 +61,7 @@ class Structure:
             )
         for name, ratio in (
             ("damping ratio", self.damping_ratio),
-            ("experimental fraction", self.experimental_fraction),
+            ("share of the stiffness in the laboratory", self.experimental_fraction),
         ):
             if ratio < _LEAST_RATIO:
                 raise InputError(

@@ -26,7 +26,7 @@ _GRIDS_OF_DELAYS: Final[dict[str, Grid]] = {"scaled": ScaledGrid(lead_steps=0), 
 _FREQUENCIES: Final = (1.0,)
 _DAMPING_RATIOS: Final = (0.02,)
 WHOLLY_EXPERIMENTAL: Final = 1.0
-"""Experimental fraction of the stiffness where none is given [-]."""
+"""Share of the stiffness in the laboratory where none is given [-]."""
 
 
 @overload
@@ -127,7 +127,7 @@ def sweep_request(
     window : str or sequence of str, optional
         Part of the record over which errors are computed: "record", "arias" or seconds.
     alpha : float or sequence of float, optional
-        Experimental fraction of the stiffness [-].
+        Share of the stiffness in the laboratory [-].
     model : str, pathlib.Path or HybridTest, optional
         A hybrid test with effects, or the file of one, which brings its own structure.
     engine : {"automatic", "pole", "delay", "spectral"}, optional

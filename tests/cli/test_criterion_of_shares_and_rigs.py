@@ -163,7 +163,7 @@ def test_criteria_of_several_shares_stand_beside_their_law(records):
     assert half["a_ratio"] == pytest.approx(a / whole)
     assert half["a_ratio"] == pytest.approx(half["law"], rel=0.3)
     shown = run(*given, *shares, "--method", "quantile", "--confidence", "0.5").stdout
-    assert "Experimental fraction α: 0.1, 0.5, 1." in shown
+    assert "Share α of the stiffness in the laboratory: 0.1, 0.5, 1." in shown
 
 
 @pytest.mark.default_cases(1)

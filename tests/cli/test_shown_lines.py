@@ -49,7 +49,8 @@ def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
     assert (second[4], second[-1]) == ("none", "-")
     for sentence in (
         "from 61 motions of 17 earthquakes", "For ground motions like these: M 6 to 7.", "few earthquakes",
-        "Method: dirichlet, a and b together. Law: none.", "Experimental fraction α: 0.75.",
+        "Method: dirichlet, a and b together. Law: none.",
+        "Share α of the stiffness in the laboratory: 0.75.",
         "Window: record.",
     ):  # fmt: skip
         assert sentence in text

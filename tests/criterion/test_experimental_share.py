@@ -56,7 +56,7 @@ def test_a_share_that_damping_outweighs_is_refused(share, xi):
 
 @pytest.mark.parametrize("share", [0.0, 1.2, np.nan])
 def test_what_is_no_share_is_refused(share):
-    with pytest.raises(InputError, match="share above 0"):
+    with pytest.raises(InputError, match="laboratory must be above 0"):
         growth(share, 0.02)
 
 

@@ -42,7 +42,7 @@ def partition(**changed):
         (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least"),
         (
             lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1e-15),
-            "experimental fraction must be at least",
+            "share of the stiffness in the laboratory must be at least",
         ),
         (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.0), r"lie in \(0, 1\]"),
         (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1.1), r"lie in \(0, 1\]"),
