@@ -20,10 +20,20 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
     beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
     travel = (motion[0] - state[1]) / coefficients[1] if state[0] != 0.0 else 0.0
     sign = 1.0 if travel >= 0.0 else -1.0
-    substeps = min(int(abs(travel) / _LARGEST_PART) + 1, _MOST_PARTS)
-    increment = travel / substeps
     z, energy = state[2], state[3]
-    for place in range(substeps):
+    substeps = int(abs(travel) / _LARGEST_PART) + 1
+    if substeps > _MOST_PARTS:
+        # z nears its limit (ν(β + γ))^(−1/n), where there is one, by a factor of e on a way of z/n. Parts
+        # twice as long would make it oscillate; after a hundred of these it is there.
+        substeps = _MOST_PARTS
+        weaker = (beta + gamma) * (1.0 + coefficients[6] * energy)
+        if weaker > 0.0:
+            steady = max(weaker ** (-1.0 / exponent) / exponent, _LARGEST_PART)
+            steady *= 1.0 + coefficients[5] * energy
+            substeps = max(_MOST_PARTS, int(abs(travel) / steady) + 1)
+    increment, ahead = travel / substeps, substeps
+    for _ in range(min(substeps, 2 * _MOST_PARTS)):
+        ahead -= 1
         weaker = 1.0 + coefficients[6] * energy
         softer = increment / (1.0 + coefficients[5] * energy)
         if coefficients[7] > 0.0:
@@ -35,9 +45,9 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
         rise = softer * (1.0 - weaker * abs(middle) ** exponent * (direction + gamma))
         energy = max(energy + middle * (increment - rise), 0.0)
         z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
-        if abs(rise) < _YIELDS * abs(increment):  # it yields, and goes on yielding to the end of the step
-            energy = max(energy + (substeps - 1 - place) * increment * z, 0.0)
+        if abs(rise) < _YIELDS * abs(increment):
             break
+    energy = max(energy + ahead * increment * z, 0.0)  # it yields to the end of the step
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
     return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])
 

@@ -138,6 +138,18 @@ def test_long_steps_of_a_hysteresis_are_divided(losses):
     assert state[3] == pytest.approx(last[3], rel=0.01)
 
 
+@pytest.mark.parametrize(("gamma", "exponent"), [(-0.65, 2.8), (0.4, 0.5), (0.4, 10.0)])
+@pytest.mark.parametrize("losses", [{}, {"stiffness_loss": 0.002}, {"slip": 0.5}])
+def test_a_step_of_hundreds_of_yield_displacements_ends_at_the_limit(gamma, exponent, losses):
+    """There (β + γ)·|z|ⁿ is one, and the energy of a step is the force times the way."""
+    shape = {"force_n": 10.0, "displacement_m": 0.01, "gamma": gamma, "exponent": exponent}
+    path = np.array([0.0, 3.0, -4.0, 1.0])
+    force, _, state = stepped("degrading_hysteresis", [[x, 0.0, 0.0] for x in path], **shape, **losses)
+    limit = (1.0 - 2.0 * min(gamma, 0.0) ** 2) ** (-1.0 / exponent)
+    np.testing.assert_allclose(force[1:] / (10.0 * limit), [1.0, -1.0, 1.0], atol=1e-3)
+    assert state[3] == pytest.approx(15.0 / 0.01 * limit, rel=0.03)
+
+
 def test_parameters_are_told_by_their_coordinates():
     scales = Scales(displacement=0.1, velocity=0.7, acceleration=5.0, force=300.0, duration=40.0)
     size = Parameter(

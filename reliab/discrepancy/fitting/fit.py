@@ -111,25 +111,26 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
             space=space,
             coordinates=x,
             residual=residual,
-            jacobian=jacobian(problem, space, x, noise),
+            jacobian=jacobian(problem, space, x, noise, residual),
             noise=noise,
             log_volume=problem.log_volume(noise),
         ),
     )
 
 
-def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS) -> Fit:
+def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS, *, differentiated: bool = True) -> Fit:
     """Improve a fit by Levenberg–Marquardt with bounds and the prior, until a step promises less than 0.02.
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
-    changed, and the next step would be smaller still.
+    changed, and the next step would be smaller still. Unless it is to be differentiated, derivatives after
+    the last step are those before it.
     """
     space, noise = fitted.space, fitted.noise
     lower, upper = space.bounds
     x, residual, derivatives = fitted.coordinates, fitted.residual, fitted.jacobian
     value = _objective(residual, x)
     damping = _FIRST_DAMPING
-    for _ in range(steps):
+    for number in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
         accepted = foreseen = False
@@ -148,9 +149,9 @@ def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS) -> Fit:
                 damping = max(0.1 * damping, 1e-7)
                 break
             damping *= 8.0
-        if not accepted or foreseen:
+        if not accepted or foreseen or (number + 1 == steps and not differentiated):
             break
-        derivatives = jacobian(problem, space, x, noise)
+        derivatives = jacobian(problem, space, x, noise, residual)
     return replace(fitted, coordinates=x, residual=residual, jacobian=derivatives)
 
 
@@ -172,18 +173,27 @@ def _objective(residual: Array, coordinates: Array) -> float:
 
 def sharpened(problem: Problem, fitted: Fit) -> Fit:
     """Return a fitted model with derivatives of full predictions, for its standard deviations."""
-    exact = _differentiated(problem, fitted.space, fitted.coordinates, fitted.noise)
+    exact = _differentiated(problem, fitted.space, fitted.coordinates, fitted.noise, fitted.residual)
     return replace(fitted, jacobian=exact)
 
 
-def jacobian(problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
-    """Differentiate the whitened residual, shape (rows, size), at fewer instants where that is faster."""
-    return _differentiated(problem.sketch, space, coordinates, noise)
+def jacobian(
+    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, residual: Array | None = None
+) -> Array:
+    """Differentiate the whitened residual, shape (rows, size), at fewer instants where that is faster.
+
+    `residual`: the one there, shape (rows,), where it was computed.
+    """
+    centre = residual if problem.sketch is problem else None
+    return _differentiated(problem.sketch, space, coordinates, noise, centre)
 
 
-def _differentiated(problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+def _differentiated(
+    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array | None
+) -> Array:
     _, upper = space.bounds
-    centre = problem.whitened(space, coordinates, noise)
+    if centre is None:
+        centre = problem.whitened(space, coordinates, noise)
     columns = np.empty((centre.size, space.size))
     for place in range(space.size):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP

@@ -128,7 +128,7 @@ def _refitted_in_full(
         powers=tuple(problem.powers[k] for k in fitted_segments),
     )
     start = replace(fitted, residual=fitted.residual[~excluded], jacobian=fitted.jacobian[~excluded])
-    return improved(without_test, start, _STEPS).coordinates
+    return improved(without_test, start, _STEPS, differentiated=False).coordinates
 
 
 def refitted(fitted: Fit, excluded: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:

@@ -95,6 +95,8 @@ def _value_and_slope(values: Array, place: int) -> tuple[float, float]:
     if place == values.size:
         near = np.append(near, 3.0 * near[-1] - 3.0 * near[-2] + near[-3])
     at = min(place, 3)
+    if 0 < at < near.size - 1:
+        return float(near[at]), float(0.5 * (near[at + 1] - near[at - 1]))
     return float(near[at]), float(np.gradient(near, edge_order=2)[at])
 
 

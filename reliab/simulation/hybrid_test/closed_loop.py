@@ -198,16 +198,14 @@ def _resample(
             measured=broken[0],
             force=broken[0],
         )
-    command, piston, force = (
-        scipy.interpolate.make_interp_spline(instants, values, axis=-1)(samples)
-        for values in (histories.command.values, histories.piston.values, histories.force)
-    )
-    moved = Motion3(values=piston, step=step)
+    rows = np.vstack([histories.command.values, histories.piston.values, histories.force])
+    moved = np.ascontiguousarray(scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples))
+    piston = Motion3(values=moved[3:6], step=step)
     return Histories(
-        command=Motion3(values=command, step=step),
-        piston=moved,
-        measured=read_displacement(test, moved),
-        force=force,
+        command=Motion3(values=moved[:3], step=step),
+        piston=piston,
+        measured=read_displacement(test, piston),
+        force=moved[6],
     )
 
 

@@ -1,6 +1,7 @@
 """Single blocks of a hybrid test: actuator under a command, specimen under a motion, sensors."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,11 @@ class Motion3:
         times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
         return cls(values=path.read(times, (0, 1, 2)), step=step / parts)
 
+    @cached_property
+    def per_step(self) -> Array:
+        """Displacement and its derivatives by the number of steps [m], shape (3, n)."""
+        return np.ascontiguousarray(self.values * np.array([[1.0], [self.step], [self.step**2]]))
+
     def at_each(self, every: int) -> "Motion3":
         """Return the motion at each `every`-th instant."""
         return Motion3(values=np.ascontiguousarray(self.values[:, ::every]), step=every * self.step)
@@ -50,9 +56,8 @@ def drive(test: HybridTest, command: Motion3) -> Motion3:
     """
     h = command.step
     setting = _setting(test, h)
-    per_step = np.array([[1.0], [h], [h**2]])
     values = _drive(
-        np.ascontiguousarray(command.values * per_step),
+        command.per_step,
         h,
         test.actuator.gain,
         test.actuator.delay,
