@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.errors import ReliabError
 from reliab.indices import (
+    CommandSpectrum,
     FrequencyEvaluation,
     delay_by_cross_correlation,
     energy_error,
@@ -39,7 +40,6 @@ from reliab.indices import (
     rms_tracking_error,
     tracking_indicator,
 )
-from reliab.indices.frequency_evaluation import frequency_evaluation
 from reliab.recordings import FEWEST_SAMPLES, Recording
 from reliab.signals import CubicPath, hann, periodogram, taper, upper_level
 
@@ -79,16 +79,18 @@ class Band:
 def in_band(recording: Recording) -> Band:
     """Filter both histories alike at twice the highest frequency where the command rises above its noise."""
     power = power_of(recording.command)
-    floor, _ = noise_floor(recording.command)
+    floor = upper_level(power)
     smooth = np.convolve(power, np.full(_SMOOTHED, 1.0 / _SMOOTHED), mode="same")
     bins = int(np.flatnonzero(smooth >= np.minimum(_ABOVE_FLOOR * floor, smooth.max()))[-1]) + 1
     histories, passed = [recording.command, recording.measured], np.ones(power.size)
+    total = power.sum()
     if 2 * bins < _ROOM * power.size:
         sections = scipy.signal.butter(4, 2.0 * bins / power.size, output="sos")
         histories = [np.asarray(scipy.signal.sosfiltfilt(sections, history)) for history in histories]
         passed = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
-    total = float(power_of(histories[0]).sum())
-    return Band(command=histories[0], measured=histories[1], bins=bins, noise=floor * passed / total)
+        total = power_of(histories[0]).sum()
+    noise = floor * passed / float(total)
+    return Band(command=histories[0], measured=histories[1], bins=bins, noise=noise)
 
 
 def noise_floor(values: Array) -> tuple[float, float]:
@@ -143,11 +145,12 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     """
     recording = replace(recording, command=_centred(recording.command), measured=_centred(recording.measured))
     band, step = in_band(recording), recording.time_step
-    plain = _without_noise(frequency_evaluation(band.command, band.measured, step, window=window), band, step)
+    commanded = CommandSpectrum(command=band.command, time_step=step, window=window)
+    plain = _without_noise(commanded.evaluate(band.measured), band, step)
     path = CubicPath.through(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
-        reference = frequency_evaluation(band.command, _moved(path, gain, delay), step, window=window)
+        reference = commanded.evaluate(_moved(path, gain, delay))
         gain += plain.amplitude - reference.amplitude
         delay += plain.equivalent_delay - reference.equivalent_delay
     residual = band.measured - _moved(path, gain, delay)

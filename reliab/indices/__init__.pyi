@@ -1,4 +1,8 @@
-from .frequency_evaluation import FrequencyEvaluation as FrequencyEvaluation, evaluate_sums as evaluate_sums
+from .frequency_evaluation import (
+    CommandSpectrum as CommandSpectrum,
+    FrequencyEvaluation as FrequencyEvaluation,
+    evaluate_sums as evaluate_sums,
+)
 from .response_error import relative_error as relative_error
 from .tracking import (
     delay_by_cross_correlation as delay_by_cross_correlation,

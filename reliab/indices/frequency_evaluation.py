@@ -15,9 +15,11 @@ gives A and d an error of about the share that its last τ seconds have in the w
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.errors import InputError
@@ -52,23 +54,44 @@ def frequency_evaluation(
     >>> round(found.amplitude, 4), round(1e3 * found.equivalent_delay, 3)
     (1.01, 2.0)
     """
-    _check(command, measured)
-    points = 1 << (command.size - 1).bit_length()
-    weights = taper(window, command.size)
-    frequencies = np.fft.rfftfreq(points, time_step)[1:]
-    into = np.fft.rfft(command * weights, points)[1:]
-    out = np.fft.rfft(measured * weights, points)[1:]
-    power = np.abs(into) ** 2
-    total = power.sum()
-    index = np.sum(out * into.conj()) / total
-    equivalent_frequency = float(np.sum(power * frequencies) / total)
-    phase = float(np.angle(index))
-    return FrequencyEvaluation(
-        amplitude=float(np.abs(index)),
-        phase=phase,
-        equivalent_frequency=equivalent_frequency,
-        equivalent_delay=-phase / (2.0 * np.pi * equivalent_frequency),
-    )
+    return CommandSpectrum(command=command, time_step=time_step, window=window).evaluate(measured)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CommandSpectrum:
+    """A command [m] beside which measured displacements are evaluated, one after the other."""
+
+    command: Array
+    time_step: float  # [s]
+    window: str = "hann"
+
+    def evaluate(self, measured: Array) -> FrequencyEvaluation:
+        """Evaluate one as :func:`frequency_evaluation` does."""
+        _check(self.command, measured)
+        into, total, frequency = self._into
+        index = np.sum(self._spectrum(measured) * into.conj()) / total
+        phase = float(np.angle(index))
+        return FrequencyEvaluation(
+            amplitude=float(np.abs(index)),
+            phase=phase,
+            equivalent_frequency=frequency,
+            equivalent_delay=-phase / (2.0 * np.pi * frequency),
+        )
+
+    @property
+    def _points(self) -> int:
+        return 1 << (self.command.size - 1).bit_length()
+
+    def _spectrum(self, values: Array) -> NDArray[np.complex128]:
+        return np.fft.rfft(values * taper(self.window, values.size), self._points)[1:]
+
+    @cached_property
+    def _into(self) -> tuple[NDArray[np.complex128], float, float]:
+        """Spectrum of the command, the sum of its power, and the equivalent frequency [Hz]."""
+        into = self._spectrum(self.command)
+        power = np.abs(into) ** 2
+        total, frequencies = power.sum(), np.fft.rfftfreq(self._points, self.time_step)[1:]
+        return into, total, float(np.sum(power * frequencies) / total)
 
 
 def evaluate_sums(sums: "TrackingSums") -> tuple[Array, Array]:
