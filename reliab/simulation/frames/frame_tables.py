@@ -104,7 +104,7 @@ class DampingTable(DescribedTable):
         default=None, description="Damping ratios of Rayleigh damping at two frequencies"
     )
     rayleigh_frequencies_hz: tuple[Positive, Positive] | None = Field(
-        default=None, description="These two frequencies"
+        default=None, description="The two frequencies of `rayleigh_ratios`"
     )
     matrix_n_s_per_m: Matrix | None = Field(default=None, description="Damping matrix, by rows")
 
@@ -172,10 +172,12 @@ class FrameDescription(DescribedTable):
         default=TolerancesTable(), description="How exactly the structure is known, for `reliab assess`"
     )
     kinematics: KinematicsTable | None = Field(
-        default=None, description="Several actuators; without it each degree of freedom has its own"
+        default=None,
+        description="Kinematics of several actuators; without it each degree of freedom has "
+        "an actuator of its own",
     )
     transfer_system: TransferTable | None = Field(
-        default=None, description="The rig, whose error `reliab criterion` states"
+        default=None, description="Transfer system of the rig, whose error `reliab criterion` states"
     )
 
     @property

@@ -65,7 +65,9 @@ class SpecimenTable(DescribedTable):
         default=None, description="Damping ratio of the specimen by itself, in place of its coefficient"
     )
     mass_kg: NotNegative = Field(default=0.0, description="Mass of the specimen")
-    effects: tuple[EffectTable, ...] = Field(default=(), description="What it does beyond its linear part")
+    effects: tuple[EffectTable, ...] = Field(
+        default=(), description="Effects of the specimen in addition to its linear force"
+    )
     degrees_of_freedom: Annotated[tuple[str | int, ...], Field(min_length=1)] | None = Field(
         default=None, description="Driven degrees of freedom of the frame, where there are several"
     )
@@ -78,12 +80,12 @@ class SpecimenTable(DescribedTable):
     stiffness_matrix_n_per_m: Matrix | None = Field(
         default=None,
         description="Stiffness matrix of a specimen that is driven at several degrees of freedom, or its "
-        "file; rows beyond the driven ones are its inner ones, which are condensed statically",
+        "file; further rows are inner degrees of freedom, which are condensed statically",
     )
     damping_matrix_n_s_per_m: Matrix | None = Field(default=None, description="Damping matrix, likewise")
     mass_matrix_kg: Matrix | None = Field(default=None, description="Mass matrix, likewise")
     part_of_structure: bool = Field(
-        default=True, description="Whether the matrices hold the specimen; if not, it is added to them"
+        default=True, description="Whether the matrices include the specimen; if not, it is added to them"
     )
 
     @model_validator(mode="after")
@@ -167,13 +169,13 @@ class GeometryTable(DescribedTable):
     """Actuators that are pinned to a rigid body in a plane, exact for any rotation."""
 
     motions: tuple[Literal["x", "y", "rotation"], ...] = Field(
-        description="What each degree of freedom of the specimen is: of the node along x or y, or a turn "
-        "from x to y"
+        description="Kind of each degree of freedom of the specimen: displacement of the node along x or y, "
+        "or rotation from x to y"
     )
     pins_m: Matrix = Field(description="Pin of each actuator on the body, as seen from its node: x, y")
     directions: Matrix = Field(description="Direction in which each actuator extends, at rest: x, y")
     lengths_m: Row | None = Field(
-        default=None, description="Distance of the pins of each actuator at rest; long by default"
+        default=None, description="Distance between the pins of each actuator at rest; very long by default"
     )
 
     @property

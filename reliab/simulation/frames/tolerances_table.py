@@ -95,7 +95,7 @@ class TolerancesTable(DescribedTable):
     mass: Deviation = Field(default=0.0, description="Deviation of a factor on the mass matrix")
     stiffness: Deviation = Field(
         default=0.0,
-        description="Deviation of a factor on the stiffness matrix and of the specimen’s stiffness",
+        description="Deviation of a factor on the stiffness matrix and the specimen’s stiffness",
     )
     frequency: Deviation | None = Field(
         default=None,
