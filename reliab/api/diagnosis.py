@@ -8,7 +8,7 @@ from reliab.discrepancy import Addition, Diagnosis, add, campaign_folder, diagno
 from reliab.files import refuse_unwritable, write_json_file
 from reliab.progress import Show, quietly
 from reliab.report import Setting, write_pdf
-from reliab.report.kinds.discrepancy import discrepancy_report
+from reliab.report.kinds.discrepancy_report import discrepancy_report
 from reliab.study import digest
 
 _RESULT = "diagnosis.json"

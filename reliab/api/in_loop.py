@@ -1,6 +1,8 @@
 """`reliab.export_monitor`: the running error of a structure as C or as an FMU, for the loop of a test."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -101,8 +103,10 @@ def export_monitor(
             remedy="Name one of them, and the folder or file to write",
         )
     exactly = 1.0 if scale is None else scale
-    source = _Structure(f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model)
-    monitor = _monitor(source, exactly, feedback_lag, threshold, metric, rate)
+    read = partial(
+        _structure, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model
+    )
+    monitor = _monitor(read, exactly, feedback_lag, threshold, metric, rate)
     if kind in _FMUS:
         content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
@@ -113,7 +117,7 @@ def export_monitor(
 
 
 def _monitor(
-    source: "_Structure",
+    read: Callable[[], tuple[Partition | HybridTest, Array | None]],
     scale: Quantity,
     feedback_lag: Quantity,
     threshold: float,
@@ -131,7 +135,7 @@ def _monitor(
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
-    tested, to_interface = source.read()
+    tested, to_interface = read()
     return LoopMonitor(
         structure=tested,
         to_interface=to_interface,
@@ -143,50 +147,39 @@ def _monitor(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Structure:
-    """What is stated of a structure."""
-
-    f: Quantity | None
-    xi: Quantity | None
-    alpha: Quantity
-    feedback_lag: Quantity
-    frame: str | Path | None
-    model: str | Path | UpdatedModel | None
-
-    def read(self) -> tuple[Partition | HybridTest, Array | None]:
-        """Return the structure, and interface displacements per unit of each channel of several."""
-        if self.frame is not None and self.model is not None:
-            raise InputError(
-                "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
-            )
-        if self.frame is not None:
-            refuse_beside("structure", f=self.f, xi=self.xi, alpha=self.alpha)
-            return _of_frame(read_structure(self.frame), str(self.frame))
-        if self.model is not None:
-            updated = model_of(
-                self.model, f=self.f, xi=self.xi, alpha=self.alpha, feedback_lag=self.feedback_lag
-            )
-            return updated.test, None
-        return self._of_values(), None
-
-    def _of_values(self) -> Partition:
-        """Return the structure of one degree of freedom."""
-        for name in ("f", "xi"):
-            if getattr(self, name) is None:
-                raise InputError(
-                    f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
-                    remedy="State one of them",
-                )
-        stated = stated_values(f=self.f, xi=self.xi, alpha=self.alpha)
-        require_positive(stated)
-        return Partition.of_structure(
-            Structure(
-                frequency=stated["f"].value,
-                damping_ratio=stated["xi"].value,
-                experimental_fraction=stated["alpha"].value,
-            )
+def _structure(
+    *,
+    f: Quantity | None,
+    xi: Quantity | None,
+    alpha: Quantity,
+    feedback_lag: Quantity,
+    frame: str | Path | None,
+    model: str | Path | UpdatedModel | None,
+) -> tuple[Partition | HybridTest, Array | None]:
+    """Return the structure, and interface displacements per unit of each channel of several."""
+    if frame is not None and model is not None:
+        raise InputError(
+            "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
         )
+    if frame is not None:
+        refuse_beside("structure", f=f, xi=xi, alpha=alpha)
+        return _of_frame(read_structure(frame), str(frame))
+    if model is not None:
+        return model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag).test, None
+    for name, value in {"f": f, "xi": xi}.items():
+        if value is None:
+            raise InputError(
+                f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
+                remedy="State one of them",
+            )
+    stated = stated_values(f=f, xi=xi, alpha=alpha)
+    require_positive(stated)
+    structure = Structure(
+        frequency=stated["f"].value,
+        damping_ratio=stated["xi"].value,
+        experimental_fraction=stated["alpha"].value,
+    )
+    return Partition.of_structure(structure), None
 
 
 def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:

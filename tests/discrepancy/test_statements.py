@@ -16,7 +16,7 @@ from reliab.discrepancy.naming.naming import offset_odds
 from reliab.discrepancy.result.diagnosis import contradiction, one_of_two, remainder_statement, statement
 from reliab.discrepancy.result.gap import Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
-from reliab.report.kinds.discrepancy.report import _closed, _floor
+from reliab.report.kinds.discrepancy_report import _closed, _floor
 from reliab.vocabulary import Block
 
 UNCERTAINTY, PRINTED = 1.2, 1.01

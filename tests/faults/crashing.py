@@ -28,7 +28,12 @@ _NOBODY = 65534
 _IMPORTED = (
     "encodings.utf_8_sig",  # which another user may be unable to import later
     *("arviz_stats", "emcee", "h5netcdf", "matplotlib.pyplot", "typst", "zarr", "rich.table", "reliab.api"),
-    *("reliab.criterion", "reliab.discrepancy", "reliab.explore.page", "reliab.report.kinds.discrepancy"),
+    *(
+        "reliab.criterion",
+        "reliab.discrepancy",
+        "reliab.explore.page",
+        "reliab.report.kinds.discrepancy_report",
+    ),
     *("reliab.study", "reliab.sweep", "reliab.validation"),
 )
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,9 +13,8 @@ from reliab.discrepancy.adding.posterior import sample_posterior
 from reliab.effects import find_effect
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy import discrepancy_blocks
-from reliab.report.kinds.discrepancy import discrepancy_report
-from reliab.report.kinds.discrepancy.figures import posterior_figure
-from reliab.report.kinds.discrepancy.report import missing_effects_section
+from reliab.report.kinds.discrepancy_figures import posterior_figure
+from reliab.report.kinds.discrepancy_report import discrepancy_report, missing_effects_section
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
@@ -89,7 +88,7 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
     def fail(_found):
         raise ValueError("Number of rows must be positive")
 
-    monkeypatch.setattr("reliab.report.kinds.discrepancy.report.gap_figure", fail)
+    monkeypatch.setattr("reliab.report.kinds.discrepancy_report.gap_figure", fail)
     document = discrepancy_report(damped, provenance={})
     content = json.dumps(text_of(document), ensure_ascii=False)
     assert "The figure of the gap could not be drawn" in content

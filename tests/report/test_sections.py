@@ -9,9 +9,9 @@ import pytest
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.report.document import Figure, Paragraph, Table
+from reliab.report.kinds import discrepancy_report as discrepancy
 from reliab.report.kinds.criterion.reported import ReportedCriteria
 from reliab.report.kinds.criterion.result import result_section
-from reliab.report.kinds.discrepancy import report as discrepancy
 from reliab.report.sections.method import (
     _FITTED,
     _INSCRIBED,

@@ -62,7 +62,7 @@ def report(study: DiscrepancyStudy, folder: Path) -> Mapping[str, bytes]:
 
 
 def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document:
-    from reliab.report.kinds.discrepancy import discrepancy_report
+    from reliab.report.kinds.discrepancy_report import discrepancy_report
 
     addition = _diagnosed(campaign, digest(campaign))
     return discrepancy_report(

@@ -11,7 +11,7 @@ from reliab.discrepancy.fitting import MOST_OF_A_TEST
 from reliab.discrepancy.naming import LARGEST_REMAINDER
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect, Remainder, Unknown, Verdict
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
-from reliab.report.kinds.discrepancy.figures import (
+from reliab.report.kinds.discrepancy_figures import (
     block_figure,
     drawn,
     gap_figure,

@@ -1,1 +1,0 @@
-from .report import discrepancy_report as discrepancy_report
