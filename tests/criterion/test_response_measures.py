@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from reliab.criterion import (
-    BoundaryScales,
     ResponseMeasures,
     carry_to_response,
     derive_criterion,
     read_ellipses,
     shipped_measures,
 )
+from reliab.criterion.response_measures import BoundaryScales
 from reliab.shipped import shipped
 from reliab.sweep import read_netcdf
 
