@@ -64,6 +64,10 @@ class Motion:
         object.__setattr__(self, "time_step", _check_step(self.time_step, self.name))
         object.__setattr__(self, "event", self.event or self.name)
 
+    def load(self) -> "Motion":
+        """Return the motion itself, which is an entry of a suite that needs no reading."""
+        return self
+
     @property
     def duration(self) -> float:
         """Time between the first and the last sample [s]."""

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Protocol, overload
 
@@ -30,32 +29,6 @@ class MotionEntry(Protocol):
 
     def load(self) -> Motion:
         """Read the motion."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionInMemory:
-    """An entry whose motion is already in memory."""
-
-    motion: Motion  # The motion
-
-    @property
-    def name(self) -> str:
-        """Name of the motion."""
-        return self.motion.name
-
-    @property
-    def event(self) -> str:
-        """Earthquake of the motion."""
-        return self.motion.event
-
-    @property
-    def set_name(self) -> str:
-        """Set of the motion."""
-        return self.motion.set_name
-
-    def load(self) -> Motion:
-        """Return the motion."""
-        return self.motion
 
 
 class MotionSuite(Sequence[Motion]):
@@ -95,7 +68,7 @@ class MotionSuite(Sequence[Motion]):
     @classmethod
     def from_motions(cls, motions: Iterable[Motion]) -> "MotionSuite":
         """Make a suite of motions that are in memory."""
-        return cls(MotionInMemory(motion=motion) for motion in motions)
+        return cls(motions)
 
     @property
     def entries(self) -> tuple[MotionEntry, ...]:
