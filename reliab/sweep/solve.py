@@ -108,28 +108,24 @@ def _evaluate(pair: QuadraturePair, grid: Grid, structure: Structure) -> tuple[A
     Lags and leads have separate nodes. Beyond the critical delay, and beyond twice the damping ratio of
     amplitude error, the shares A/k_p and d/τ are those of the last node.
     """
-    amplitude, equivalent = np.empty((2, grid.gains(structure).size, grid.delays(structure).size))
-    for nodes in _nodes(grid, structure):
-        statistics = evaluate_sums(tracking_sums(pair, nodes.cells))
-        over = nodes.over_gain.shape[1], nodes.over_delay.shape[1]
-        units = (nodes.cells.gain, nodes.gains[:, np.newaxis]), (nodes.cells.delay, nodes.delays)
-        for table, values, (at_nodes, at_grid) in zip(
-            (amplitude, equivalent), statistics, units, strict=True
-        ):
-            share = nodes.over_gain @ (values / at_nodes).reshape(over) @ nodes.over_delay.T
-            table[:, nodes.columns] = share * at_grid
+    gains, delays = grid.gains(structure), grid.delays(structure)
+    amplitude, equivalent = np.empty((2, gains.size, delays.size))
+    cells, sides = _nodes(grid, structure)
+    statistics = evaluate_sums(tracking_sums(pair, cells))
+    units = (cells.gain, gains[:, np.newaxis]), (cells.delay, delays)
+    for table, values, (at_nodes, at_grid) in zip((amplitude, equivalent), statistics, units, strict=True):
+        for side in sides:
+            table[:, side.columns] = side.over_gain @ (values / at_nodes)[side.cells] @ side.over_delay.T
+        np.multiply(table, at_grid, out=table)
     return amplitude, equivalent
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Nodes:
-    """Cells at which the evaluation index is computed, and the weights that interpolate it to the grid."""
+    """Cells of one side at which the evaluation index is computed, and the weights that interpolate it."""
 
-    cells: TrackedCells  # The nodes, the delay varying fastest
-    # gains, delays: Gains [-] and delays [s] of the grid that the nodes serve, shapes (kp,) and (tau,)
-    gains: Array
-    delays: Array
-    columns: slice  # Indices of these delays in the grid
+    cells: NDArray[np.intp]  # Which cells, shape (gain nodes, delay nodes)
+    columns: slice  # Delays of the grid that they serve
     # over_gain, over_delay: Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay
     # nodes)
     over_gain: Array
@@ -137,7 +133,7 @@ class _Nodes:
 
 
 @lru_cache(maxsize=256)
-def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
+def _nodes(grid: Grid, structure: Structure) -> tuple[TrackedCells, list[_Nodes]]:
     """Nodes of the lags, including the actuator without delay, and of the leads if the grid has any."""
     gains, delays = grid.gains(structure), grid.delays(structure)
     central = np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio
@@ -147,20 +143,19 @@ def _nodes(grid: Grid, structure: Structure) -> list[_Nodes]:
     sides = [(slice(leads, None), _evenly(_distinct(late)))]
     if leads:
         sides.append((slice(0, leads), _evenly(_distinct(delays[:leads]))))
-    nodes = []
-    for columns, at_delays in sides:
-        gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
-        nodes.append(
-            _Nodes(
-                cells=TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()),
-                gains=gains,
-                delays=delays[columns],
-                columns=columns,
-                over_gain=_polynomial_weights(at_gains, gains),
-                over_delay=_polynomial_weights(at_delays, delays[columns]),
-            )
+    at_delays = np.concatenate([of_side for _, of_side in sides])
+    gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
+    places, ends = np.arange(gain.size).reshape(gain.shape), np.cumsum([side.size for _, side in sides])
+    nodes = [
+        _Nodes(
+            cells=places[:, end - of_side.size : end],
+            columns=columns,
+            over_gain=_polynomial_weights(at_gains, gains),
+            over_delay=_polynomial_weights(of_side, delays[columns]),
         )
-    return nodes
+        for (columns, of_side), end in zip(sides, ends.tolist(), strict=True)
+    ]
+    return TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()), nodes
 
 
 def _distinct(delays: Array) -> Array:

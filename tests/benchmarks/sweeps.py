@@ -2,8 +2,9 @@
 
 What a second processor adds at most is shown by two processes that share nothing, each of which solves the
 whole suite on one thread while the other does; two threads and two workers are stated beside it. Ways are
-taken in turns, since clocks of a machine change, only where nobody else computes, and the shortest time of
-each is printed.
+taken in turns, since clocks of a machine change, and the shortest turn of each is printed: its time, the
+processor time of all that took part, and the share of the machine that other programs had meanwhile. Where
+that is more than a few per cent only the processor time means something.
 
 python tests/benchmarks/sweeps.py [SOURCE ...]
 """
@@ -17,6 +18,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 
@@ -26,7 +28,6 @@ from reliab.sweep import ExplicitGrid, SweepRequest, run_sweep
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
 TURNS = 3
-_FOREIGN = 0.03  # of the processors' time that other programs may take while one way is timed
 
 
 def timed(
@@ -79,29 +80,38 @@ class Machine:
         }
 
 
-def shortest(ways: Mapping[str, Callable[[], float]]) -> dict[str, float]:
-    """Shortest time of each way [s], which are taken in turns."""
-    turns = [{name: undisturbed(way) for name, way in ways.items()} for _ in range(TURNS)]
+class Turn(NamedTuple):
+    """What one turn of a way took."""
+
+    seconds: float  # Time of one sweep
+    processor: float  # Processor time of this process and of those that it started [s]
+    others: float  # Share of the machine's processor time that other programs had
+
+    def __str__(self) -> str:
+        return f"{self.seconds:.2f} s, {self.processor:.2f} s of processors (others {self.others:.0%})"
+
+
+def shortest(ways: Mapping[str, Callable[[], float]]) -> dict[str, Turn]:
+    """Shortest turn of each way."""
+    turns = [{name: one_turn(way) for name, way in ways.items()} for _ in range(TURNS)]
     return {name: min(turn[name] for turn in turns) for name in ways}
 
 
-def undisturbed(way: Callable[[], float]) -> float:
-    """Time of a way [s], begun when nobody else computes and repeated where somebody did meanwhile."""
-    while True:
-        while psutil.cpu_percent(0.3) > 100.0 * _FOREIGN:
-            time.sleep(1.0)
-        start, before = time.perf_counter(), foreign()
-        seconds = way()
-        if foreign() - before <= _FOREIGN * psutil.cpu_count() * (time.perf_counter() - start):
-            return seconds
+def one_turn(way: Callable[[], float]) -> Turn:
+    """Take a way once."""
+    start, (everybody, own) = time.perf_counter(), processor_times()
+    seconds = way()
+    wall, after = time.perf_counter() - start, processor_times()
+    processor = after[1] - own
+    others = (after[0] - everybody - processor) / (psutil.cpu_count() * wall)
+    return Turn(seconds, processor, max(others, 0.0))
 
 
-def foreign() -> float:
-    """Processor time of all programs but this one, its workers and its clusters [s]."""
-    everybody = psutil.cpu_times()
-    own = psutil.Process()
+def processor_times() -> tuple[float, float]:
+    """Processor time of everybody, and of this process and those that it started [s]."""
+    everybody, own = psutil.cpu_times(), psutil.Process()
     times = [process.cpu_times() for process in (own, *own.children(recursive=True))]
-    return everybody.user + everybody.nice + everybody.system - sum(one.user + one.system for one in times)
+    return everybody.user + everybody.nice + everybody.system, sum(one.user + one.system for one in times)
 
 
 def main() -> None:
@@ -113,9 +123,9 @@ def main() -> None:
     machine = Machine(suite, paper)
     print(f"{len(suite)} motions")
     for name, request in (("paper's grid", paper), ("scaled grid with leads", scaled)):
-        for way, seconds in shortest(machine.ways(suite, request)).items():
-            print(f"{name} x 8 frequencies, {way}: {seconds:.2f} s")
-    print(f"scaled grid x 72 structures, two threads: {timed(suite, factorial, 2):.2f} s")
+        for way, turn in shortest(machine.ways(suite, request)).items():
+            print(f"{name} x 8 frequencies, {way}: {turn}")
+    print(f"scaled grid x 72 structures, two threads: {one_turn(lambda: timed(suite, factorial, 2))}")
     for count in (12, 25, 50, len(suite)):
         print(f"paper's grid, {count} motions: {timed(suite[:count], paper, None):.2f} s")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6

@@ -55,7 +55,7 @@ def drive(test: HybridTest, command: Motion3) -> Motion3:
     0.0
     """
     h = command.step
-    setting = _setting(test, h)
+    setting = test.setting(h)
     values = _drive(
         command.per_step,
         h,
@@ -107,20 +107,20 @@ def load(test: HybridTest, piston: Motion3) -> Array:
     """
     if test.specimen is None:
         raise InputError("A force needs a specimen", remedy="Add a [structure] or a [specimen] table")
-    setting = _setting(test, piston.step)
+    setting = test.setting(piston.step)
     linear = np.array([test.specimen.stiffness, test.specimen.damping, test.specimen.mass])
     return np.asarray(linear @ piston.values) + _sum(piston, test, Role.FORCE, setting)
 
 
 def read_displacement(test: HybridTest, piston: Motion3) -> Array:
     """Displacement as the sensor reads it [m], shape (n,)."""
-    read = _sum(piston, test, Role.DISPLACEMENT_READING, _setting(test, piston.step))
+    read = _sum(piston, test, Role.DISPLACEMENT_READING, test.setting(piston.step))
     return np.asarray(piston.values[0] + read)
 
 
 def read_force(test: HybridTest, piston: Motion3, force: Array) -> Array:
     """Force as the load cell reads it [N], shape (n,), from the true one."""
-    return force + _sum(piston, test, Role.FORCE_READING, _setting(test, piston.step))
+    return force + _sum(piston, test, Role.FORCE_READING, test.setting(piston.step))
 
 
 def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> Array:
@@ -128,10 +128,6 @@ def follow(kernel: Kernel, coefficients: tuple[float, ...], piston: Motion3) -> 
     addresses = np.array([kernel.address], dtype=np.int64)
     values = np.ascontiguousarray(piston.values)
     return np.asarray(_follow(values, piston.step, addresses, np.array([coefficients]), STATES))
-
-
-def _setting(test: HybridTest, step: float) -> Setting:
-    return test.setting(step)
 
 
 def _sum(piston: Motion3, test: HybridTest, role: Role, setting: Setting) -> Array:
