@@ -35,7 +35,6 @@ def suites_report(
     coverage: pd.DataFrame | None = None,
     confidence: float,
     provenance: Mapping[str, object],
-    notes: Sequence[rp.Prose] = (),
     purpose: str = "",
 ) -> rp.Document:
     """Compare suites of ground motions, the first being the reference.
@@ -53,7 +52,7 @@ def suites_report(
     if coverage is not None and len(coverage):
         division = f"learned from {names[-1]}, judged on {names[0]}"
         blocks.append(rates_section(coverage, confidence=confidence, division=division))
-    blocks += [limits_section(notes), method_section(None, experimental_fraction=1.0, window="record")]
+    blocks += [limits_section(()), method_section(None, experimental_fraction=1.0, window="record")]
     return rp.Document(
         kind="Comparison of suites",
         title=title,

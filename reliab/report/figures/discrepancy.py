@@ -234,9 +234,7 @@ def _lines(place: Axes, x: Array, measured: Array, modelled: Array, colour: str,
 
 
 @styled
-def discrepancy_posterior(
-    names: Sequence[str], draws: NDArray[np.float64], *, before: NDArray[np.float64] | None = None
-) -> Figure:
+def discrepancy_posterior(names: Sequence[str], draws: NDArray[np.float64]) -> Figure:
     """Draw every parameter and every pair of them.
 
     Returns densities with 90 % intervals on the diagonal, contours of 50 and 90 % below it.
@@ -244,7 +242,6 @@ def discrepancy_posterior(
     count = len(names)
     size = min(_SIDE * count + 20.0, _LARGEST)
     figure, axes = panels(count, count, height=min(size, 0.9 * _LARGEST), width=size)
-    believed = np.full(count, np.nan) if before is None else before
     for row in range(count):
         for column in range(count):
             place = axes[row, column]
@@ -252,20 +249,17 @@ def discrepancy_posterior(
                 place.set_axis_off()
                 continue
             if row == column:
-                _alone(place, draws[:, row], believed[row])
+                _alone(place, draws[:, row])
             else:
                 _pair(place, draws[:, column], draws[:, row])
             _labelled(place, names, row, column)
     return figure
 
 
-def _alone(place: Axes, values: NDArray[np.float64], believed: float) -> None:
+def _alone(place: Axes, values: NDArray[np.float64]) -> None:
     place.hist(values, bins=_BINS, density=True, histtype="stepfilled", facecolor=PALE, edgecolor=BLUE)
     for end in np.quantile(values, _INTERVAL):
         place.axvline(end, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
-    low, high = place.get_xlim()
-    if low <= believed <= high:
-        place.axvline(believed, color=VERMILION, linewidth=1.0)
     place.set_yticks([])
 
 

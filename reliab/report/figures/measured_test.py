@@ -27,14 +27,13 @@ def tracking_overview(
     draws: NDArray[np.float64],
     boundaries: Mapping[str, tuple[float, float]],
     windows: Windows | None,
-    height: float = 46.0,
 ) -> Figure:
     """Draw a test in the plane of amplitude and delay, and both over the test.
 
-    `draws` (2, draws); `height` [mm].
+    `draws` (2, draws).
     Returns delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
     """
-    figure = blank(height=height)
+    figure = blank(height=46.0)
     columns = 1 if windows is None else 2
     grid = figure.add_gridspec(2, columns, width_ratios=(1.0, 1.0)[:columns])
     plane = figure.add_subplot(grid[:, 0])
@@ -103,15 +102,14 @@ def error_over_time(
     error: NDArray[np.float64],
     band: tuple[NDArray[np.float64], NDArray[np.float64]],
     parts: Mapping[str, NDArray[np.float64]],
-    height: float = 76.0,
 ) -> Figure:
     """Draw the exact and the measured history, the error with its band, and its parts over time.
 
-    `times`, `reference`, `measured`, `error` (n,) [s]; `band` (n,); `parts` (stretches,); `height` [mm];
+    `times`, `reference`, `measured`, `error` (n,) [s]; `band` (n,); `parts` (stretches,);
     returns [s].
     Returns three panels over one scale of time [s]; displacements over the peak of the exact one.
     """
-    figure, axes = panels(3, 1, height=height, share_x=True)
+    figure, axes = panels(3, 1, height=76.0, share_x=True)
     histories, errors, divided = axes[:, 0]
     peak = float(np.abs(reference).max())
     samples = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)

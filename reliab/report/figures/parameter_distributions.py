@@ -114,7 +114,7 @@ def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distributi
 
 
 @styled
-def quantile_quantile(sample: EllipseSample, family: type[Distribution] = Lognormal) -> Figure:
+def quantile_quantile(sample: EllipseSample) -> Figure:
     """Draw a and b of the motions over the quantiles of a distribution that is fitted to them.
 
     Returns panels a [-] and b [ms²] on logarithmic scales, with bands that hold each point with 95 %.
@@ -123,10 +123,10 @@ def quantile_quantile(sample: EllipseSample, family: type[Distribution] = Lognor
     letters(axes, ("$a$", "$b$"))
     names = (("$a$", "-"), ("$b$", "ms²"))
     for place, values, (parameter, unit) in zip(axes[0], (sample.a, sample.b), names, strict=True):
-        _draw_quantiles(place, quantile_plot(values, family.fit(values)))
+        _draw_quantiles(place, quantile_plot(values, Lognormal.fit(values)))
         name_axes(
             place,
-            f"{family.name.capitalize()} quantile of {parameter} [{unit}]",
+            f"{Lognormal.name.capitalize()} quantile of {parameter} [{unit}]",
             f"{parameter} of motions [{unit}]",
         )
     legend_below(figure, axes[0, 0])

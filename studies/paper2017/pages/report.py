@@ -1,6 +1,6 @@
 """Report of the paper: every table, figure and numbered equation, recomputed beside what is printed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import pandas as pd
 import xarray as xr
@@ -37,7 +37,6 @@ def paper_report(
     ellipses: xr.Dataset,
     cases: xr.Dataset,
     provenance: Mapping[str, object],
-    notes: Sequence[rp.Prose] = (),
     purpose: str = "",
 ) -> rp.Document:
     """Report the reproduction of Guo and others (2017)."""
@@ -64,7 +63,7 @@ def paper_report(
             _promise(contained),
             cases_section(cases),
             errata_section(numbers),
-            limits_section((*_limits(numbers), *notes)),
+            limits_section(_limits(numbers)),
             _numbers(numbers),
             method_section(None, experimental_fraction=fraction, window=window),
         ),

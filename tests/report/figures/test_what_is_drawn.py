@@ -147,12 +147,10 @@ def test_tracking_over_frequency_and_its_band():
         delay_deviation=1e-4 * f,
         coherence=np.ones(10),
     )
-    figure = amplitude_and_delay_over_frequency(
-        resolved, amplitude=1.02, delay=2.5e-3, modes=[1.0, 9.0], height=50.0
-    )
+    figure = amplitude_and_delay_over_frequency(resolved, amplitude=1.02, delay=2.5e-3, modes=[1.0, 9.0])
     assert names(figure) == [("Frequency $f$ [Hz]", "$A - 1$ [%]"), ("Frequency $f$ [Hz]", "$d$ [ms]")]
     assert legend(figure) == ["90 % band", "over frequency", "index of the test"]
-    assert size(figure)[1] == pytest.approx(50.0)
+    assert size(figure)[1] == pytest.approx(58.0)
     whole = {0: (f, 0.1 * f, 2.0), 1: (1.0 + f, 0.1 * f, 2.5)}
     for k, place in enumerate(figure.axes):
         values, deviations, index = whole[k]
@@ -478,10 +476,10 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
     draws = np.stack([random.normal(0.99, 1e-3, 400), random.normal(delay, 1e-4, 400)])
     boundaries = {"$5 %": (4e-4, 9.0), "none": (0.0, 9.0), "neither": (4e-4, 0.0)}
     figure = tracking_overview(
-        amplitude=0.99, delay=delay, draws=draws, boundaries=boundaries, windows=windows, height=40.0
+        amplitude=0.99, delay=delay, draws=draws, boundaries=boundaries, windows=windows
     )
     plane, above, below = figure.axes
-    assert size(figure)[1] == pytest.approx(40.0)
+    assert size(figure)[1] == pytest.approx(46.0)
     assert legend(figure) == [r"\$5 %", "test, 95 % intervals"]
     x, y = curve(plane, r"\$5 %")
     np.testing.assert_allclose((x / 100.0) ** 2 / 4e-4 + y**2 / 9.0, 1.0)
@@ -525,7 +523,7 @@ def test_the_error_of_a_test_and_its_parts_over_the_peak():
     parts = {"$delay": np.array([1e-3, 2e-3]), "amplitude": np.array([2e-3, 1e-3])}
     figure = error_over_time(
         times=times, reference=exact, measured=exact + error, error=error,
-        band=(error - 1e-4, error + 2e-4), parts=parts, height=70.0,
+        band=(error - 1e-4, error + 2e-4), parts=parts,
     )  # fmt: skip
     histories, errors, divided = figure.axes
     peak = np.abs(exact).max()
@@ -672,13 +670,11 @@ def test_measured_and_modelled_histories():
 
 def test_densities_and_contours_of_a_posterior():
     draws = np.random.default_rng(3).normal([5.0, -3.0], size=(4000, 2))
-    figure = discrepancy.discrepancy_posterior(
-        ["stiffness [N/m]", "damping $c [N s/m]"], draws, before=np.array([5.5, 90.0])
-    )
+    figure = discrepancy.discrepancy_posterior(["stiffness [N/m]", "damping $c [N s/m]"], draws)
     first, hidden, pair, second = figure.axes
     assert not hidden.axison
     ends = np.quantile(draws, [0.05, 0.95], axis=0)
-    assert upright(first) == pytest.approx([*ends[:, 0], 5.5])
+    assert upright(first) == pytest.approx(list(ends[:, 0]))
     assert upright(second) == pytest.approx(list(ends[:, 1]))
     np.testing.assert_allclose(pair.lines[0].get_xydata(), draws[::4])
     assert names(figure) == [

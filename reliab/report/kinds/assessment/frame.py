@@ -349,13 +349,12 @@ def amplitude_and_delay_over_frequency(
     amplitude: float,
     delay: float,
     modes: Sequence[float],
-    height: float = 58.0,
 ) -> Drawing:
     """Draw A(f) − 1 and d(f) with their 90 % bands, the index of the whole test, and the modes.
 
-    `modes` [Hz]; `height` [mm].
+    `modes` [Hz].
     """
-    figure, axes = panels(1, 2, height=height)
+    figure, axes = panels(1, 2, height=58.0)
     rows = (
         (
             PERCENT * (resolved.amplitude - 1.0),
