@@ -184,7 +184,7 @@ def _not_installed(error: ModuleNotFoundError) -> InputError | None:
     return InputError(
         f"This command needs the package {package}",
         value="none installed",
-        remedy=f"Install it with: python -m pip install {package}",
+        remedy=f"Install it with: python -m pip install {package}; or reliab, in place of reliab-core",
     )
 
 
