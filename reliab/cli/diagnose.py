@@ -42,7 +42,7 @@ class DiagnoseDemand(Reported):
 
 @takes(DiagnoseDemand)
 def diagnose(demand: DiagnoseDemand) -> None:
-    """Find where simulation and measurement disagree, name what is missing, prove it on held-out tests."""
+    """Find where simulation and measurement disagree, name what is missing, verify it on held-out tests."""
     from reliab.api import diagnose_campaign, report_diagnosis
 
     setting = demand.setting  # refused before the long search, not after it
