@@ -10,11 +10,12 @@ enough is checked with simulations at draws.
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
@@ -119,5 +120,12 @@ def _design(size: int) -> Array:
 
 def _features(standard: Array) -> Array:
     """Monomials up to the second degree, shape (points, features)."""
-    i, j = np.triu_indices(standard.shape[1])
+    i, j = _pairs(standard.shape[1])
     return np.column_stack([np.ones(len(standard)), standard, standard[:, i] * standard[:, j]])
+
+
+@cache
+def _pairs(size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Factors of the monomials of the second degree; walkers ask for them thousands of times."""
+    i, j = np.triu_indices(size)
+    return i, j
