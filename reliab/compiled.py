@@ -19,7 +19,6 @@ from numba.core.sigutils import normalize_signature
 from numpy.typing import NDArray
 
 _Kernel = TypeVar("_Kernel", bound=Callable[..., object])
-_Array = TypeVar("_Array", bound=NDArray[Any])
 
 # Reordering and fused multiply-add are allowed; NaN and infinity keep their meaning, because an
 # unstable loop overflows and must be seen to.
@@ -88,18 +87,6 @@ def _say_that_none_are_kept() -> None:
         "Set the environment variable NUMBA_CACHE_DIR to a folder that can be written.",
         stacklevel=3,
     )
-
-
-def read_only(array: _Array) -> _Array:
-    """View of an array that kernels take as one type, whether its owner may change it or not.
-
-    >>> import numpy as np
-    >>> read_only(np.zeros(3)).flags.writeable
-    False
-    """
-    view = array.view()
-    view.flags.writeable = False
-    return view
 
 
 @compiled

@@ -16,14 +16,16 @@ from .curves import (
     InscribedEllipse as InscribedEllipse,
     Parabola as Parabola,
 )
-from .first_order import (
+from .finite_errors import (
     DIRECTIONS as DIRECTIONS,
-    FirstOrderEllipse as FirstOrderEllipse,
-    ellipse_of_response as ellipse_of_response,
-    first_order_ellipse as first_order_ellipse,
     predicted_ellipse as predicted_ellipse,
     ratio_of_delays as ratio_of_delays,
     scales_of_contour as scales_of_contour,
+)
+from .first_order import (
+    FirstOrderEllipse as FirstOrderEllipse,
+    ellipse_of_response as ellipse_of_response,
+    first_order_ellipse as first_order_ellipse,
 )
 from .suite_boundary import (
     SolvedLoop as SolvedLoop,

@@ -20,8 +20,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import read_only
+from reliab.arrays import Array, read_only
 from reliab.signals import (
     RIPPLE,
     LowPass,

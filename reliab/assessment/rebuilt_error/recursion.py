@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, read_only
+from reliab.arrays import Array, read_only
+from reliab.compiled import compiled
 from reliab.structures import Partition
 from reliab.threads import one_thread
 

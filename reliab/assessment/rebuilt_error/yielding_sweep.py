@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.arrays import Array, read_only
 from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, tally
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
@@ -29,7 +29,7 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
-from reliab.compiled import compiled, read_only
+from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
 from reliab.structures import Partition
 

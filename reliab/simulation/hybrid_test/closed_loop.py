@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, read_only
+from reliab.arrays import Array, read_only
+from reliab.compiled import compiled
 from reliab.effects import IntegrationError, RecordEffect, Role, Setting, call_kernel, pointer_to
 from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.model import HybridTest

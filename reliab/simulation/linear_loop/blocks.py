@@ -17,8 +17,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import read_only
+from reliab.arrays import Array, read_only
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import Weights, cut_records, peak_of_mode
 from reliab.structures import Structure
