@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from reliab.errors import InputError
-from reliab.files import (  # type: ignore[attr-defined]
+from reliab.files import (
     UNFINISHED,
     decoding,
     folder_written_whole,

@@ -109,7 +109,7 @@ def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed,
     command, measured = (frame.to_interface @ history for history in at_actuators)
     recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
     found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
-    for one, another in zip(found.error.displacements, assessed.error.displacements, strict=True):  # type: ignore[attr-defined]  # typed as that of one actuator
+    for one, another in zip(found.error.displacements, assessed.error.displacements, strict=True):
         assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
 
 
