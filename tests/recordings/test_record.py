@@ -131,3 +131,10 @@ def test_spoilt_descriptions_of_channels_are_explained(tmp_path, changed, messag
     pd.DataFrame({"Setpoint A": COMMAND, "S7": MEASURED}).to_csv(tmp_path / "t.csv", index=False)
     with pytest.raises(InputError, match=message):
         read_recording(tmp_path / "t.csv", channels=tmp_path / "channels.toml")
+
+
+def test_a_record_and_its_csv_keep_the_skew_that_the_header_states(tmp_path):
+    shipped = read_recording(reliab.shipped.shipped("datasets", "sample_test/test.csv"))
+    reliab.record("sample_test", tmp_path / "t.nc", csv=tmp_path / "t.csv")
+    for file in ("t.nc", "t.csv"):
+        assert read_recording(tmp_path / file).stated["skew"] == shipped.stated["skew"]

@@ -24,7 +24,7 @@ _PARTS: Final = {
     "force": "force",
     "ground_acceleration": "ground acceleration",
 }
-STATED: Final = ("f", "xi", "alpha", "mass", "scale")
+STATED: Final = ("f", "xi", "alpha", "mass", "scale", "skew")
 """Attributes that state the structure and the sensor."""
 
 _SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
