@@ -88,12 +88,20 @@ print(read, "numba.np.npyimpl" in sys.modules)
 """
 
 
-def test_every_kept_kernel_is_read_without_the_compiler():
-    """A function that machine code needs and that is nowhere ends the process."""
-    copy_rows(np.zeros((2, 2)), np.zeros((2, 2)))  # one at least; other tests compile the others
+def read_all_that_is_kept():
     done = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-c", READ_ALL_THAT_IS_KEPT], capture_output=True, text=True, check=False
     )
+    assert done.returncode == 0, done.stderr
     count, compiler = done.stdout.split()[-2:]
-    assert (done.returncode, compiler) == (0, "False"), done.stderr
-    assert int(count) >= 1
+    return int(count), compiler == "True"
+
+
+def test_every_kept_kernel_is_read_without_the_compiler():
+    """A function that machine code needs and that is nowhere ends the process."""
+    copy_rows(np.zeros((2, 2)), np.zeros((2, 2)))  # one at least; other tests compile the others
+    count, compiler = read_all_that_is_kept()
+    if compiler:  # of what is called by its address, which is compiled when it is imported first
+        count, compiler = read_all_that_is_kept()
+    assert count >= 1
+    assert not compiler

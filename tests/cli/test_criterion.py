@@ -67,7 +67,7 @@ def test_the_table_says_what_error_window_and_limits_mean():
     for words in (
         "RMS^R: RMS of measured minus exact displacement over peak exact displacement",
         "Window: record",
-        "fraction α: 1",
+        "Share α of the stiffness in the laboratory: 1.",
         "|A − 1| alone ≤",
         "lag alone ≤ [ms]",
         "lead alone ≤ [ms]",
