@@ -43,7 +43,7 @@ def errors_of_ductilities(
     rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, with all else as stated."""
-    peak = _largest(rebuilt)
+    peak = _largest(_thinned(rebuilt))
     specimens = [yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS) for ductility in ductilities]
     return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
 
@@ -52,7 +52,7 @@ def errors_of_hardenings(
     rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
 ) -> dict[float, float]:
     """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
-    peak = _largest(rebuilt)
+    peak = _largest(_thinned(rebuilt))
     specimens = [CubicStiffness(cubic_n_per_m3=hardening / peak**2) for hardening in hardenings]
     return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
 
@@ -61,9 +61,9 @@ def _thinned(rebuilt: RebuiltError) -> Histories:
     return rebuilt.histories.thinned(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
 
 
-def _largest(rebuilt: RebuiltError) -> float:
-    """Largest measured displacement [m]."""
-    return float(np.abs(_thinned(rebuilt).measured).max())
+def _largest(histories: Histories) -> float:
+    """Largest measured displacement [m]; 1 m of a specimen that stands still, which never yields."""
+    return float(np.abs(histories.measured).max()) or 1.0
 
 
 def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEffect]) -> list[float]:
@@ -108,7 +108,7 @@ def _drawn_specimens(rebuilt: RebuiltError) -> list[Hysteresis]:
     """Draw specimens that yield."""
     size = len(rebuilt.differences[-_DRAWS:])
     generator = np.random.default_rng(rebuilt.seed)
-    peak = float(np.abs(rebuilt.histories.measured).max())
+    peak = _largest(rebuilt.histories)
     ductility = DUCTILITIES[-1] ** generator.permutation((np.arange(size) + 0.5) / size)
     hardening = _MOST_HARDENING * generator.uniform(size=size)
     sharpness = _ROUNDEST * (_SHARPEST / _ROUNDEST) ** generator.uniform(size=size)

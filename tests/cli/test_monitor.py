@@ -179,7 +179,7 @@ def test_a_file_that_comes_later_is_waited_for(tmp_path, good, capsys):
     assert run(follow(path, "--threshold", "0.5", "--start-within", "20")) == 0
     logger.join()
     said = capsys.readouterr()
-    assert "Waiting up to 20 s for later.csv, which is not there yet" in said.err
+    assert "Waiting up to 20 s for later.csv, which does not exist yet" in said.err
     run(follow(good, "--threshold", "0.5"))
     assert capsys.readouterr().out == said.out
 
