@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from reliab.errors import InputError
 from reliab.files import ordinary, refuse_unwritable, written_whole
-from reliab.shipped import KINDS, checksum_of, checksums, fetched, shipped
+from reliab.shipped import KINDS, checksum_of, checksums, fetched, shipped, shipped_folder
 from reliab.version import __version__
 
 _PACKAGES = (
@@ -66,7 +66,9 @@ def _version(name: str) -> str:
 
 
 def _folder(kind: str) -> str:
-    folder = shipped(kind, "")
+    folder = shipped_folder(kind)
+    if not folder.is_dir():
+        return "none"
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
     return f"{folder}, {size / _MEGABYTE:.1f} MB"
 

@@ -19,7 +19,7 @@ CASES = [
     ("criterion", "results", "r", ["real_suite"]),
     ("criterion", "law", "dim", ["dimensionless"]),
     ("validate", "method", "", list(METHODS)),
-    ("run", "study", "", sorted(shipped_studies())),
+    pytest.param("run", "study", "", sorted(shipped_studies()), marks=pytest.mark.of_studies),
     pytest.param("run", "study", "quick", ["quick"], marks=pytest.mark.of_studies),
 ]
 

@@ -149,8 +149,12 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
         (("--ellipses", TABLE2, "--leave-out", "kp"), "What is left out in turn must be f or xi"),
         (("--ellipses", TABLE2, "--learn", "far_field"), "are needed; found only some"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
-        (("--case", "KOBE/KJM000"), "cases need a ground motion"),
-        (("--motions", "synthetic", "--case", "KOBE/KJM000"), "must be in the suite"),
+        pytest.param(("--case", "KOBE/KJM000"), "cases need a ground motion", marks=pytest.mark.of_studies),
+        pytest.param(
+            ("--motions", "synthetic", "--case", "KOBE/KJM000"),
+            "must be in the suite",
+            marks=pytest.mark.of_studies,
+        ),
         (
             ("--motions", "synthetic", "--learn", "synthetic", "--judge", "none"),
             "must be among those of the motions",

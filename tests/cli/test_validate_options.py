@@ -129,6 +129,7 @@ def test_a_list_of_studies_refuses_what_it_does_not_use(beside):
     assert isinstance(invoke(runs, "--list", *beside).exception, InputError)
 
 
+@pytest.mark.of_studies
 def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
     seen: dict[str, Any] = {}
 
