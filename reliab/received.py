@@ -44,16 +44,18 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
 
 
 @contextlib.contextmanager
-def opened_hdf5(path: str | Path) -> "Iterator[h5py.File]":
+def opened_hdf5(path: str | Path, *, ships: bool = False) -> "Iterator[h5py.File]":
     """Open an HDF5 file that holds its own data.
 
-    Links, raw storage and virtual datasets of HDF5 name other files, which would be read as part of it.
+    Links, raw storage and virtual datasets of HDF5 name other files, which would be read as part of it. A
+    file that `ships` is known by its checksum, and is not searched for them.
     """
     import h5py
 
-    _require_heaps_that_end(ordinary(path))
+    if not ships:
+        _require_heaps_that_end(ordinary(path))
     with h5py.File(ordinary(path), "r") as file:
-        for name, item in objects_of(file):
+        for name, item in () if ships else objects_of(file):
             if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
                 raise _elsewhere(name, path)
         yield file

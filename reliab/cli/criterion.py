@@ -8,7 +8,7 @@ from typing import Any, Final
 from reliab.cli import options
 from reliab.cli.completion import laws, methods
 from reliab.cli.demand import Demand, flag, option, takes
-from reliab.cli.output import console, progress_bar, say, table, write_json
+from reliab.cli.output import console, progress_bar, say, say_for_which_motions, table, write_json
 from reliab.significant import percent, significant
 
 
@@ -153,8 +153,6 @@ def show_criteria(content: Mapping[str, Any]) -> None:
 
 
 def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
-    from reliab.criterion import populations_in_words
-
     first = rows[0]
     shown = table(
         f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
@@ -169,9 +167,7 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
     terminal = console()
-    say(*populations_in_words((row["confidence"], row["population"]) for row in rows))
-    if first["population"] and first["position"] != "inside":
-        terminal.print(f"The case asked for lies {first['position']} of these motions.", style="yellow")
+    say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
     terminal.print(shown)

@@ -6,7 +6,7 @@ import json
 import os
 import sys
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -37,6 +37,19 @@ def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> N
     terminal = console()
     for sentence in sentences:
         terminal.print(sentence, style=style, highlight=False, soft_wrap=soft_wrap)
+
+
+def say_for_which_motions(stated: Iterable[tuple[float | None, str]], position: str) -> None:
+    """Print for which ground motions criteria are valid, and where the case asked for lies outside of these.
+
+    `stated`: the share [-] and the population of each.
+    """
+    from reliab.criterion import Position, populations_in_words
+
+    valid_for = populations_in_words(stated)
+    say(*valid_for)
+    if valid_for and position != Position.INSIDE:
+        say(f"The case asked for lies {position} of these motions.", style="yellow")
 
 
 def write_line(text: str) -> None:
@@ -160,10 +173,7 @@ def table(title: str, headings: Mapping[str, str]) -> "Table":
 
 
 def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:
-    """Write JSON if it is asked for; return whether nothing else may be printed.
-
-    Returns whether the JSON went to standard output, so that nothing else may be printed.
-    """
+    """Write JSON if it is asked for; return whether it went to standard output, which then is complete."""
     if target is None:
         return False
     if target == "-":

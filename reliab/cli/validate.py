@@ -157,8 +157,7 @@ def show_criteria(content: dict[str, Any]) -> None:
     say(
         *(
             f"{missing['candidate']} at {percent(missing['confidence'], decimals=0)} is not judged: "
-            "there are too few "
-            f"motions or earthquakes for it."
+            "there are too few motions or earthquakes for it."
             for missing in content["not_carried"]
         )
     )

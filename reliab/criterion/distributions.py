@@ -149,7 +149,20 @@ class Lognormal(OfLogarithm):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gamma(OfQuantity):
+class OfShapeAndScale(OfQuantity):
+    """A family of scipy that begins at zero."""
+
+    shape: float  # Shape [-]
+    scale: float  # Scale, in the quantity's unit
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Parameters in scipy's order."""
+        return self.shape, 0.0, self.scale
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gamma(OfShapeAndScale):
     """Gamma distribution of the quantity itself, from zero.
 
     >>> round(float(Gamma(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
@@ -159,26 +172,18 @@ class Gamma(OfQuantity):
     name: ClassVar[str] = "gamma"
     family_name: ClassVar[str] = "gamma"
 
-    shape: float  # shape, scale: Shape [-] and scale (in the quantity's unit)
-    scale: float
-
     @classmethod
     def _of_maximum_likelihood(cls, values: Array) -> Self:
         unit = float(values.mean())
         shape, _, scale = scipy.stats.gamma.fit(values / unit, floc=0.0)
         return cls(shape=float(shape), scale=float(scale) * unit)
 
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.shape, 0.0, self.scale
-
 
 _REACH = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Weibull(OfQuantity):
+class Weibull(OfShapeAndScale):
     """Weibull distribution of the quantity itself, from zero.
 
     >>> round(float(Weibull(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
@@ -187,9 +192,6 @@ class Weibull(OfQuantity):
 
     name: ClassVar[str] = "weibull"
     family_name: ClassVar[str] = "weibull_min"
-
-    shape: float  # shape, scale: Shape [-] and scale (in the quantity's unit)
-    scale: float
 
     @classmethod
     def _of_maximum_likelihood(cls, values: Array) -> Self:
@@ -206,11 +208,6 @@ class Weibull(OfQuantity):
         shape = scipy.optimize.brentq(score, guess / _REACH, guess * _REACH)
         log_scale = (scipy.special.logsumexp(shape * logarithms) - np.log(values.size)) / shape
         return cls(shape=float(shape), scale=float(np.exp(log_scale)))
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.shape, 0.0, self.scale
 
 
 _DEGREES = (1.0, 500.0)  # Cauchy to all but normal

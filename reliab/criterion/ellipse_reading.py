@@ -36,7 +36,7 @@ def read_table(
 ) -> xr.Dataset:
     """Read a table of ellipses.
 
-    `` [Hz, -, -].
+    `frequency` [Hz], `damping_ratio`, `threshold` [-] and `metric`: what a table without these columns is of.
     Returns `a` and `b` over (motion, f, xi, threshold, metric, curve, side), with the coordinate `event`, and
     with `alpha` after `xi` where the file has several shares of the stiffness.
     """

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from reliab.criterion.ellipse_table import DIMENSIONS, REST, EllipseTable, words_of
 from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, directions_about
 from reliab.files import decoding
+from reliab.received import opened_hdf5
 from reliab.shipped import shipped
 from reliab.steps_of_logarithm import NEIGHBOURS, UNKNOWN, numbers_of
 from reliab.vocabulary import SHARE_ATTRIBUTE
@@ -53,14 +55,18 @@ def shipped_measures(angle: float | None = None) -> ResponseMeasures:
 
     `angle` [rad]: the direction in which boundaries will be compared, if in one alone.
     """
-    return _measures(None if angle is None else directions_about(angle)[0])
+    measures = _measures()
+    if angle is None or measures.scales is None:
+        return measures
+    first = directions_about(angle)[0]
+    scales = replace(measures.scales, towards=_towards(first), first_direction=first)
+    return replace(measures, scales=scales)
 
 
 @cache
-def _measures(first: int | None) -> ResponseMeasures:
-    """With the multiples towards two directions, the first of these and the next, or towards none."""
+def _measures() -> ResponseMeasures:
+    """Read all but the multiples towards directions, of which most questions need none."""
     with _opened(_MEASURES, "Measures of responses") as file:
-        directions = slice(0) if first is None else slice(first, first + 2)
         return ResponseMeasures(
             **{name: file[name][()] for name in ("a_first", "b_first", "effective_duration", "duration")},
             motions=_values(file, "motion"),
@@ -68,21 +74,26 @@ def _measures(first: int | None) -> ResponseMeasures:
             damping_ratios=file["xi"][()],
             scales=BoundaryScales(
                 least=_numbers(file, "scale"),
-                towards=_numbers(file, "scale_towards", {"direction": directions}),
-                first_direction=first or 0,
+                towards=_numbers(file, "scale_towards", {"direction": slice(0)}),
                 thresholds=file["threshold"][()],
                 sides=_values(file, "side").tolist(),
             ),
         )
 
 
+@cache
+def _towards(first: int) -> NDArray[Any]:
+    """Read the multiples towards a direction and the next."""
+    with _opened(_MEASURES, "Measures of responses") as file:
+        return _numbers(file, "scale_towards", {"direction": slice(first, first + 2)})
+
+
 @contextmanager
 def _opened(name: str, words: str) -> Iterator["h5py.File"]:
-    """Open a file that ships, whose checksum stands for its content; `words`: what it holds."""
-    import h5py
-
+    """Open a file that ships; `words`: what it holds."""
     path, rule = shipped("datasets", name), f"{words} must be a NetCDF file"
-    with decoding(rule, remedy="Install the package again", where=path), h5py.File(path, "r") as file:
+    remedy = "Install the package again"
+    with decoding(rule, remedy=remedy, where=path), opened_hdf5(path, ships=True) as file:
         yield file
 
 

@@ -15,9 +15,9 @@ x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). Start wit
     error.widenings(metric)                             what widens the interval, widest first
     error.start.offset, error.noise.white               the sensor's offset and noise [m]
 
-`structure` is a :class:`~reliab.structures.structure.Structure` (one degree of freedom, share α), a
-:class:`~reliab.structures.partition.Partition`, or a :class:`Partition` (matrices M, C, K with an
-interface and a linear specimen). Further tools:
+`structure` is a :class:`~reliab.structures.structure.Structure` (one degree of freedom, share α) or a
+:class:`~reliab.structures.partition.Partition` (matrices M, C, K with an interface and a linear specimen).
+Further tools:
 
 - :func:`identify`: f, ξ, α and the lag of the fed-back force from the loop's own equation where the ground
   acceleration (and the force) are recorded, and `disagreements()` with what was stated;

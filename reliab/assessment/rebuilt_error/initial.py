@@ -101,9 +101,8 @@ def examine_start(
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
     turned = 2.0 * np.pi * frequency * still * time_step
     answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
-    if answer > SIGNIFICANT_OFFSET * max(
-        motion, _STILL * peak
-    ):  # a structure that felt it would not have stood still
+    smallest = max(motion, _STILL * peak)
+    if answer > SIGNIFICANT_OFFSET * smallest:  # a structure that felt it would not have stood still
         return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
     told = _felt(command, measured, offset, share)
     if told is _Answer.FELT:
@@ -115,9 +114,8 @@ def examine_start(
 def _stands(command: Array, offset: float, deviation: float, share: float) -> bool:
     """Whether a command that is still at rest has the shift that an offset in the loop would cause."""
     place = float(np.mean(command)) + share * offset
-    return abs(offset) > SIGNIFICANT_OFFSET * deviation and abs(place) <= SHIFT_OF_COMMAND * share * abs(
-        offset
-    )
+    beyond_noise = abs(offset) > SIGNIFICANT_OFFSET * deviation
+    return beyond_noise and abs(place) <= SHIFT_OF_COMMAND * share * abs(offset)
 
 
 def _in_motion(

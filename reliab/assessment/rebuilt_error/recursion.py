@@ -20,6 +20,7 @@ a recursion for smooth inputs that much of their bend, (τ₊ − 2τ + τ₋)/1
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -47,7 +48,7 @@ class Recursion:
     static: Array
     smooth: bool = False  # Whether inputs are smooth between samples; else they are straight lines
 
-    @property
+    @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array, Array]:
         """E, F₀, F₁, P and Q, of one type for compiled kernels."""
         of_output = read_only(self.output), read_only(self.feed_through)

@@ -173,7 +173,7 @@ def _show_one(
     elif details:
         from reliab.cli.assess.shown_test import show_assessment
 
-        show_assessment(assessment)
+        show_assessment(assessment, content)
 
 
 def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:

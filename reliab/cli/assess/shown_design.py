@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.output import console, say, table
-from reliab.criterion import Position, populations_in_words
+from reliab.cli.output import console, say_for_which_motions, table
 from reliab.significant import percent
 from reliab.vocabulary import MILLI
 
@@ -39,9 +38,7 @@ def show_design(design: "Design") -> None:
             f"{MILLI * delay:.3f}",
         )
     terminal = console()
-    say(*populations_in_words((row.promise, row.population) for row in rows))
-    if first.population and first.position != Position.INSIDE:
-        terminal.print(f"The case asked for lies {first.position} of these motions.", style="yellow")
+    say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(

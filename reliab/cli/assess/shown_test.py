@@ -12,9 +12,8 @@ if TYPE_CHECKING:
     from reliab.assessment import Assessment
 
 
-def show_assessment(assessment: "Assessment") -> None:
+def show_assessment(assessment: "Assessment", summary: dict[str, Any]) -> None:
     """Print parts of the error, budget, indices, warnings and notes: the details below the verdict."""
-    summary = assessment.to_dict()
     terminal = console()
     say(_asked(assessment))
     terminal.print(_errors(summary))

@@ -56,6 +56,11 @@ def block_figure(diagnosis: Diagnosis) -> Figure:
     )
 
 
+def _place(diagnosed: BlockDiagnosis, file: str) -> int:
+    """Place of a test among those of a block."""
+    return next(k for k, test in enumerate(diagnosed.block.tests) if test.file == file)
+
+
 def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
     """File and residuals of the held-out test in which the calibrated model fails most."""
     file = max(diagnosed.residuals_before, key=lambda name: float(np.std(diagnosed.residuals_before[name])))
@@ -99,7 +104,7 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
 def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over the state of the specimen."""
     file, before, after = _held_out(diagnosed)
-    test = next(k for k, candidate in enumerate(diagnosed.block.tests) if candidate.file == file)
+    test = _place(diagnosed, file)
     motion = diagnosed.block.motions[test].values
     unit, factor = _UNITS[diagnosed.block.channel]
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
@@ -114,7 +119,7 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
 def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw measured against modelled channel of a held-out test where it moves most."""
     file, before, after = _held_out(diagnosed)
-    test = next(k for k, candidate in enumerate(diagnosed.block.tests) if candidate.file == file)
+    test = _place(diagnosed, file)
     measured, driven = (
         diagnosed.block.measured(test),
         diagnosed.block.tests[test].channels[diagnosed.block.inputs[-1]],

@@ -122,8 +122,6 @@ class MotionMeans:
         degrees: Array,
     ) -> Array:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
-        from reliab.criterion.methods.hierarchical.motion_means import log_distances
-
         motions = log_distances(strayed, effects, self.groups, degrees)
         factor = _inverse_of_triangle(_cholesky(prior))
         standard = effects @ factor.swapaxes(-1, -2)[:, None]
