@@ -1,4 +1,8 @@
-"""Numbers in sentences: rounded to significant digits, without a power of ten where people write none."""
+"""Numbers in sentences: rounded to significant digits, without a power of ten where people write none.
+
+What a table holds too is written with the table's decimals: significant digits would add some to a small
+value and drop a last zero.
+"""
 
 from reliab.vocabulary import PERCENT
 
@@ -35,13 +39,22 @@ def share_in_words(share: float | None, *, decimals: int | None = None) -> str:
     return "no share" if share is None else percent(share, decimals=decimals)
 
 
+def percent_range(low: float, high: float, *, decimals: int = 2) -> str:
+    """Write the ends of an interval in per cent.
+
+    >>> percent_range(0.00078, 0.0492), percent_range(0.851, 0.92, decimals=1)
+    ('0.08 to 4.92 %', '85.1 to 92.0 %')
+    """
+    return f"{PERCENT * low:.{decimals}f} to {percent(high, decimals=decimals)}"
+
+
 def percent_with_interval(value: float, low: float, high: float) -> str:
     """Write an error [-] in per cent, with the ends of its interval.
 
     >>> percent_with_interval(0.0228, 0.0042, 0.0483)
     '2.28 % (0.42 to 4.83 %)'
     """
-    return f"{percent(value, decimals=2)} ({PERCENT * low:.2f} to {percent(high, decimals=2)})"
+    return f"{percent(value, decimals=2)} ({percent_range(low, high)})"
 
 
 def counted(number: int, noun: str) -> str:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from reliab import report as rp
 from reliab.effects import library
 from reliab.report.prose import prose
-from reliab.significant import percent
+from reliab.significant import percent, percent_range
 from reliab.vocabulary import PERCENT
 
 _GROUPS = (
@@ -202,12 +202,11 @@ def _probabilities(run: Mapping[str, Any]) -> rp.Section:
     sentences = (
         prose(
             "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
-            "(95 % interval {low} to {high}).",
+            "(95 % interval {ends}).",
             n=row["of"],
             stated=percent(row["mean_stated"], 4),
-            share=percent(row["share"]),
-            low=percent(row["low"]),
-            high=percent(row["high"]),
+            share=percent(row["share"], decimals=1),
+            ends=percent_range(row["low"], row["high"], decimals=1),
         )
         for row in bins.to_dict("records")
     )

@@ -47,7 +47,7 @@ def ductility_report(
             "in some direction than the linear test under the same ground motion: a linear specimen is "
             "{worst}.",
             tests=counted(int(overall["tests"].sum()), "test"),
-            narrower=percent(narrower),
+            narrower=percent(narrower, decimals=1),
             worst="the worst case of all of them" if narrower == 0.0 else "not the worst case",
         ),
         facts={
@@ -134,7 +134,7 @@ def _by_kind(frame: pd.DataFrame) -> list[rp.Prose]:
     """Say for each kind what was measured over its levels."""
     items: list[rp.Prose] = []
     for kind, group in frame.groupby("name", sort=False):
-        shares = [percent(float(group["narrower"].min())), percent(float(group["narrower"].max()))]
+        shares = [percent(share, decimals=1) for share in (group["narrower"].min(), group["narrower"].max())]
         items.append(
             prose(
                 "*{kind}*: over levels from {first} to {last} the median tolerable delay is "

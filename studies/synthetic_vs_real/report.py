@@ -13,7 +13,7 @@ from scipy.stats import ks_2samp
 from reliab import report as rp
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
-from reliab.significant import percent
+from reliab.significant import percent, percent_range
 from reliab.vocabulary import PERCENT
 
 _WORDS = {
@@ -77,8 +77,8 @@ def _verdict(
     ending = (
         ""
         if containment is None
-        else f"; {percent(containment['rate'])} of the motions of “{reference}” contain it "
-        f"(95 % interval {percent(containment['low'])} to {percent(containment['high'])})"
+        else f"; {percent(containment['rate'], decimals=1)} of the motions of “{reference}” contain it "
+        f"(95 % interval {percent_range(containment['low'], containment['high'], decimals=1)})"
     )
     return prose(
         "For a stated {share} of motions, the criterion from “{compared}” allows {a_low:.2f} to {a_high:.2f} "

@@ -57,7 +57,7 @@ def _opening(looks: pd.DataFrame, threshold: float) -> rp.Paragraph:
             "is contained when none of its bad tests is accepted, and an error in the interval when the "
             "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "
             "nonlinear specimens are recognised in {nonlinear} of their tests, and linear "
-            f"ones are taken for nonlinear in {linear} of their tests, at 40 dB.",
+            "ones are taken for nonlinear in {linear} of their tests, at 40 dB.",
             threshold=percent(threshold),
             nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
             linear=percent(float(linear)),

@@ -12,7 +12,7 @@ from reliab_studies.paper2017.pages.displacement_histories import case_histories
 from reliab import report as rp
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section, rates_section
-from reliab.significant import percent
+from reliab.significant import percent, percent_range
 from reliab.vocabulary import MILLI, PERCENT
 
 from .rebuilt_error import rebuilt_error_section
@@ -101,17 +101,17 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[rp.Prose, bool]:
     ending = (
         ""
         if unsafe.empty
-        else f", and {percent(unsafe.iloc[0]['rate'], 2)} of the tests that it accepts exceed their error"
+        else f", and {percent(unsafe.iloc[0]['rate'], decimals=1)} of the tests that it accepts exceed "
+        "their error"
     )
     verdict = prose(
         "The criterion “{name}”, which states {stated}, {word} its promise: {rate} of motions of held-out "
-        "earthquakes contain it (95 % interval {low} to {high}){ending}.",
+        "earthquakes contain it (95 % interval {ends}){ending}.",
         name=row["candidate"],
         stated=percent(row["confidence"]),
         word="keeps" if keeps else "does not keep",
-        rate=percent(row["rate"]),
-        low=percent(row["low"]),
-        high=percent(row["high"]),
+        rate=percent(row["rate"], decimals=1),
+        ends=percent_range(row["low"], row["high"], decimals=1),
         ending=ending,
     )
     return verdict, keeps

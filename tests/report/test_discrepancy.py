@@ -2,6 +2,7 @@
 
 import datetime as dt
 import json
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -18,7 +19,8 @@ from reliab.report.kinds.discrepancy_report import discrepancy_report, missing_e
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
-from reliab.structures import Specimen
+from reliab.structures import Specimen, Structure
+from reliab.structures.partition import Partition
 from reliab.vocabulary import Block
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
@@ -108,6 +110,24 @@ def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
     assert "remain on held-out tests, without it" in content
     assert "The same for each held-out test by itself" in content
     assert "is noise (band above the motion)" in content
+
+
+def test_an_error_stands_in_sentences_as_in_the_table(damped):
+    """An error of 5 % of the signal is one of 5.00 % in both, whatever its last digits."""
+    gap = replace(damped.gap, before=0.05, after=0.0120)
+    blocks = tuple(replace(block, gap=gap) if block.effects else block for block in damped.blocks)
+    found = text_of(discrepancy_report(replace(damped, blocks=blocks), provenance={}))
+    content = json.dumps(found, ensure_ascii=False)
+    assert "falls from 5.00 % to 1.20 % of the signal" in content
+    assert {"5.00", "1.20"} <= set(re.findall(r'"([0-9.]+)"', content))
+
+
+def test_a_frame_is_told_by_its_size_and_lowest_frequency(damped):
+    partition = Partition.of_structure(Structure(frequency=1.25, damping_ratio=0.02), mass=20.0)
+    campaign = replace(damped.campaign, partition=partition)
+    facts = dict(text_of(discrepancy_report(replace(damped, campaign=campaign), provenance={}))["facts"])
+    assert "frame of 1 degrees of freedom" in json.dumps(facts["Structure"])
+    assert "f_1 = 1.25" in json.dumps(facts["Structure"])
 
 
 def test_nothing_missing_is_said_so():

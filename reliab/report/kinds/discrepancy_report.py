@@ -20,11 +20,15 @@ from reliab.report.kinds.discrepancy_figures import (
     state_plane_figure,
     time_frequency_figure,
 )
-from reliab.report.numbers import Fixed, Significant
-from reliab.report.prose import Prose, prose
+from reliab.report.numbers import Fixed, Significant, in_line
+from reliab.report.prose import Math, Prose, prose
 from reliab.report.provenance import provenance_of
-from reliab.report.wording import spelled_out
+from reliab.report.wording import number, spelled_out
 from reliab.significant import percent, significant
+from reliab.vocabulary import PERCENT
+
+_SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
+"""How sizes of errors, and shares, stand in tables and sentences."""
 
 _NEXT = {
     Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which are in model.toml, for the next tests",
@@ -105,14 +109,19 @@ def _closed(diagnosis: Diagnosis) -> str:
     gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
     with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
     of_all = (
-        f"{with_effects} the error in {gap.channel} on held-out tests falls from {percent(gap.before)} to "
-        f"{percent(gap.after)} of the signal: {gap.conclusion}."
+        f"{with_effects} the error in {gap.channel} on held-out tests falls from {_of_signal(gap.before)} to "
+        f"{_of_signal(gap.after)} of the signal: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
     if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
         return of_all
     share = percent(worst.unexplained_share, decimals=1)
     return f"{of_all} Least is explained of {worst.kind}: {share} of the gap's energy remains."
+
+
+def _of_signal(size: float) -> str:
+    """Write an error [-] in per cent of the signal, as the tables do."""
+    return f"{in_line(_SIZE(size))} %"
 
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
@@ -133,9 +142,9 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
     if campaign.partition is not None:
         frequencies = campaign.partition.frame.modes.frequency
         facts["Structure"] = prose(
-            "frame of {size} degrees of freedom, $f_1 = {significant(lowest)}$ Hz",
+            "frame of {size} degrees of freedom, $f_1 = {lowest}$ Hz",
             size=campaign.partition.frame.size,
-            lowest=float(frequencies[0]),
+            lowest=Math(source=number(float(frequencies[0]))),
         )
     return facts
 
@@ -272,7 +281,7 @@ def _sentence(effect: MissingEffect) -> Prose:
     name, description = spelled_out(effect.name), effect.effect.description
     listed = "; ".join(
         f"{spelled_out(rival.name)} (probability {significant(rival.probability, 2)}, error "
-        f"{significant(rival.held_out_nrmse)})"
+        f"{_of_signal(rival.held_out_nrmse)})"
         for rival in effect.rivals
     )
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
@@ -283,8 +292,8 @@ def _sentence(effect: MissingEffect) -> Prose:
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
         description=description,
-        after=percent(effect.error_with),
-        before=percent(effect.error_without),
+        after=_of_signal(effect.error_with),
+        before=_of_signal(effect.error_without),
         others=others,
     )
 
@@ -302,7 +311,7 @@ def _unknown(unknown: Unknown) -> Prose:
         block=unknown.block,
         description=unknown.description,
         expression=unknown.expression,
-        error=percent(unknown.held_out_nrmse),
+        error=_of_signal(unknown.held_out_nrmse),
     )
 
 
@@ -343,14 +352,13 @@ def proof_section(diagnosis: Diagnosis) -> Section:
         }
         for diagnosed in diagnosis.blocks
     ]
-    size = Significant(digits=3)
     columns = (
         Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
-        Column(key="nrmse_before", heading="Before", number=size),
-        Column(key="nrmse_after", heading="After", number=size),
-        Column(key="noise_floor", heading="Noise", number=size),
-        Column(key="closed", heading="Gap closed", unit="%", number=Fixed(decimals=1, factor=100.0)),
+        Column(key="nrmse_before", heading="Before", unit="%", number=_SIZE),
+        Column(key="nrmse_after", heading="After", unit="%", number=_SIZE),
+        Column(key="noise_floor", heading="Noise", unit="%", number=_SIZE),
+        Column(key="closed", heading="Gap closed", unit="%", number=_SHARE),
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
@@ -386,10 +394,10 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
     return prose(
         text,
         where=f"{str(diagnosed.block.block).capitalize()}, {gap.channel}",
-        after=percent(gap.after),
-        floor="" if gap.floor is None else percent(gap.floor),
+        after=_of_signal(gap.after),
+        floor="" if gap.floor is None else _of_signal(gap.floor),
         source=gap.source or "",
-        left=percent(gap.model_error),
+        left=_of_signal(gap.model_error),
         others=", ".join(gap.floors),
         conclusion=gap.conclusion,
     )
@@ -409,15 +417,14 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
         for diagnosed in diagnosis.blocks
         for gap in diagnosed.gap.by_test
     ]
-    size = Significant(digits=3)
     columns = (
         Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
         Column(key="test", heading="Held-out test"),
         Column(key="kind", heading="Motion"),
-        Column(key="before", heading="Before", number=size),
-        Column(key="after", heading="After", number=size),
-        Column(key="left", heading="Unexplained", unit="%", number=Fixed(decimals=1, factor=100.0)),
+        Column(key="before", heading="Before", unit="%", number=_SIZE),
+        Column(key="after", heading="After", unit="%", number=_SIZE),
+        Column(key="left", heading="Unexplained", unit="%", number=_SHARE),
     )
     caption = (
         "The same for each held-out test by itself, the least explained first. Unexplained is the share of "

@@ -59,5 +59,8 @@ def test_a_test_is_reported_on_two_pages(
     assert f"The test is {word}" in read
     assert "over the test's own 40 s" in read
     assert f"with the test {found.scope.position} of them" in read
-    assert f"{100.0 * found.error.rebuilt.rms.value:.2f}" in read
+    rms = found.error.rebuilt.rms
+    low, value, high = (f"{100.0 * end:.2f}" for end in (rms.low, rms.value, rms.high))
+    assert f"is {value} % (90 % interval {low} to {high} %) against 5 %" in read
+    assert f"RMSR {value} {low} to {high} " in read  # as the table has them
     assert ("What would decide" in read) is (word == "undecided")

@@ -25,7 +25,7 @@ from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, spelled_out
-from reliab.significant import percent, percent_with_interval, significant
+from reliab.significant import percent, percent_range, percent_with_interval, significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
@@ -147,7 +147,7 @@ def improve_first(error: ErrorWithThreshold) -> str:
     first = error.parts.first
     if first is None:
         return CANCELLING
-    remaining = percent(error.parts.by_name[first].remaining_rms)
+    remaining = percent(error.parts.by_name[first].remaining_rms, decimals=2)
     return (
         f"Improve first: {part_in_words(first)}. Without its part RMSᴿ{error.of_which} would be {remaining}."
     )
@@ -163,8 +163,8 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
         ERRORS[error.metric],
         " ".join(
             (
-                f"{error.of_which} is {percent(size.value)}",
-                f"(90 % interval {percent(size.low)} to {percent(size.high)})",
+                f"{error.of_which} is {percent(size.value, decimals=2)}",
+                f"(90 % interval {percent_range(size.low, size.high)})",
                 f"against {percent(error.threshold)}.",
                 f"Probability of staying below: {probability_text(error.probability)}.",
             )

@@ -177,9 +177,9 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
         label="fig:frequency",
     )
     text = (
-        f"Amplitude and delay over frequency account for an RMSᴿ of {percent(tracked.rms)}; without them "
-        f"{percent(tracked.remaining_rms)} would remain, which no gain and delay describes: noise, friction, "
-        "saturation, or a force that was fed back late."
+        f"Amplitude and delay over frequency account for an RMSᴿ of {percent(tracked.rms, decimals=2)}; "
+        f"without them {percent(tracked.remaining_rms, decimals=2)} would remain, which no gain and delay "
+        "describes: noise, friction, saturation, or a force that was fed back late."
     )
     return (_indices(assessment), _modes(assessment), Paragraph(text=text), figure)
 

@@ -25,7 +25,7 @@ from reliab.report.wording import (
     values,
     window_in_words,
 )
-from reliab.significant import percent, share_in_words
+from reliab.significant import percent, percent_range, share_in_words
 from reliab.sweep import share_of
 from reliab.vocabulary import PERCENT, Metric
 
@@ -101,9 +101,9 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
     if share is None:
         return {}
     sentence = (
-        f"{percent(share['rate'])} of {share['n_motions']:g} real motions of {share['n_events']:g} other "
-        "earthquakes contain this criterion by their simulated errors (95 % interval "
-        f"{percent(share['low'])} to {percent(share['high'])})"
+        f"{percent(share['rate'], decimals=1)} of {share['n_motions']:g} real motions of "
+        f"{share['n_events']:g} other earthquakes contain this criterion by their simulated errors "
+        f"(95 % interval {percent_range(share['low'], share['high'], decimals=1)})"
     )
     return {"On real motions": sentence}
 
@@ -137,8 +137,8 @@ def _tested(coverage: pd.DataFrame, confidence: float) -> Prose:
         return prose("see @sec:coverage")
     row = overall.iloc[0]
     return (
-        f"{percent(row['rate'])} of the motions of held-out earthquakes contain the criterion "
-        f"(95 % interval {percent(row['low'])} to {percent(row['high'])})"
+        f"{percent(row['rate'], decimals=1)} of the motions of held-out earthquakes contain the criterion "
+        f"(95 % interval {percent_range(row['low'], row['high'], decimals=1)})"
     )
 
 
