@@ -77,7 +77,7 @@ def _draw_plane(
     place.axhline(0.0, color=GREY, linewidth=0.6)
     place.axvline(0.0, color=GREY, linewidth=0.6)
     place.margins(_MARGIN - 1.0)
-    name_axes(place, "Amplitude error $A - 1$ [%]", "Equivalent delay $d$ [ms]")
+    name_axes(place, "Amplitude error $A - 1$ [%]", "Delay $d$ [ms]")
 
 
 def _draw_windows(above: Axes, below: Axes, windows: Windows) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,11 +14,12 @@ from reliab.assessment import probability_text
 from reliab.report.axes import legend_below
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.kinds.assessment.error import quantities_table
+from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig import FALSE_ALARMS, DriftChart, Plan, Prediction, RigTable, drift_chart, known_effects, watch
-from reliab.significant import counted, percent, significant
+from reliab.significant import counted, percent
 from reliab.structures import Structure
 from reliab.vocabulary import PERCENT
 
@@ -226,8 +227,8 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
     return table, Points(items=(best, noticing))
 
 
-def _score(value: float | None) -> Any:  # noqa: ANN401 - a cell
-    return "unknown" if value is None else significant(value)
+def _score(value: float | None) -> str:
+    return "unknown" if value is None else in_line(Significant()(value))
 
 
 _HEIGHT: Final = 150.0

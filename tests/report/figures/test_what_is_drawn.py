@@ -490,7 +490,7 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
     across, up = bars(plane, "test, 95 % intervals")[:, 0]
     np.testing.assert_allclose(across[:, 0], 100.0 * (np.quantile(draws[0], [0.025, 0.975]) - 1.0))
     np.testing.assert_allclose(up[:, 1], 1e3 * np.quantile(draws[1], [0.025, 0.975]))
-    assert names(figure)[0] == ("Amplitude error $A - 1$ [%]", "Equivalent delay $d$ [ms]")
+    assert names(figure)[0] == ("Amplitude error $A - 1$ [%]", "Delay $d$ [ms]")
     assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == (
         "$A - 1$ [%]",
         "$d$ [ms]",

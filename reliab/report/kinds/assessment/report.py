@@ -16,7 +16,7 @@ from reliab.report.kinds.assessment.error import (
     histories_figure,
     quantities_table,
 )
-from reliab.report.numbers import MISSING, Fixed
+from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
@@ -121,7 +121,7 @@ def _numbers(assessment: Assessment) -> Table:
         *_on_own_boundary(assessment),
         *_tracking(assessment),
         (
-            "Delay at which the loop is unstable [ms], free share of this delay [%]",
+            "Delay that makes the loop unstable [ms], free share of it [%]",
             (
                 f"{_unstable(assessment)}, "
                 f"{Fixed(decimals=1, factor=PERCENT)(assessment.stability_margin).digits}"
@@ -173,6 +173,8 @@ def _on_own_boundary(assessment: Assessment) -> list[tuple[str, str, str, str]]:
 
 def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
     measures = assessment.measures
+    small = Fixed(decimals=4, signed=True)
+    energy = Fixed(decimals=1, factor=PERCENT, signed=True)
     return [
         (
             "Largest tracking error over the command's peak [%]",
@@ -183,17 +185,21 @@ def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
         ("RMS tracking error over the command's RMS [%]", f"{PERCENT * measures.rms_error:.2f}", "", ""),
         (
             "Phase [rad] and amplitude error indices",
-            f"{measures.phase_error:.4f}, {measures.amplitude_error:+.4f}",
+            _both(Fixed(decimals=4)(measures.phase_error), small(measures.amplitude_error)),
             "",
             "",
         ),
         (
             "Tracking indicator [m²], energy error over strain energy [%]",
-            f"{measures.tracking_indicator:.2e}, {PERCENT * measures.energy_error:+.1f}",
+            _both(Significant()(measures.tracking_indicator), energy(measures.energy_error)),
             "",
             "",
         ),
     ]
+
+
+def _both(first: Written, second: Written) -> str:
+    return f"{in_line(first)}, {in_line(second)}"
 
 
 def _plane(assessment: Assessment) -> Figure:
