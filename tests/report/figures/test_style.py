@@ -6,14 +6,17 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.legend import Legend
 
+from reliab.assessment.tracking_index import Windows
 from reliab.criterion import derive_criterion
 from reliab.criterion.methods import method_of
 from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.report.document import Figure, Section
+from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.criterion import criterion_report
-from reliab.report.style import FigureWarning, line, panels, styled, svg
+from reliab.report.style import RC, FigureWarning, line, panels, styled, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")
 
@@ -43,7 +46,7 @@ def drawn_of_criterion(ellipses_of, rates):
 def drawn_of_paper(ellipses_of):
     paper, cases, printed, example = (
         pytest.importorskip(f"reliab_studies.paper2017.{name}")
-        for name in ("pages", "cases", "printed", "example")
+        for name in ("pages.report", "cases", "printed", "example")
     )
     noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
     motion = Motion(name=printed.EXAMPLE, acceleration=noise, time_step=0.015)
@@ -100,6 +103,48 @@ def test_every_figure_fits_the_column(drawn):
 
 def test_every_figure_says_what_to_see(drawn):
     assert all(len("".join(map(str, each.caption))) > 40 for each in drawn.values())
+
+
+def cut_off(figure):
+    """Names of axes, titles and legends that do not lie within their figure, which cuts them off."""
+    with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
+        figure.draw_without_rendering()
+    of_axes = [
+        text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, axes.title, *axes.texts)
+    ]
+    of_legends = [text for legend in figure.findobj(Legend) for text in legend.get_texts()]
+    boxes = {text.get_text(): text.get_window_extent() for text in (*of_axes, *of_legends)}
+    inside = figure.bbox.padded(1.0)
+    return [
+        name
+        for name, box in boxes.items()
+        if name.strip() and not (inside.contains(*box.min) and inside.contains(*box.max))
+    ]
+
+
+def test_nothing_is_cut_off_in_the_plane_of_an_assessment():
+    centre = np.arange(5.0)
+    windows = Windows(
+        centre=centre, amplitude=1.0 + 0.01 * centre, delay=1e-3 * centre,
+        amplitude_sd=np.full(5, 1e-3), delay_sd=np.full(5, 1e-4), length=2.0,
+    )  # fmt: skip
+    draws = np.stack([np.linspace(0.98, 1.0, 50), np.linspace(1e-3, 2e-3, 50)])
+    figure = tracking_overview(
+        amplitude=0.99,
+        delay=1.5e-3,
+        draws=draws,
+        boundaries={"95 % of motions": (4e-4, 9.0)},
+        windows=windows,
+    )
+    assert cut_off(figure) == []
+    figure.axes[0].set_ylabel("Equivalent delay of the actuator $d$ [ms]")
+    assert cut_off(figure) == ["Equivalent delay of the actuator $d$ [ms]"]
+
+
+@pytest.mark.slow
+def test_nothing_is_cut_off(drawn):
+    cut = {label: cut_off(figure.drawing) for label, figure in drawn.items()}
+    assert {label: names for label, names in cut.items() if names} == {}
 
 
 @pytest.mark.slow
