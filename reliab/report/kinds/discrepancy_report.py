@@ -23,8 +23,8 @@ from reliab.report.kinds.discrepancy_figures import (
 from reliab.report.numbers import Fixed, Significant, in_line
 from reliab.report.prose import Math, Prose, prose
 from reliab.report.provenance import provenance_of
-from reliab.report.wording import number, spelled_out
-from reliab.significant import percent, significant
+from reliab.report.wording import number, probability, spelled_out
+from reliab.significant import percent
 from reliab.vocabulary import PERCENT
 
 _SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
@@ -280,7 +280,7 @@ def _parameters(diagnosis: Diagnosis) -> Table:
 def _sentence(effect: MissingEffect) -> Prose:
     name, description = spelled_out(effect.name), effect.effect.description
     listed = "; ".join(
-        f"{spelled_out(rival.name)} (probability {significant(rival.probability, 2)}, error "
+        f"{spelled_out(rival.name)} (probability {probability(rival.probability)}, error "
         f"{_of_signal(rival.held_out_nrmse)})"
         for rival in effect.rivals
     )
