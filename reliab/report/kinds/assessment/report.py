@@ -235,10 +235,10 @@ def _plane(assessment: Assessment) -> Figure:
 
 def _cautions(assessment: Assessment) -> list[Prose]:
     warnings = () if assessment.placement else assessment.criterion.provenance.warnings
-    reasons = assessment.verdict.reasons if assessment.verdict.word is Word.UNDECIDED else ()
+    verdict = assessment.verdict
     return [
-        *reasons,
-        *(f"What would decide: {remedy}" for remedy in assessment.verdict.would_decide),
+        *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
+        *(f"What would decide: {remedy}" for remedy in verdict.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         *warnings,
@@ -250,21 +250,6 @@ def _cautions(assessment: Assessment) -> list[Prose]:
 
 
 def _method(assessment: Assessment) -> Prose:
-    criterion = assessment.criterion
-    meaning = meaning_of_confidence(criterion.method)
-    basis = (
-        prose(
-            "The error of a test with this gain and delay was simulated under its own ground motion and "
-            "compared with the threshold."
-        )
-        if assessment.placement
-        else prose(
-            "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
-            "({meaning}).",
-            share="no stated share" if assessment.speaks_for_none else percent(criterion.confidence),
-            meaning=meaning,
-        )
-    )
     return (
         *prose(
             "The error is rebuilt from command and measured displacement: their difference, filtered by "
@@ -274,5 +259,23 @@ def _method(assessment: Assessment) -> Prose:
             "for the ends of the record; intervals come from resampled blocks of the residual. The index "
             "$(A - 1)^2 \\/ a + d^2 \\/ b$ is that of @guo2017. "
         ),
-        *basis,
+        *_basis(assessment),
+    )
+
+
+def _basis(assessment: Assessment) -> Prose:
+    """Say what the index was compared with."""
+    criterion = assessment.criterion
+    if assessment.placement:
+        return prose(
+            "The error of a test with this gain and delay was simulated under its own ground motion and "
+            "compared with the threshold."
+        )
+    if assessment.speaks_for_none:
+        return prose("No share of ground motions is stated for the limits $a$ and $b$.")
+    return prose(
+        "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
+        "({meaning}).",
+        share=percent(criterion.confidence),
+        meaning=meaning_of_confidence(criterion.method),
     )
