@@ -339,16 +339,19 @@ class Partition:
         )
 
     def below(self, highest: float) -> "Partition":
-        """Reduce the structure by modes above a frequency [Hz], which follow by statics and inertia.
+        """Reduce the structure by modes above a frequency [Hz], which follow by statics and inertia."""
+        return self.with_lowest_modes(int(np.count_nonzero(self.natural_frequencies <= highest)))
 
-        The shapes that are kept are the modes below and K⁻¹Γ, K⁻¹MK⁻¹Γ, so that statics at the interface
-        and its first correction are exact.
+    def with_lowest_modes(self, count: int) -> "Partition":
+        """Reduce the structure to its lowest modes; those above follow by statics and inertia.
+
+        The shapes that are kept are these modes and K⁻¹Γ, K⁻¹MK⁻¹Γ, so that statics at the interface and its
+        first correction are exact.
         """
         whole = self.with_masses
-        squares, modes = scipy.linalg.eigh(whole.stiffness, whole.mass)
-        slow = modes[:, squares <= (2.0 * math.pi * highest) ** 2]
-        if whole.size <= _FEW or slow.shape[1] + 2 * self.degrees >= whole.size:
+        if whole.size <= _FEW or count + 2 * self.degrees >= whole.size:
             return whole
+        slow = scipy.linalg.eigh(whole.stiffness, whole.mass)[1][:, :count]
         static = np.linalg.solve(whole.stiffness, whole.interface)
         inertial = np.linalg.solve(whole.stiffness, whole.mass @ static)
         return whole.projected(mass_orthonormal(np.hstack([slow, static, inertial]), whole.mass))

@@ -17,12 +17,11 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Unknown
+from reliab.assessment.rebuilt_error.interval import Histories, Swept, Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
-from reliab.assessment.rebuilt_error.readings import delayed
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread, spread_of_draws
+from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
 from reliab.significant import percent
 from reliab.structures import Partition
@@ -36,39 +35,6 @@ _BY_ITSELF, _OF_OTHERS = (
 )  # of a command: errors that large are as dear as what they leave unexplained
 
 LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CoupledHistories:
-    """Smoothed histories at the sensors, without their offsets."""
-
-    command: Array  # command, measured: At the sensors [m], shape (p, n)
-    measured: Array
-    carry: Array  # From sensors to the interface [-], shape (p, p)
-    feedback_lag: float  # s
-    time_step: float  # s
-    standing: Array  # At the interface [m], shape (p,)
-    recursion: Recursion  # Of the ideal test from sample to sample
-
-    @cached_property
-    def difference(self) -> Array:
-        """τ at the interface [m], shape (p, n)."""
-        return np.asarray(self.carry @ (self.command - self.measured))
-
-    @cached_property
-    def fed_back(self) -> Array:
-        """Command minus the displacement whose force was fed back, at the interface [m], shape (p, n)."""
-        felt = np.stack([delayed(row, self.feedback_lag, self.time_step) for row in self.measured])
-        return np.asarray(self.carry @ (self.command - felt))
-
-    @cached_property
-    def response(self) -> Array:
-        """Answer e of the interface to the test as recorded [m], shape (p, n)."""
-        return self.respond(self.recursion, self.fed_back)
-
-    def respond(self, recursion: Recursion, differences: Array) -> Array:
-        """Answer e of the interface to τ, which begins where the structure stood [m]."""
-        return respond(recursion, differences, recursion.static @ self.standing)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,20 +53,14 @@ class CoupledParts:
         return parts_of(self.gain, self.delay, pieces, peak)
 
 
-def divide(histories: CoupledHistories) -> CoupledParts:
+def divide(histories: Histories, recursion: Recursion) -> CoupledParts:
     """Divide a rebuilt error into its parts."""
-    command, measured, step = histories.command, histories.measured, histories.time_step
-    velocity = np.gradient(command, step, axis=1)
+    command, measured = histories.command, histories.measured
+    velocity = np.gradient(command, histories.time_step, axis=1)
     gain, delay = _followed(command, velocity, measured)
-    pieces = pieces_of(
-        histories.recursion,
-        _differences(histories, velocity, gain, delay),
-        histories.fed_back - histories.difference,
-        standing=histories.standing,
-        remainder="actuator_1_rest",
-        measured=measured,
-    )
-    reference = histories.carry @ command - histories.response
+    differences = _differences(histories, velocity, gain, delay)
+    pieces = pieces_of(histories, recursion, differences, remainder="actuator_1_rest")
+    reference = histories.at_interface(command) - histories.respond(recursion)
     return CoupledParts(gain=gain, delay=delay, histories=pieces, reference=reference)
 
 
@@ -125,7 +85,7 @@ def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, 
     return np.eye(size) + followed[:, :size], followed[:, size:]
 
 
-def _differences(histories: CoupledHistories, velocity: Array, gain: Array, delay: Array) -> dict[str, Array]:
+def _differences(histories: Histories, velocity: Array, gain: Array, delay: Array) -> dict[str, Array]:
     """Parts of τ at the interface [m], by name."""
     command, difference = histories.command, histories.command - histories.measured
     parts: dict[str, Array] = {}
@@ -138,8 +98,7 @@ def _differences(histories: CoupledHistories, velocity: Array, gain: Array, dela
         }
         rows["rest"] = difference[place] - np.sum(list(rows.values()), axis=0)
         parts |= {
-            f"actuator_{place + 1}_{cause}": np.outer(histories.carry[:, place], rows[cause])
-            for cause in CAUSES
+            f"actuator_{place + 1}_{cause}": histories.of_sensor(place, rows[cause]) for cause in CAUSES
         }
     return parts
 
@@ -180,7 +139,8 @@ class CoupledError:
     starts: tuple[Start, ...]  # How each channel begins
     unknown: Unknown
     drawn: Mapping[str, Array]  # What was drawn by name, each shape (draws,)
-    histories: CoupledHistories
+    histories: Histories
+    recursion: Recursion  # Of the ideal test as the computer steps it
     every: int  # Number of samples of which one was drawn
     # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
     exact: Callable[[], Iterator[tuple[Partition, Array]]]
@@ -188,7 +148,7 @@ class CoupledError:
     @property
     def command(self) -> Array:
         """x_c at the interface [m], shape (p, n)."""
-        return np.asarray(self.histories.carry @ self.histories.command)
+        return self.histories.at_interface(self.histories.command)
 
     @property
     def judged(self) -> tuple[DegreeError, ...]:
@@ -218,7 +178,7 @@ class CoupledError:
     @cached_property
     def division(self) -> CoupledParts:
         """The errors of all displacements divided by actuator and by cause."""
-        return divide(self.histories)
+        return divide(self.histories, self.recursion)
 
     def widenings(self, metric: Metric) -> tuple[Widening, ...]:
         """Return what widens the interval of the governing error, the widest first, if any is judged."""
@@ -232,39 +192,38 @@ class CoupledError:
 
 
 def errors_of_displacements(
-    histories: CoupledHistories,
+    histories: Histories,
+    recursion: Recursion,
     raw: Array,
     names: tuple[str, ...],
-    as_stated: tuple[Array, Array],
-    swept: tuple[Array, Array],
+    as_stated: Swept,
+    swept: Swept,
     loose: Array,
-    every: int,
 ) -> tuple[DegreeError, ...]:
     """Combine histories and draws, of noise `as_stated`, into the error of every interface displacement.
 
     `raw`: x_m as read [m], shape (p, n); `loose`: deviation that noise leaves x_c − x_m [m], shape (p,).
     """
-    reference = histories.carry @ histories.command - histories.response
-    strayed, smooth = (histories.carry @ read - reference for read in (raw, histories.measured))
-    at, peaks = np.arange(reference.shape[1]) / every, np.abs(reference).max(axis=1)
+    reference = histories.at_interface(histories.command) - histories.respond(recursion)
+    strayed, smooth = (histories.at_interface(read) - reference for read in (raw, histories.measured))
+    peaks = np.abs(reference).max(axis=1)
     moves = peaks > np.finfo(float).eps * peaks.max()
-    errors = []
-    for place, name in enumerate(names):
-        of_noise, spread = _spread(as_stated, place, at), _spread(swept, place, at)
-        errors.append(
-            DegreeError(
-                name=name,
-                error=strayed[place],
-                smooth_error=smooth[place],
-                reference=reference[place],
-                draws=spread,
-                of_noise=of_noise,
-                rms=_estimate(Metric.RMS, of_noise, spread),
-                mte=_estimate(Metric.MTE, of_noise, spread),
-                noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,
-            )
+    return tuple(
+        DegreeError(
+            name=name,
+            error=strayed[place],
+            smooth_error=smooth[place],
+            reference=reference[place],
+            draws=spread,
+            of_noise=of_noise,
+            rms=_estimate(Metric.RMS, of_noise, spread),
+            mte=_estimate(Metric.MTE, of_noise, spread),
+            noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,
         )
-    return tuple(errors)
+        for place, (name, of_noise, spread) in enumerate(
+            zip(names, as_stated.spreads, swept.spreads, strict=True)
+        )
+    )
 
 
 def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
@@ -274,11 +233,3 @@ def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
     """
     estimate = drawn.estimate(metric, float(np.median(of_noise.errors(metric))))
     return replace(estimate, low=min(estimate.low, of_noise.interval(metric)[0]))
-
-
-def _spread(swept: tuple[Array, Array], place: int, at: Array) -> Spread:
-    """Errors of the draws of one displacement; their band `at` all samples, numbered by those swept."""
-    statistics = swept[0][:, :, place].copy()
-    statistics[:, 2] = np.maximum(statistics[:, 2], np.finfo(float).tiny)
-    mean, deviation = swept[1][:, place]
-    return spread_of_draws(statistics, mean, deviation, at)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.coupled_error.coupled_error import CoupledHistories
+from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.simulation.frames import ideal_response
 from reliab.structures import Partition
@@ -58,9 +58,7 @@ class ShownByGround:
         return {"frequency_ratio": self.frequency, "deviation": self.deviation, "unexplained": self.misfit}
 
 
-def compare_with_ground(
-    histories: CoupledHistories, structure: Partition, ground: Array
-) -> ShownByGround | None:
+def compare_with_ground(histories: Histories, structure: Partition, ground: Array) -> ShownByGround | None:
     """Fit the structure to the recorded ground acceleration [m/s²]; None where the test is too short."""
     periods = float(structure.natural_frequencies[0]) * histories.time_step * ground.size
     if periods < FEWEST_PERIODS:
@@ -75,7 +73,7 @@ def compare_with_ground(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Fit:
-    histories: CoupledHistories
+    histories: Histories
     structure: Partition
     ground: Array  # [m/s²], shape (n,)
     periods: float  # Of the lowest mode in the test
@@ -103,14 +101,12 @@ class _Fit:
 
     def _rest(self, factor: float, ratio: float) -> Array:
         recursion, direct = self._structure(factor, ratio)
-        rebuilt = self._command - self.histories.respond(recursion, self.histories.fed_back)
+        rebuilt = self._command - self.histories.respond(recursion)
         return np.asarray((rebuilt - direct) / self._sizes)
 
     def _structure(self, factor: float, ratio: float) -> tuple[Recursion, Array]:
         scaled = self.structure.scaled(frequency=factor, damping_ratio=ratio)
-        step = self.histories.time_step
-        recursion = Recursion.of_displacement(scaled, step, smooth=True)
-        return recursion, ideal_response(scaled, self.ground, step)
+        return self.histories.recursion(scaled), ideal_response(scaled, self.ground, self.histories.time_step)
 
     def _columns(self, factor: float, ratio: float, rest: Array) -> Iterator[Array]:
         """By how much less both responses differ, per unit of each unknown."""
@@ -122,7 +118,7 @@ class _Fit:
             yield history / self._sizes
         for history in (measured, np.gradient(measured, step, axis=1)):
             for place, row in enumerate(history):
-                yield -respond(recursion, np.outer(self.histories.carry[:, place], row)) / self._sizes
+                yield -respond(recursion, self.histories.of_sensor(place, row)) / self._sizes
 
     def _solved(self, columns: Array, rest: Array) -> tuple[Array, float]:
         """Return changes by penalised least squares, and the standard deviation of the first.
@@ -141,7 +137,7 @@ class _Fit:
 
     @property
     def _command(self) -> Array:
-        return np.asarray(self.histories.carry @ self.histories.command)
+        return self.histories.at_interface(self.histories.command)
 
     @property
     def _sizes(self) -> Array:

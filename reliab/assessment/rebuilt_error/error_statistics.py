@@ -5,10 +5,13 @@ Both are normalised by the peak of the exact response, as in `reliab.indices.res
     RMS^R = √(mean (x_m − x_I)²)/max|x_I|,   MTE^R = max|x_m − x_I|/max|x_I|
 """
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march
+from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march, respond
 from reliab.compiled import compiled
 from reliab.vocabulary import Metric
 
@@ -47,41 +50,49 @@ def tally(
     return sums[0] + weight * strayed * strayed, max(sums[1], abs(strayed)), max(sums[2], abs(exact))
 
 
-def sweep_draws(
-    recursion: Recursion,
-    states: Array,
-    command: Array,
-    differences: Array,
-    inputs: Array,
-    shifts: Array,
-    fed_back_late: Array,
-    velocity: Array,
-    feedback_lag: Array,
-) -> tuple[Array, Array]:
-    """Errors of many draws, each with its recursion and its state at the first sample.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrivenDraws:
+    """Draws of a test and what drives their errors, at each swept sample of the interface."""
 
-    At the interface: `command`, `fed_back_late` [m] and `velocity` [m/s], shape (p, n), x_c − x_m in
-    `differences` [m], shape (rows, p, n), to which each draw adds `shifts`, shape (draws, columns), of
-    `inputs`, shape (columns, p, n); `feedback_lag` [s], shape (draws,). States move to the last sample.
-    Returns mean square of x_m − x_I [m²], its peak and the peak of x_I [m], shape (draws, 3, p); and the sums
-    of x_m − x_I over the draws and of its squares, shape (2, p, n).
-    """
-    band = np.zeros((2, *command.shape))
-    answer = _sweep(
-        *recursion.matrices,
-        recursion.smooth,
-        (0,) * len(command),
-        states,
-        np.ascontiguousarray(command),
-        np.ascontiguousarray(differences),
-        np.ascontiguousarray(inputs),
-        np.ascontiguousarray(shifts),
-        np.ascontiguousarray(fed_back_late),
-        np.ascontiguousarray(velocity),
-        np.ascontiguousarray(feedback_lag),
-        band,
-    )
-    return answer, band
+    recursion: Recursion  # Of each draw
+    states: Array  # At the first sample, shape (draws, 2n)
+    command: Array  # x_c [m], shape (p, m)
+    inputs: Array  # What a unit of each unknown of the sensors adds to x_c − x_m, shape (columns, p, m)
+    shifts: Array  # How much each draw has of them, shape (draws, columns)
+    late: Array  # What a force that is fed back late adds to x_c − x_m [m], shape (p, m)
+    velocity: Array  # Of x_m [m/s], shape (p, m)
+    lags: Array  # Of the force beyond the stated one [s], shape (draws,)
+
+    def errors(self, differences: Array) -> tuple[Array, Array]:
+        """Statistics of errors and their band; the states move to the last sample.
+
+        `differences`: histories of x_c − x_m [m], shape (rows, p, m), which the draws take in turn.
+        Returns mean square of x_m − x_I [m²], its peak and the peak of x_I [m], shape (draws, 3, p); and the
+        sums of x_m − x_I over the draws and of its squares, shape (2, p, m).
+        """
+        band = np.zeros((2, *self.command.shape))
+        answer = _sweep(
+            *self.recursion.matrices,
+            self.recursion.smooth,
+            (0,) * len(self.command),
+            self.states,
+            np.ascontiguousarray(self.command),
+            np.ascontiguousarray(differences),
+            np.ascontiguousarray(self.inputs),
+            np.ascontiguousarray(self.shifts),
+            np.ascontiguousarray(self.late),
+            np.ascontiguousarray(self.velocity),
+            np.ascontiguousarray(self.lags),
+            band,
+        )
+        return answer, band
+
+    def exact(self, differences: Array) -> Iterator[Array]:
+        """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
+        for draw, (state, shift, lag) in enumerate(zip(self.states, self.shifts, self.lags, strict=True)):
+            strayed = differences[draw % len(differences)] + np.tensordot(shift, self.inputs, 1)
+            fed_back = strayed + self.late + lag * self.velocity
+            yield self.command - respond(self.recursion.of_draw(draw), fed_back, state)
 
 
 @compiled

@@ -7,12 +7,13 @@ linearised, and no noise is subtracted from a mean square or a peak.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, sweep_draws
+from reliab.assessment.rebuilt_error.error_statistics import DrivenDraws, mean_and_deviation
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
@@ -25,7 +26,7 @@ from reliab.assessment.rebuilt_error.recursion import (
 )
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures import Partition, is_part
 
@@ -38,6 +39,9 @@ _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
 _IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
 
+EXACT_DRAWS = 64
+"""Number of draws of the response that perfect actuators would have given."""
+
 FEWEST_SWEPT = 4096
 """Number of samples up to which the motion's band, too, is resolved while draws are swept."""
 
@@ -47,52 +51,41 @@ class Swept:
     """Errors of the draws over a test so far, from which a later stretch of it can go on."""
 
     steps: int  # Number of steps between its samples
-    # square, peak, ideal: Mean square of x_m − x_I [m²], its peak and that of x_I [m], shape (draws,)
-    square: Array
-    peak: Array
-    ideal: Array
-    # mean, deviation: Of x_m − x_I over the draws at the samples of the last stretch [m], shape (n,)
+    statistics: Array  # Mean square of x_m − x_I [m²], its peak and that of x_I [m], shape (draws, 3, p)
+    # mean, deviation: Of x_m − x_I over the draws at the swept samples of the last stretch [m], shape (p, m)
     mean: Array
     deviation: Array
-    # State of the structure at the last sample: of the draws, and as stated by swept samples and by all,
-    # shape (draws + 2, 2n)
-    states: Array
+    places: Array  # Of all samples of that stretch, numbered by those that were swept, shape (n,)
+    states: Array  # States of the draws' structures at the last sample, shape (draws, 2n)
+    as_stated: tuple[Array, Array]  # The same as stated, by swept samples and by all, each shape (1, 2n)
+    drawn: Mapping[str, Array]  # What was drawn by name, each shape (draws,)
+
+    @cached_property
+    def spreads(self) -> tuple[Spread, ...]:
+        """RMS^R and MTE^R of the draws of each interface displacement."""
+        rows = zip(np.moveaxis(self.statistics, 2, 0), self.mean, self.deviation, strict=True)
+        return tuple(spread_of_draws(*row, self.places) for row in rows)
 
     @property
     def spread(self) -> Spread:
-        """RMS^R and MTE^R of the draws."""
-        return Spread(
-            rms=np.sqrt(self.square) / self.ideal,
-            mte=self.peak / self.ideal,
-            mean=self.mean,
-            deviation=self.deviation,
-        )
-
-    def first(self, draws: int) -> "Swept":
-        """Only the first draws."""
-        return replace(
-            self,
-            square=self.square[:draws],
-            peak=self.peak[:draws],
-            ideal=self.ideal[:draws],
-            states=np.concatenate([self.states[:draws], self.states[-2:]]),
-        )
+        """RMS^R and MTE^R of the draws, where there is one interface displacement."""
+        (spread,) = self.spreads
+        return spread
 
     def after_rest(self, steps: int) -> "Swept":
         """Errors of the same test with so many further steps of rest before it."""
         whole = self.steps + steps
-        return replace(self, steps=whole, square=(self.steps / whole) * self.square)
+        statistics = self.statistics.copy()
+        statistics[:, 0] *= self.steps / whole
+        return replace(self, steps=whole, statistics=statistics)
 
     def joined(self, later: "Swept") -> "Swept":
-        """Errors over this stretch and a later one, which begins at its last sample."""
-        steps = self.steps + later.steps
-        return replace(
-            later,
-            steps=steps,
-            square=(self.steps / steps) * self.square + (later.steps / steps) * later.square,
-            peak=np.maximum(self.peak, later.peak),
-            ideal=np.maximum(self.ideal, later.ideal),
-        )
+        """Errors over this stretch and a later one of as many draws or fewer, which begins at its end."""
+        steps, before = self.steps + later.steps, self.statistics[: len(later.statistics)]
+        statistics = np.maximum(before, later.statistics)
+        shares = self.steps / steps, later.steps / steps
+        statistics[:, 0] = shares[0] * before[:, 0] + shares[1] * later.statistics[:, 0]
+        return replace(later, steps=steps, statistics=statistics)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,29 +130,60 @@ EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histories:
-    """Histories from which the error is rebuilt, without the sensor's offset."""
+    """Histories from which the error is rebuilt, without offsets of the sensors: of one actuator, or of p."""
 
-    command: Array  # command, measured: x_c and the smoothed x_m [m], shape (n,)
+    command: Array  # command, measured: x_c and the smoothed x_m at the sensors [m], shape (n,) or (p, n)
     measured: Array
-    # x_c minus the displacement whose force was fed back [m]: x_c − x_m unless the force was late, shape (n,)
+    # x_c minus the displacement whose force was fed back, at the interface [m]: x_c − x_m unless it was late
     fed_back: Array
     time_step: float  # Step [s]
-    standing: float = 0.0  # x_c − x_m [m] under which the structure stood still before the first sample
+    # x_c − x_m at the interface [m] under which the structure stood still before the first sample
+    standing: float | Array = 0.0
+    # Interface displacements of unit displacements of the sensors [-], shape (p, p); None of one, which
+    # stands there
+    carry: Array | None = None
+    smooth: bool = False  # Whether histories are smooth between samples; else they are straight lines
+
+    def at_interface(self, displacements: Array) -> Array:
+        """Displacements of the interface by those at the sensors [m], shape (…, n)."""
+        return displacements if self.carry is None else np.asarray(self.carry @ displacements)
+
+    def of_sensor(self, place: int, displacement: Array) -> Array:
+        """Carry the displacement of one sensor, shape (…, n), to the interface [m], shape (…, p, n)."""
+        across = displacement[..., np.newaxis, :]
+        return across if self.carry is None else np.asarray(self.carry[:, place, np.newaxis] * across)
+
+    @cached_property
+    def difference(self) -> Array:
+        """x_c − x_m at the interface [m], shape (n,) or (p, n)."""
+        return self.at_interface(self.command - self.measured)
 
     @property
-    def difference(self) -> Array:
-        """x_c − x_m [m], shape (n,)."""
-        return self.command - self.measured
+    def late(self) -> Array:
+        """What a force that was fed back late adds to x_c − x_m at the interface [m], shape (p, n)."""
+        return np.atleast_2d(self.fed_back - self.difference)
 
     def thinned(self, every: int) -> "Histories":
         """Each `every`-th sample."""
-        return Histories(
-            command=np.ascontiguousarray(self.command[::every]),
-            measured=np.ascontiguousarray(self.measured[::every]),
-            fed_back=np.ascontiguousarray(self.fed_back[::every]),
+        return replace(
+            self,
+            command=np.ascontiguousarray(self.command[..., ::every]),
+            measured=np.ascontiguousarray(self.measured[..., ::every]),
+            fed_back=np.ascontiguousarray(self.fed_back[..., ::every]),
             time_step=every * self.time_step,
-            standing=self.standing,
         )
+
+    def recursion(self, structure: Partition) -> Recursion:
+        """Recursion from x_c − x_m at these samples to the error of a structure, or of draws of it."""
+        return Recursion.of_displacement(structure, self.time_step, smooth=self.smooth)
+
+    def standing_in(self, recursion: Recursion) -> Array:
+        """State in which the structure stood before the first sample, shape (2n,)."""
+        return np.asarray(recursion.static @ np.atleast_1d(self.standing))
+
+    def respond(self, recursion: Recursion) -> Array:
+        """Answer e of the interface to the test as recorded [m], shape (p, n)."""
+        return respond(recursion, self.fed_back, self.standing_in(recursion))
 
 
 def sweep(
@@ -171,44 +195,83 @@ def sweep(
     *,
     draws: int,
     seed: int,
+    modes: int | None = None,
+    stepped: Recursion | None = None,
+    accuracy: float = 0.0,
     before: Swept | None = None,
 ) -> Swept:
     """Rebuild the error for draws of everything that is not known.
 
-    `differences` [m].
+    `differences`: draws of x_c − x_m at the sensors, at each `every`-th sample [m]; `modes`: number of the
+    lowest ones that move, while others follow by statics, all by default; `stepped`: recursion of the ideal
+    test as the computer steps it, exact by default; `accuracy` of an error whose structure is exact [-].
+    """
+    thin, reduced = histories.thinned(every), reduced_to(structure, modes)
+    drawn, moving = draw_unknown(unknown, draws, seed)
+    changed = structures_of_draws(structure, drawn, modes)
+    recursion = thin.recursion(changed).of_draws(draws)
+    coarse, fine = thin.recursion(reduced), stepped or histories.recursion(reduced)
+    if before is None:
+        # draws of a reduced structure have shapes of their own
+        states = _begun(thin, structure if modes is None else changed, recursion, drawn, moving)
+        swept, stood = (histories.standing_in(one)[np.newaxis] for one in (coarse, fine))
+    else:
+        states = before.states[:draws].copy()
+        swept, stood = (state.copy() for state in before.as_stated)
+    statistics, band = driven_draws(thin, recursion, drawn, states).errors(_at_interface(thin, differences))
+    few, every_one = (_errors_as_stated(thin, coarse, swept), _errors_as_stated(histories, fine, stood))
+    # what lies between the swept samples
+    statistics *= np.divide(every_one, few, out=np.ones_like(few), where=few > 0.0)
+    if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
+        accuracy = ACCURACY
+    computed = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
+    statistics[:, 0] *= computed**2
+    statistics[:, 1] *= computed
+    mean, deviation = mean_and_deviation(band, draws)
+    stretch = Swept(
+        steps=histories.command.shape[-1] - 1,
+        statistics=statistics,
+        mean=mean,
+        deviation=deviation,
+        places=np.arange(histories.command.shape[-1]) / every,
+        states=states,
+        as_stated=(swept, stood),
+        drawn=drawn,
+    )
+    return stretch if before is None else before.joined(stretch)
+
+
+def exact_of_draws(
+    histories: Histories,
+    structure: Partition,
+    unknown: Unknown,
+    differences: Array,
+    every: int,
+    *,
+    seed: int,
+    modes: int | None = None,
+) -> Iterator[tuple[Partition, Array]]:
+    """Structures, and responses without actuator errors at swept samples [m], shape (p, m), of first draws.
+
+    Arguments as those of `sweep`.
     """
     thin = histories.thinned(every)
-    drawn, moving = draw_unknown(unknown, draws, seed)
-    changed = structures_of_draws(structure, drawn)
-    recursion = Recursion.of_displacement(changed, thin.time_step).of_draws(draws)
-    at_rest = Recursion.of_displacement(structure, thin.time_step)
-    if before is None:
-        states = states_at_first_sample(structure, recursion, drawn["initial_state"], moving, thin.standing)
-        states = np.concatenate([states, [at_rest.static[:, 0] * thin.standing] * 2])
-    else:
-        states = before.first(draws).states
-    swept, band = _swept(thin, recursion, drawn, states[:-2], differences)
-    mean, deviation = mean_and_deviation(band, draws)
-    exact = {name: np.zeros(1) for name in drawn}
-    (coarse,), _ = _swept(thin, at_rest.of_draws(1), exact, states[-2:-1], thin.difference[np.newaxis])
-    fine = _fine_statistics(histories, structure, states[-1:])
-    # what lies between the swept samples
-    scale = np.divide(fine, coarse, out=np.ones(3), where=coarse > 0.0)
-    square, peak, ideal = (swept * scale).T
-    if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
-        computed = 1.0 + ACCURACY * np.random.default_rng(seed).standard_normal(draws)
-        square, peak = computed**2 * square, computed * peak
-    places, known = np.arange(histories.command.size) / every, np.arange(thin.command.size)
-    stretch = Swept(
-        steps=histories.command.size - 1,
-        square=square,
-        peak=peak,
-        ideal=ideal,
-        mean=np.interp(places, known, mean),
-        deviation=np.interp(places, known, deviation),
-        states=states,
-    )
-    return stretch if before is None else before.first(draws).joined(stretch)
+    drawn, moving = draw_unknown(unknown, EXACT_DRAWS, seed)
+    changed = structures_of_draws(structure, drawn, modes)
+    recursion = thin.recursion(changed).of_draws(EXACT_DRAWS)
+    states = _begun(thin, structure if modes is None else changed, recursion, drawn, moving)
+    responses = driven_draws(thin, recursion, drawn, states).exact(_at_interface(thin, differences))
+    whole = changed if modes is None else structures_of_draws(structure, drawn)
+    if whole.size != structure.size:  # degrees without mass, which have no modes that could be off
+        whole = structures_of_draws(structure, {k: v for k, v in drawn.items() if not is_part(k)})
+    for draw, response in enumerate(responses):
+        yield structure_of_draw(whole, draw), response
+
+
+def _at_interface(thin: Histories, differences: Array) -> Array:
+    """Draws of x_c − x_m at the interface [m], shape (draws, p, m), by those at the sensors."""
+    carried = thin.at_interface(differences)
+    return carried.reshape(len(carried), -1, carried.shape[-1])
 
 
 def samples_in_step(structure: Partition, noise: SensorNoise, samples: int) -> int:
@@ -270,11 +333,20 @@ def _of_larger_tails(points: Array) -> Array:
     return np.asarray(scipy.special.stdtrit(_FREEDOM, scipy.special.ndtr(points)))
 
 
-def _fine_statistics(histories: Histories, structure: Partition, state: Array) -> Array:
-    """Statistics of all samples; the state moves to the last one, in place."""
-    recursion = Recursion.of_displacement(structure, histories.time_step).of_draws(1)
-    exact = {"feedback_lag": np.zeros(1)}
-    return np.asarray(_swept(histories, recursion, exact, state, histories.difference[np.newaxis])[0][0])
+def _errors_as_stated(histories: Histories, recursion: Recursion, state: Array) -> Array:
+    """Statistics with nothing drawn, shape (3, p); the state, shape (1, 2n), moves to the last sample."""
+    driven = driven_draws(histories, recursion.of_draws(1), {"feedback_lag": np.zeros(1)}, state)
+    return np.asarray(driven.errors(np.atleast_2d(histories.difference)[np.newaxis])[0][0])
+
+
+def _begun(
+    thin: Histories, structure: Partition, recursion: Recursion, drawn: Mapping[str, Array], moving: Array
+) -> Array:
+    """States of draws of a test at its first sample, shape (draws, 2n)."""
+    displaced = np.stack([row for name, row in drawn.items() if name.startswith("initial_state")], axis=1)
+    return np.ascontiguousarray(
+        states_at_first_sample(structure, recursion, displaced, moving, thin.standing)
+    )
 
 
 def states_at_first_sample(
@@ -311,8 +383,19 @@ def _along_interface(structure: Partition, displaced: Array, moving: Array) -> A
 
 
 def inputs_of_reading(thin: Histories, drawn: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Columns of what is drawn of the sensor, shape (columns, n), and how much each draw has of them."""
+    """Columns of what is drawn of the one sensor, shape (columns, n), and how much each draw has of them."""
     return columns_of_sensor(thin.command, thin.measured, thin.time_step, drawn)
+
+
+def _inputs_of_sensors(thin: Histories, drawn: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Columns of what is drawn of all sensors, at the interface, shape (columns, p, n), and the same."""
+    inputs, sizes = [], []
+    for place, rows in enumerate(zip(np.atleast_2d(thin.command), np.atleast_2d(thin.measured), strict=True)):
+        number = "" if thin.carry is None else f"_{place + 1}"
+        columns, shifts = columns_of_sensor(*rows, thin.time_step, drawn, number)
+        inputs.append(thin.of_sensor(place, columns))
+        sizes.append(shifts)
+    return np.concatenate(inputs), np.concatenate(sizes, axis=1)
 
 
 def columns_of_sensor(
@@ -344,59 +427,24 @@ def columns_of_sensor(
     return inputs, np.array([drawn[name] for name in names]).reshape(-1, draws).T.copy()
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DrivenDraws:
-    """Draws of a test and what drives their errors, at each swept sample of the interface."""
-
-    recursion: Recursion  # Of each draw
-    states: Array  # At the first sample, shape (draws, 2n)
-    command: Array  # x_c [m], shape (p, m)
-    inputs: Array  # What a unit of each unknown of the sensors adds to x_c − x_m, shape (columns, p, m)
-    shifts: Array  # How much each draw has of them, shape (draws, columns)
-    late: Array  # What a force that is fed back late adds to x_c − x_m [m], shape (p, m)
-    velocity: Array  # Of x_m [m/s], shape (p, m)
-    lags: Array  # Of the force beyond the stated one [s], shape (draws,)
-
-    def errors(self, differences: Array) -> tuple[Array, Array]:
-        """Statistics of errors and their band; see `sweep_draws`, also of `differences`."""
-        of_sensors = (self.inputs, self.shifts)
-        of_force = (self.late, self.velocity, self.lags)
-        return sweep_draws(self.recursion, self.states, self.command, differences, *of_sensors, *of_force)
-
-    def exact(self, differences: Array) -> Iterator[Array]:
-        """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
-        for draw, (state, shift, lag) in enumerate(zip(self.states, self.shifts, self.lags, strict=True)):
-            strayed = differences[draw % len(differences)] + np.tensordot(shift, self.inputs, 1)
-            fed_back = strayed + self.late + lag * self.velocity
-            yield self.command - respond(self.recursion.of_draw(draw), fed_back, state)
-
-
 def driven_draws(
     thin: Histories, recursion: Recursion, drawn: Mapping[str, Array], states: Array
 ) -> DrivenDraws:
-    """Collect what drives the draws of a test with one actuator."""
-    inputs, shifts = inputs_of_reading(thin, drawn)
+    """Collect what drives the draws of a test."""
+    inputs, shifts = _inputs_of_sensors(thin, drawn)
     return DrivenDraws(
         recursion=recursion,
         states=states,
-        command=thin.command[np.newaxis],
-        inputs=inputs[:, np.newaxis],
+        command=np.atleast_2d(thin.at_interface(thin.command)),
+        inputs=inputs,
         shifts=shifts,
-        late=(thin.fed_back - thin.difference)[np.newaxis],
-        velocity=np.gradient(thin.measured, thin.time_step)[np.newaxis],
+        late=thin.late,
+        velocity=np.atleast_2d(thin.at_interface(np.gradient(thin.measured, thin.time_step, axis=-1))),
         lags=drawn["feedback_lag"],
     )
 
 
-def _swept(
-    thin: Histories, recursion: Recursion, drawn: Mapping[str, Array], states: Array, differences: Array
-) -> tuple[Array, Array]:
-    """Statistics, shape (draws, 3), and the band, shape (2, n)."""
-    statistics, band = driven_draws(thin, recursion, drawn, states).errors(differences[:, np.newaxis])
-    return statistics[..., 0], band[:, 0]
-
-
-def factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
+def _factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
     """Factors of frequencies, damping ratios and the specimen's share, each shape (draws,)."""
     draws = next(iter(drawn.values())).size
     names = ("frequency", "damping_ratio", "experimental_fraction")
@@ -405,16 +453,25 @@ def factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
     return [f, ratio / f if "damping" in drawn else ratio, share]
 
 
-def structures_of_draws(structure: Partition, drawn: Mapping[str, Array]) -> Partition:
+def reduced_to(structure: Partition, modes: int | None) -> Partition:
+    """Structure of which so many of the lowest modes move, or all, and others follow by statics."""
+    return structure if modes is None else structure.with_lowest_modes(modes)
+
+
+def structures_of_draws(
+    structure: Partition, drawn: Mapping[str, Array], modes: int | None = None
+) -> Partition:
     """Structures of the draws, as one whose matrices have a first axis of draws where they differ."""
-    f, ratio, share = factors_of_draws(drawn)
+    f, ratio, share = _factors_of_draws(drawn)
     parts = {name: values for name, values in drawn.items() if is_part(name)}
     if parts:
         changed = [
             structure.with_parts({name: float(values[draw]) for name, values in parts.items()})
             for draw in range(f.size)
         ]
-        structure = stacked(changed)
+        structure = stacked([reduced_to(one, modes) for one in changed])
+    else:
+        structure = reduced_to(structure, modes)
     if not (np.concatenate([f, ratio, share]) != 1.0).any():
         return structure
     return structure.scaled(frequency=f, damping_ratio=ratio, share=share)

@@ -107,42 +107,27 @@ class Parts:
 
 def divide(histories: Histories, structure: Partition) -> Parts:
     """Divide a rebuilt error into its parts."""
-    command, measured, step = histories.command, histories.measured, histories.time_step
-    gain, delay, differences = follow(command, measured, step)
-    late = histories.fed_back - histories.difference
-    recursion = Recursion.of_displacement(structure, step)
-    of_interface = pieces_of(
-        recursion,
-        differences,
-        late,
-        standing=np.array([histories.standing]),
-        remainder=NEITHER,
-        measured=measured,
-    )
+    measured = histories.measured
+    gain, delay, differences = follow(histories.command, measured, histories.time_step)
+    of_interface = pieces_of(histories, histories.recursion(structure), differences, remainder=NEITHER)
     pieces = {name: piece[0] for name, piece in of_interface.items()}
     whole = np.sum(list(pieces.values()), axis=0)
     return parts_of(gain, delay, pieces, float(np.abs(measured - whole).max()))
 
 
 def pieces_of(
-    recursion: Recursion,
-    differences: Mapping[str, Array],
-    late: Array,
-    *,
-    standing: Array,
-    remainder: str,
-    measured: Array,
+    histories: Histories, recursion: Recursion, differences: Mapping[str, Array], *, remainder: str
 ) -> dict[str, Array]:
     """Pieces of x_m − x_I that pieces of x_c − x_m [m] cause, shape (p, n), and one of a late force.
 
-    `late`: what a late force adds to x_c − x_m, `measured` [m], shape (p, n); `standing` [m], shape (p,):
-    x_c − x_m before the first sample, whose answer belongs to the `remainder`.
+    The answer to x_c − x_m before the first sample belongs to the `remainder`.
     """
     pieces = {name: respond(recursion, difference) - difference for name, difference in differences.items()}
-    still = np.zeros_like(pieces[remainder])
-    pieces[remainder] += respond(recursion, still, recursion.static @ standing)
-    if np.abs(late).max() > _ROUNDING * np.abs(measured).max():
-        pieces[FED_BACK_FORCE] = respond(recursion, late)
+    pieces[remainder] += respond(
+        recursion, np.zeros_like(pieces[remainder]), histories.standing_in(recursion)
+    )
+    if np.abs(histories.late).max() > _ROUNDING * np.abs(histories.measured).max():
+        pieces[FED_BACK_FORCE] = respond(recursion, histories.late)
     return pieces
 
 
@@ -178,9 +163,8 @@ def part_of_tracking(histories: Histories, structure: Partition, followed: Array
     `followed` [m].
     Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
-    recursion = Recursion.of_displacement(structure, histories.time_step)
-    start = recursion.static[:, 0] * histories.standing
-    whole = respond(recursion, histories.fed_back, start)[0] - histories.difference
+    recursion = histories.recursion(structure)
+    whole = histories.respond(recursion)[0] - histories.difference
     strayed = histories.command - followed
     piece = respond(recursion, strayed)[0] - strayed
     return part_of(piece, whole, float(np.abs(histories.measured - whole).max()))

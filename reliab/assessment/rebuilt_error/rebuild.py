@@ -23,15 +23,12 @@ from reliab.assessment.rebuilt_error.initial import Start, checked_histories, st
 from reliab.assessment.rebuilt_error.interval import (
     Histories,
     Unknown,
-    draw_unknown,
-    driven_draws,
-    states_at_first_sample,
-    structures_of_draws,
+    exact_of_draws,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.readings import delayed
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond, structure_of_draw
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Spread
 from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
@@ -41,7 +38,7 @@ from reliab.errors import InputError
 from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
-_WIDENING_DRAWS, _EXACT_DRAWS = 128, 64
+_WIDENING_DRAWS = 128
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -70,15 +67,8 @@ class RebuiltError(DisplacementError):
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors [m], shape (1, m), of the first draws."""
-        thin = self.histories.thinned(self.every)
-        drawn, moving = draw_unknown(self.unknown, _EXACT_DRAWS, self.seed)
-        structures = structures_of_draws(self.structure, drawn)
-        recursion = Recursion.of_displacement(structures, thin.time_step).of_draws(_EXACT_DRAWS)
-        at_first = (drawn["initial_state"], moving, thin.standing)
-        states = states_at_first_sample(self.structure, recursion, *at_first)
-        responses = driven_draws(thin, recursion, drawn, states).exact(self.differences[:, np.newaxis])
-        for draw, response in enumerate(responses):
-            yield structure_of_draw(structures, draw), response
+        drawn = self.histories, self.structure, self.unknown, self.differences, self.every
+        return exact_of_draws(*drawn, seed=self.seed)
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""

@@ -187,7 +187,7 @@ def error_of_stretch(
         command, measured = checked_histories(command, measured, step, structure)
         noise = estimate_noise(command, measured, step)
         start = stated_start(command, measured, step, structure, noise, test.sensor_offset)
-    elif np.ptp(command) > _STANDS * float(before.stated.ideal.max()):
+    elif np.ptp(command) > _STANDS * float(before.stated.statistics[:, 2].max()):
         noise, start = estimate_noise(command, measured, step), before.start
     else:
         command = np.full(command.size, np.mean(command))

@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown, sweep
+from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Swept, Unknown, sweep
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.structures import Partition, is_part
 from reliab.vocabulary import Metric
@@ -46,15 +46,14 @@ def widenings(
 ) -> tuple[Widening, ...]:
     """Find what each uncertain quantity contributes, the largest first, and what would halve the interval."""
 
-    def swept(unknown: Unknown, drawn: Array = differences) -> Spread:
-        return sweep(histories, structure, unknown, drawn, every, draws=draws, seed=seed).spread
+    def swept(unknown: Unknown, differences: Array = differences) -> Swept:
+        return sweep(histories, structure, unknown, differences, every, draws=draws, seed=seed)
 
     every_one = swept(unknown)
     quiet = swept(unknown, differences.mean(axis=0, keepdims=True))
-    drawn, _ = draw_unknown(unknown, draws, seed)
-    parts = widenings_of_draws(every_one, drawn, unknown.deviations(), metric)
-    of_noise = widening_alone("sensor_noise", every_one, swept(EXACT), metric)
-    parts.append(replace(of_noise, width_without=_width(quiet, metric)))
+    parts = widenings_of_draws(every_one.spread, every_one.drawn, unknown.deviations(), metric)
+    of_noise = widening_alone("sensor_noise", every_one.spread, swept(EXACT).spread, metric)
+    parts.append(replace(of_noise, width_without=_width(quiet.spread, metric)))
     return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 

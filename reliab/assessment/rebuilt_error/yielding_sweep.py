@@ -177,7 +177,7 @@ def _sweep(
     feedback_lag: Array,
     band: Array,
 ) -> Array:
-    """Statistics as of `sweep_draws` and the band, in place; the second input is slip."""
+    """Statistics as of `DrivenDraws` and the band, in place; the second input is slip."""
     draws, size = state.shape[0], command.size
     answer = np.empty((draws, 3))
     scratch, motion = np.empty(state.shape[1]), np.zeros(3)
