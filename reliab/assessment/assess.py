@@ -147,14 +147,16 @@ def _examined(
     taper: str,
 ) -> Assessment:
     structure = question.structure
-    faults = faults_of_channel(
+    faults, tracking = faults_of_channel(
         recording,
         threshold=question.threshold,
         experimental_fraction=structure.experimental_fraction,
         window=taper,
+        seed=question.seed,
     )
     clean = repaired(recording, faults)
-    tracking = track(clean, window=taper, seed=question.seed)
+    if faults:
+        tracking = track(clean, window=taper, seed=question.seed)
     judged = _judged(recording, clean, faults, question)
     turning = examine_turning(judged.error, recording, question)
     verdict = judged.verdict(_with_any_damping(clean, question) if assumed else ())

@@ -23,7 +23,6 @@ COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
 _OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
-_FEW_DRAWS = 2  # of gain and delay, whose scatter is not asked for
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
@@ -101,47 +100,47 @@ def repaired(recording: _OfTest, faults: Iterable[Fault]) -> _OfTest:
     return replace(recording, command=command, measured=measured)
 
 
-def find_faults(
-    recording: Recording, tracking: TrackingIndex, *, threshold: float, experimental_fraction: float
-) -> tuple[Fault, ...]:
-    """Look for faults of a recording.
+def faults_of_channel(
+    recording: Recording,
+    *,
+    threshold: float,
+    experimental_fraction: float,
+    window: str = "hann",
+    seed: int = 0,
+) -> tuple[tuple[Fault, ...], TrackingIndex]:
+    """Look for faults of a recording beside the gain and delay that it shows without spikes.
 
-    `threshold`, `experimental_fraction` [-].
+    `threshold`, `experimental_fraction` [-]; `window` of the spectra. Returns the faults, and how the
+    recording tracked but for its spikes.
     """
-    clean, *_ = without_spikes(recording)
+    clean, *in_channels = without_spikes(recording)
+    tracking = track(clean, window=window, seed=seed)
     expected = _expected(clean, tracking)
-    return (
-        *plain_faults(recording),
+    faults = (
+        *_plain_faults(recording, clean, *in_channels),
         *_held(clean),
         *_standstill(clean, expected),
         *_slow(clean, expected, threshold, experimental_fraction, tracking),
     )
-
-
-def faults_of_channel(
-    recording: Recording, *, threshold: float, experimental_fraction: float, window: str = "hann"
-) -> tuple[Fault, ...]:
-    """Look for faults of a recording beside the gain and delay that it shows without spikes.
-
-    `threshold`, `experimental_fraction` [-]; `window` of the spectra.
-    """
-    bridged, *_ = without_spikes(recording)
-    tracking = track(bridged, window=window, draws=_FEW_DRAWS)
-    return find_faults(recording, tracking, threshold=threshold, experimental_fraction=experimental_fraction)
+    return faults, tracking
 
 
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:
     """Look for faults that show without any model of the rig: spikes, and one channel exported twice."""
-    clean, in_command, in_measured = without_spikes(recording)
-    return (*_spikes(recording, clean, in_command, in_measured), *_copy(clean))
+    return tuple(_plain_faults(recording, *without_spikes(recording)))
+
+
+def _plain_faults(
+    recording: Recording, clean: Recording, in_command: NDArray[np.bool_], in_measured: NDArray[np.bool_]
+) -> Iterator[Fault]:
+    yield from _spikes(recording, clean, in_command, in_measured)
+    yield from _copy(clean)
 
 
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
     """Command with the gain and delay of the test."""
-    times = np.arange(recording.command.size) * recording.time_step
-    path = CubicPath.through(times, recording.command)
-    late = np.clip(times - tracking.delay, times[0], times[-1])
-    return np.asarray(tracking.amplitude * path(late), dtype=np.float64)
+    path = CubicPath.through(np.arange(recording.command.size) * recording.time_step, recording.command)
+    return tracking.amplitude * path.later(tracking.delay)
 
 
 def _spikes(

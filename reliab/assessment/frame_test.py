@@ -265,7 +265,7 @@ def _faults(
     for number, channel in _channels(recording):
         require_plausible(channel, stiffness=float(frame.partition.specimen_stiffness[number, number]))
         share = float(shares[number])
-        faults = faults_of_channel(channel, threshold=threshold, experimental_fraction=share)
+        faults, _ = faults_of_channel(channel, threshold=threshold, experimental_fraction=share)
         if isinstance(recording, CoupledRecording):
             faults = tuple(fault.of_actuator(number, recording) for fault in faults)
         yield from faults

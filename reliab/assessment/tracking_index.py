@@ -173,8 +173,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
 
 def _moved(path: CubicPath, gain: float, delay: float) -> Array:
     """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
-    times = path.times
-    return _centred(gain * path(np.clip(times - delay, times[0], times[-1])))
+    return _centred(gain * path.later(delay))
 
 
 def _centred(values: Array) -> Array:

@@ -50,6 +50,22 @@ class CubicPath:
         motion[:, -1:] = self.read(self.times[-1:], (0, 1, 2))
         return motion
 
+    def later(self, delay: float) -> Array:
+        """Read an evenly sampled path at its samples less a delay, shape (n,); it stands still at both ends.
+
+        >>> path = CubicPath.through(np.arange(5.0), np.arange(5.0) ** 2)
+        >>> path.later(1.5).round(12).tolist(), path.later(-1.0).round(12).tolist()
+        ([0.0, 0.0, 0.25, 2.25, 6.25], [1.0, 4.0, 9.0, 16.0, 16.0])
+        """
+        step = float(self.times[1] - self.times[0])
+        whole = int(np.ceil(delay / step))
+        since = whole * step - delay
+        cubic, square, slope, value = self.coefficients
+        between = value + since * (slope + since * (square + since * cubic))
+        first, last = self(self.times[[0, -1]])
+        places = np.arange(1, self.times.size + 1) - whole
+        return np.concatenate([[first], between, [last]])[np.clip(places, 0, self.times.size)]
+
     def read(self, at: _Numbers, derivatives: tuple[int, ...]) -> Array:
         """Read several derivatives of the path at instants, shape (derivatives, instants)."""
         place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, self.times.size - 2)

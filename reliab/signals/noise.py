@@ -122,30 +122,30 @@ def fit_levels(
     Whittle likelihood, shape (sums, parts).
     """
     weights = np.full(shapes.shape[:2], start)
-    for levels, each in zip(weights, np.ascontiguousarray(shapes.swapaxes(1, 2)), strict=True):
+    for levels, each in zip(weights, np.ascontiguousarray(shapes), strict=True):
         _improve(each, mean, count, floor, levels, updates)
     return weights
 
 
 @compiled
 def _improve(shapes: Array, mean: Array, count: Array, floor: float, weights: Array, updates: int) -> None:
-    """Improve the coefficients in place; shapes are of the bins, shape (bins, parts)."""
-    parts = weights.size
-    rises, falls = np.empty(parts), np.empty(parts)
+    """Improve the coefficients in place; several bins at once where a processor can."""
+    parts, bins = shapes.shape
+    density, fall, rise = np.empty(bins), np.empty(bins), np.empty(bins)
     for _ in range(updates):
-        rises[:] = 0.0
-        falls[:] = 0.0
-        for i in range(mean.size):
-            density = floor
-            for k in range(parts):
-                density += weights[k] * shapes[i, k]
-            fall = count[i] / density
-            rise = fall * mean[i] / density
-            for k in range(parts):
-                rises[k] += rise * shapes[i, k]
-                falls[k] += fall * shapes[i, k]
+        density[:] = floor
         for k in range(parts):
-            weights[k] *= rises[k] / falls[k]
+            for i in range(bins):
+                density[i] += weights[k] * shapes[k, i]
+        for i in range(bins):
+            fall[i] = count[i] / density[i]
+            rise[i] = fall[i] * mean[i] / density[i]
+        for k in range(parts):
+            rises, falls = 0.0, 0.0
+            for i in range(bins):
+                rises += rise[i] * shapes[k, i]
+                falls += fall[i] * shapes[k, i]
+            weights[k] *= rises / falls
 
 
 def _without_lines(periodogram: Periodogram, nyquist: float) -> Array:

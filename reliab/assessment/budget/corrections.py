@@ -56,9 +56,7 @@ def without_skew(recording: _OfTest, skew: float) -> _OfTest:
 
 def _earlier(values: Array, time: float, step: float) -> Array:
     """Values of a history as much later [s], by a cubic through its samples, shape (n,)."""
-    times = np.arange(values.size) * step
-    path = CubicPath.through(times, values)
-    return np.asarray(path(np.clip(times + time, times[0], times[-1])))
+    return CubicPath.through(np.arange(values.size) * step, values).later(-time)
 
 
 def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:

@@ -13,6 +13,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march, respond
 from reliab.compiled import compiled
+from reliab.threads import in_two_shares
 from reliab.vocabulary import Metric
 
 
@@ -70,8 +71,7 @@ class DrivenDraws:
         Returns mean square of x_m − x_I [m²], its peak and the peak of x_I [m], shape (draws, 3, p); and the
         sums of x_m − x_I over the draws and of its squares, shape (2, p, m).
         """
-        band = np.zeros((2, *self.command.shape))
-        answer = _sweep(
+        arguments = (
             *self.recursion.matrices,
             self.recursion.smooth,
             (0,) * len(self.command),
@@ -83,9 +83,15 @@ class DrivenDraws:
             np.ascontiguousarray(self.late),
             np.ascontiguousarray(self.velocity),
             np.ascontiguousarray(self.lags),
-            band,
         )
-        return answer, band
+        answer = np.empty((len(self.states), 3, len(self.command)))
+
+        def sweep(share: slice) -> Array:
+            band = np.zeros((2, *self.command.shape))
+            _sweep(*arguments, share.start, share.stop, answer, band)
+            return band
+
+        return answer, np.sum(in_two_shares(len(self.states), sweep), axis=0)
 
     def exact(self, differences: Array) -> Iterator[Array]:
         """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
@@ -112,12 +118,15 @@ def _sweep(
     fed_back_late: Array,
     velocity: Array,
     feedback_lag: Array,
+    begin: int,
+    end: int,
+    answer: Array,
     band: Array,
-) -> Array:
-    draws, channels, size = states.shape[0], len(actuators), command.shape[1]
-    answer = np.empty((draws, 3, channels))
+) -> None:
+    """Statistics and band of the draws from `begin` to before `end`, in place."""
+    channels, size = len(actuators), command.shape[1]
     strayed, fed_back = np.empty((channels, size)), np.empty((channels, size))
-    for draw in range(draws):
+    for draw in range(begin, end):
         _read(differences[draw % differences.shape[0]], inputs, shifts[draw], strayed)
         for j in range(channels):
             for i in range(size):
@@ -137,7 +146,6 @@ def _sweep(
         )
         for j in range(channels):
             _count(errors[j], strayed[j], command[j], answer[draw, :, j], band[:, j])
-    return answer
 
 
 @compiled

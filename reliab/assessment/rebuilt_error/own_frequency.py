@@ -135,20 +135,20 @@ class OwnFrequency:
         quantiles = np.interp(scipy.special.ndtr(points), places / places[-1], offsets)
         return np.where(np.arange(points.size) % 16 < _GOVERNED, self.governing, quantiles)
 
-    @property
+    @cached_property
     def governing(self) -> float:
         """Offset that makes the error largest, of those that test and statement leave open [-]."""
         offsets, density = self._density
         errors = CubicPath.through(self.offsets, self.errors)(offsets)
         return float(offsets[np.argmax(np.where(density > _LEFT_OPEN, errors, 0.0))])
 
-    @property
+    @cached_property
     def value(self) -> float:
         """Mean of the offset by test and statement [-]."""
         offsets, density = self._density
         return float(np.trapezoid(density * offsets, offsets) / np.trapezoid(density, offsets))
 
-    @property
+    @cached_property
     def deviation(self) -> float:
         """Standard deviation of the offset [-]."""
         offsets, density = self._density
@@ -161,7 +161,7 @@ class OwnFrequency:
         stated = float(np.interp(0.0, self.offsets, self.likelihood))
         return bool(2.0 * (self.likelihood.max() - stated) > _CONTRADICTS)
 
-    @property
+    @cached_property
     def _density(self) -> tuple[Array, Array]:
         fine = np.linspace(self.offsets[0], self.offsets[-1], _FINE)
         likelihood = CubicPath.through(self.offsets, self.likelihood)(fine)

@@ -10,13 +10,13 @@ Joe, S. and Kuo, F. Y. (2008). Constructing Sobol sequences with better two-dime
 *SIAM Journal on Scientific Computing* 30, 2635-2654.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.arrays import Array, read_only
 
 _BITS = 30
 
@@ -58,11 +58,12 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     return np.asarray(np.bitwise_xor.accumulate(steps) / 2.0**_BITS)
 
 
+@lru_cache(maxsize=16)  # a verdict asks seven times for four kinds
 def normal_points(dimensions: int, draws: int, seed: int) -> Array:
     """Scrambled Sobol points through the normal quantile function, shape (dimensions, draws)."""
     if dimensions == 0:
         return np.zeros((0, draws))
-    return np.asarray(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
+    return read_only(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
 def _scrambled(matrices: NDArray[np.uint32], directions: NDArray[np.uint32]) -> NDArray[np.uint32]:

@@ -32,6 +32,7 @@ from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.compiled import compiled
 from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
 from reliab.structures import Partition
+from reliab.threads import in_two_shares
 
 _CORRECTIONS = 2
 
@@ -80,9 +81,8 @@ class YieldingDraws:
         coarse = errors_with_specimens(self.specimens[:1], thin, self.structure)
         fine = errors_with_specimens(self.specimens[:1], self.histories, self.structure)
         scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
-        band = np.zeros((2, thin.command.size))
-        rows = _swept(
-            self.specimens, thin, self.structure, drawn, velocity, self.differences, self._reading, band
+        rows, band = _swept(
+            self.specimens, thin, self.structure, drawn, velocity, self.differences, self._reading
         )
         places = np.arange(self.histories.command.size) / self.every
         return spread_of_draws(rows * scale, *mean_and_deviation(band, len(self.specimens)), places)
@@ -94,11 +94,8 @@ class YieldingDraws:
             at = slice(draw, draw + 1)
             one = {name: values[at] for name, values in drawn.items()}
             difference = self.differences[draw % len(self.differences)]
-            strayed = np.zeros((2, thin.command.size))  # x_m − x_I and its square
-            reading = columns, shifts[at]
-            _swept(
-                [specimen], thin, self.structure, one, velocity[at], difference[np.newaxis], reading, strayed
-            )
+            of_one = thin, self.structure, one, velocity[at], difference[np.newaxis], (columns, shifts[at])
+            _, strayed = _swept([specimen], *of_one)  # x_m − x_I and its square
             measured = thin.command - difference - shifts[draw] @ columns
             changed = structure_of_draw(structures_of_draws(self.structure, one), 0)
             yield changed, (measured - strayed[0])[np.newaxis]
@@ -112,11 +109,10 @@ def errors_with_specimens(
     Each gives what its force adds to k_e x, over k_e [m]; all are of one kind.
     """
     draws = len(specimens)
-    band = np.zeros((2, histories.command.size))
     exact = {name: np.zeros(draws) for name in EXACT.deviations()}
     difference = histories.difference[np.newaxis]
     reading = inputs_of_reading(histories, exact)
-    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, reading, band)
+    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, reading)[0]
 
 
 def _swept(
@@ -127,8 +123,8 @@ def _swept(
     velocity: Array,
     differences: Array,
     reading: tuple[Array, Array],
-    band: Array,
-) -> Array:
+) -> tuple[Array, Array]:
+    """Statistics of the draws, shape (draws, 3), and the band, shape (2, n); see `DrivenDraws`."""
     changed = structures_of_draws(structure, drawn)
     recursion = Recursion.of_displacement(changed, thin.time_step, slips=True).of_draws(len(specimens))
     standing = np.array([thin.standing, 0.0])
@@ -136,26 +132,31 @@ def _swept(
     columns, shifts = reading
     setting = Setting(step=thin.time_step)
     transition, early, late, output, feed_through = recursion.matrices
-    return np.asarray(
-        _sweep(
-            transition,
-            early,
-            late,
-            read_only(np.ascontiguousarray(output[:, 0])),
-            read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
-            specimens[0].kernel.address,
-            np.stack([specimen.coefficients(setting) for specimen in specimens]),
-            started,
-            thin.command,
-            np.ascontiguousarray(differences),
-            columns,
-            shifts,
-            thin.fed_back - thin.difference,
-            np.gradient(thin.measured, thin.time_step),
-            np.ascontiguousarray(drawn["feedback_lag"]),
-            band,
-        )
+    arguments = (
+        transition,
+        early,
+        late,
+        read_only(np.ascontiguousarray(output[:, 0])),
+        read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
+        specimens[0].kernel.address,
+        np.stack([specimen.coefficients(setting) for specimen in specimens]),
+        started,
+        thin.command,
+        np.ascontiguousarray(differences),
+        columns,
+        shifts,
+        thin.fed_back - thin.difference,
+        np.gradient(thin.measured, thin.time_step),
+        np.ascontiguousarray(drawn["feedback_lag"]),
     )
+    answer = np.empty((len(specimens), 3))
+
+    def sweep(share: slice) -> Array:
+        band = np.zeros((2, thin.command.size))
+        _sweep(*arguments, share.start, share.stop, answer, band)
+        return band
+
+    return answer, np.sum(in_two_shares(len(specimens), sweep), axis=0)
 
 
 @compiled
@@ -175,14 +176,16 @@ def _sweep(
     fed_back_late: Array,
     velocity: Array,
     feedback_lag: Array,
+    begin: int,
+    end: int,
+    answer: Array,
     band: Array,
-) -> Array:
+) -> None:
     """Statistics as of `DrivenDraws` and the band, in place; the second input is slip."""
-    draws, size = state.shape[0], command.size
-    answer = np.empty((draws, 3))
+    size = command.size
     scratch, motion = np.empty(state.shape[1]), np.zeros(3)
     driving = np.zeros((2, 2))
-    for draw in range(draws):
+    for draw in range(begin, end):
         row = draw % differences.shape[0]
         sums = (0.0, 0.0, 0.0)
         slip = 0.0
@@ -215,7 +218,6 @@ def _sweep(
             weight = 0.5 if i in (0, size - 1) else 1.0
             sums = tally(sums, error - difference, command[i] - error, weight, band, i)
         answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
-    return answer
 
 
 @compiled
