@@ -3,35 +3,43 @@
 import numpy as np
 import pytest
 
+import reliab
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Dimensionless, Exponential, Power, Table
 from reliab.errors import InputError
 from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
+from reliab.sweep import open_ellipses, open_results
 from reliab.validation.law_comparison import compare_laws
 
 
-def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequency(grouped_ellipses):
-    table = compare_laws(grouped_ellipses)
-    for column in ("log_score", "region_at_f"):
-        found = table.pivot_table(index="f", columns="law", values=column)
-        for other in ("exponential", "guo_2017_18"):
-            assert (found["dimensionless"] > found[other]).all()
+def beats(table, others):
+    """Whether the new law has the higher score and the larger region at every frequency."""
+    found = (
+        table.pivot_table(index="f", columns="law", values=column) for column in ("log_score", "region_at_f")
+    )
+    return all((wide["dimensionless"] > wide[other]).all() for wide in found for other in others)
 
 
-@pytest.mark.default_cases(1)
-@pytest.mark.parametrize(
-    ("damping_ratios", "others"),
-    [(slice(None), ("exponential", "guo_2017_18")), ([0.02], ("guo_2017_15", "guo_2017_18"))],
-    ids=["2 % to 10 %", "2 %"],
-)
-def test_on_real_records_the_new_law_beats_the_printed_ones_at_every_frequency(damping_ratios, others):
-    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(xi=damping_ratios)
+def compared(real, others):
     laws = {name: {**FITTED, **OF_MANY_MOTIONS}[name] for name in ("dimensionless", *others)}
-    table = compare_laws(real, laws=laws)
-    for column in ("log_score", "region_at_f"):
-        found = table.pivot_table(index="f", columns="law", values=column)
-        for other in others:
-            assert (found["dimensionless"] > found[other]).all()
+    return compare_laws(real, laws=laws)
+
+
+def test_the_new_law_beats_the_printed_and_the_exponential_form_at_every_frequency(grouped_ellipses):
+    assert beats(compare_laws(grouped_ellipses), ("exponential", "guo_2017_18"))
+
+
+def test_on_real_records_the_new_law_beats_the_printed_ones_at_every_frequency():
+    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
+    others = ("exponential", "guo_2017_18")
+    assert beats(compared(real, others), others)
+
+
+@pytest.mark.slow
+def test_at_the_damping_ratio_of_the_paper_the_new_law_beats_its_two_laws_at_every_frequency():
+    """At 0.5 Hz by half a per cent of area, less than what the rounding of `ellipses.nc` moves."""
+    results = open_results(shipped("datasets", "real_suite/results.nc")).sel(xi=[0.02])
+    others = ("guo_2017_15", "guo_2017_18")
+    assert beats(compared(reliab.ellipses(results, threshold=0.05, metric="rms"), others), others)
 
 
 def test_coverage_is_equal_over_all_structures(grouped_ellipses):

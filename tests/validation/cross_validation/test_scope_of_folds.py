@@ -25,7 +25,7 @@ def test_a_region_whose_records_are_shorter_than_all_others_is_named(by_region):
     count = int((lengths[nahanni] < lengths[~nahanni].min()).sum())
     assert count
     (sentence,) = [sentence for sentence in by_region if "Canada" in sentence and "length" in sentence]
-    assert sentence.startswith(f"Outside: {count} of the {nahanni.sum()} motions")
+    assert sentence.startswith(f"Outside of the population: {count} of the {nahanni.sum()} motions")
 
 
 def test_a_region_within_all_others_is_not_named(by_region):
