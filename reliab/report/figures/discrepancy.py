@@ -17,9 +17,9 @@ from scipy.stats import binned_statistic_2d
 
 from reliab.arrays import Array
 from reliab.report.axes import TIME, legend_below, name_axes, plain
+from reliab.report.numbers import Significant, in_line
 from reliab.report.style import BLUE, GREY, INK, PALE, SEQUENTIAL, VERMILION, blank, letters, panels, styled
-from reliab.significant import significant
-from reliab.vocabulary import MILLI, Block
+from reliab.vocabulary import MILLI, PERCENT, Block
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0
 _MOST_SAMPLES = 3000
@@ -116,17 +116,18 @@ def _histories(place: Axes, channel: GapPanel, *, legend: bool) -> None:
 
 
 def _bars(place: Axes, channel: GapPanel) -> None:
-    count = len(channel.errors)
+    errors = [PERCENT * error for error in channel.errors]
+    count = len(errors)
     names, colours = ("before", "after", "noise")[:count], (VERMILION, BLUE, GREY)[:count]
-    place.barh(names, channel.errors, color=colours, height=0.6)
+    place.barh(names, errors, color=colours, height=0.6)
     place.invert_yaxis()
     place.set_xscale("log")
     place.xaxis.set_minor_formatter(NullFormatter())
-    low, high = min(channel.errors), max(channel.errors)
-    place.set_xlim(0.08 * max(low, 1e-9), 12.0 * high)
-    for rank, value in enumerate(channel.errors):
-        place.text(1.15 * value, rank, significant(value), va="center", fontsize=8.0)
-    name_axes(place, "RMS over signal's RMS [-]", "")
+    low, high = min(errors), max(errors)
+    place.set_xlim(0.08 * max(low, 1e-7), 12.0 * high)
+    for rank, value in enumerate(errors):
+        place.text(1.15 * value, rank, in_line(Significant()(value)), va="center", fontsize=8.0)
+    name_axes(place, "RMS over signal's RMS [%]", "")
 
 
 @styled

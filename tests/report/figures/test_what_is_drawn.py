@@ -580,8 +580,8 @@ def test_what_is_left_in_each_channel():
     assert size(figure)[1] == pytest.approx(2 * 37.0 + 12.0)
     assert titles(figure) == [r"specimen: \$force", "", "second", ""]
     assert names(figure) == [
-        ("", "Residual [N]"), ("RMS over signal's RMS [-]", ""),
-        ("Time $t$ [s]", "Residual [N]"), ("RMS over signal's RMS [-]", ""),
+        ("", "Residual [N]"), ("RMS over signal's RMS [%]", ""),
+        ("Time $t$ [s]", "Residual [N]"), ("RMS over signal's RMS [%]", ""),
     ]  # fmt: skip
     for label in ("before", "after"):
         x, y = curve(first, label)
@@ -593,9 +593,9 @@ def test_what_is_left_in_each_channel():
     assert second.findobj(Legend) == []
     peak = np.abs(shown[0].before).max()
     assert first.get_ylim() == pytest.approx((-1.1 * peak, 1.7 * peak))
-    for place, errors in ((size_of_first, (0.3, 0.1, 0.05)), (size_of_second, (0.3, 0.1))):
-        assert [bar.get_width() for bar in place.patches] == list(errors)
-        assert written(place) == [f"{error:g}" for error in errors]
+    for place, errors in ((size_of_first, (30.0, 10.0, 5.0)), (size_of_second, (30.0, 10.0))):
+        assert [bar.get_width() for bar in place.patches] == pytest.approx(errors)
+        assert written(place) == ["30.0", "10.0", "5.00"][: len(errors)]
         assert [text.get_position() for text in place.texts] == [
             (pytest.approx(1.15 * error), rank) for rank, error in enumerate(errors)
         ]
