@@ -150,7 +150,7 @@ def _reason(error: Exception) -> str:
 
 
 @contextlib.contextmanager
-def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
+def written_whole(path: str | Path) -> Iterator[Path]:
     """Write a file beside its place, and put it there when it is complete and on the disk.
 
     Whoever reads the file sees the one before or the new one, also after a crash or on a full disk. What
@@ -167,20 +167,17 @@ def written_whole(path: str | Path, *, synced: bool = True) -> Iterator[Path]:
     if place.exists() and not place.is_file():
         yield place  # a pipe or a device, such as /dev/null, is written to as it is
         return
-    if synced:
-        remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
+    remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
     unfinished, held = _held_unfinished(place)
     try:
         with held:
             yield unfinished
-            if synced:
-                _sync(unfinished)
+            _sync(unfinished)
             if sys.platform != "win32":  # where an open file cannot be renamed
                 unfinished.replace(place)  # while it is held, so that nobody takes it for abandoned
         if sys.platform == "win32":
             unfinished.replace(place)
-        if synced:
-            _sync(place.parent)
+        _sync(place.parent)
     except BaseException:
         with contextlib.suppress(OSError):
             unfinished.unlink(missing_ok=True)

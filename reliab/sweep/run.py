@@ -1,10 +1,11 @@
 """Sweeps over many ground motions: on threads here, or on a dask.distributed cluster, some motions a task."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import closing
 from dataclasses import dataclass
-from itertools import islice
+from itertools import groupby, islice, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,31 +14,33 @@ from reliab.motions import MotionSuite
 from reliab.progress import Progress, silent
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import solve_motion
-from reliab.sweep.store import EncodedMotion, ResultsStore
+from reliab.sweep.store import EncodedMotion, ResultsStore, StoreAccess
 
 if TYPE_CHECKING:
     from distributed import Client, Future as RemoteFuture
 
 _TASKS_PER_WORKER = 2  # tasks submitted per worker; limits the memory
 _TASKS_PER_THREAD = 4  # tasks submitted per thread of the cluster; limits its memory
-# Of the motions of a thread in a task, and the most of them: each task costs the scheduler and this process
-# some 5 ms, and the last ones should end together.
-_SHARE_OF_TASK, _MOST_OF_TASK = 1 / 16, 8
+# Of a thread's part of the motions that are in no task yet, and the most motions of a task: each costs the
+# scheduler and this process some 5 ms, and the last ones should end together.
+_SHARE_OF_TASK, _MOST_OF_TASK = 1 / 2, 8
 _RETRIES = 3  # of a task whose worker died
 _CONNECT_SECONDS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJob:
-    """A suite of motions and the request for it."""
+    """A suite of motions, the request for it, and the store of its results."""
 
     motions: MotionSuite  # The suite
     request: SweepRequest  # Structures, actuators and windows
+    store: StoreAccess  # Where results are written
 
     def solve(self, index: int) -> EncodedMotion:
-        """Read and simulate one motion, and encode its results for the store."""
+        """Read and simulate one motion, and write its results."""
         motion = self.motions[index]
-        return EncodedMotion.of_results(index, motion, solve_motion(motion, self.request))
+        results = solve_motion(motion, self.request)
+        return self.store.deliver(EncodedMotion.of_results(index, motion, results))
 
     def solve_several(self, indices: Sequence[int]) -> list[EncodedMotion]:
         """Solve the motions of one task."""
@@ -90,52 +93,66 @@ def run_sweep(
         complete = store.complete()
         missing = [index for index, done in enumerate(complete) if not done]
         progress(len(complete) - len(missing), len(complete))
-        job = SweepJob(motions=motions, request=request)
-        steps = (
-            _on_cluster(scheduler, job, store, missing)
-            if scheduler
-            else _on_threads(workers, job, store, missing)
-        )
-        for finished, _ in enumerate(steps, start=len(complete) - len(missing) + 1):
-            progress(finished, len(complete))
+        job = SweepJob(motions=motions, request=request, store=store.access)
+        with closing(
+            _on_cluster(scheduler, job, missing) if scheduler else _on_threads(workers, job, missing)
+        ) as solved:
+            for finished, motion in enumerate(solved, start=len(complete) - len(missing) + 1):
+                store.enter(motion)
+                progress(finished, len(complete))
         store.finish()
     return path
 
 
-def _on_threads(
-    workers: int | None, job: SweepJob, store: ResultsStore, missing: list[int]
-) -> Iterator[None]:
-    """Solve and store motions on the processors of this machine."""
+def _on_threads(workers: int | None, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
+    """Solve motions on the processors of this machine."""
     threads = workers or os.cpu_count() or 1
-    queue = iter(missing)
-    waiting: set[Future[None]] = set()
+    queue = iter(_side_by_side(missing, job.motions.events, threads))
+    waiting: list[Future[EncodedMotion]] = []
     with ThreadPoolExecutor(threads) as pool:
         try:
             while True:
-                for index in islice(queue, _TASKS_PER_WORKER * threads - len(waiting)):
-                    waiting.add(pool.submit(_solve_and_store, job, store, index))
+                further = islice(queue, _TASKS_PER_WORKER * threads - len(waiting))
+                waiting += [pool.submit(job.solve, index) for index in further]
                 if not waiting:
                     return
-                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                for future in done:
-                    yield future.result()
+                done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in waiting if future in done)
+                waiting = [future for future in waiting if future not in done]
         finally:
             for future in waiting:
                 future.cancel()
 
 
-def _solve_and_store(job: SweepJob, store: ResultsStore, index: int) -> None:
-    store.write(job.solve(index))
+def _side_by_side(missing: list[int], events: Sequence[str], threads: int) -> list[int]:
+    """Put motions of different earthquakes side by side, one for each thread.
+
+    Motions of one earthquake are simulated together, or read from one file, for which a thread would wait.
+    """
+    earthquakes = [list(motions) for _, motions in groupby(missing, lambda index: events[index])]
+    return [
+        index
+        for begin in range(0, len(earthquakes), threads)
+        for motions in zip_longest(*earthquakes[begin : begin + threads])
+        for index in motions
+        if index is not None
+    ]
 
 
-def _on_cluster(address: str, job: SweepJob, store: ResultsStore, missing: list[int]) -> Iterator[None]:
-    """Solve and encode motions on a cluster and write the results on this computer."""
-    for solution in _solve_on_cluster(address, job, missing):
-        store.write(solution)
-        yield
+def _in_tasks(missing: list[int], events: Sequence[str], threads: int) -> Iterator[list[int]]:
+    """Divide motions into tasks, shorter towards the end, which end between earthquakes if they can."""
+    begin = 0
+    while begin < len(missing):
+        size = int(_SHARE_OF_TASK * (len(missing) - begin) / threads)
+        end = longest = begin + min(max(1, size), _MOST_OF_TASK)
+        while begin < end < len(missing) and events[missing[end - 1]] == events[missing[end]]:
+            end -= 1
+        end = end if end > begin else longest
+        yield missing[begin:end]
+        begin = end
 
 
-def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterator[EncodedMotion]:
+def _on_cluster(address: str, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
     """Solve motions on a cluster."""
     with _connect(address) as client:
         from distributed import as_completed
@@ -146,8 +163,7 @@ def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Iterat
             return client.submit(SweepJob.solve_several, shared, indices, retries=_RETRIES, pure=False)
 
         threads = max(1, sum(client.nthreads().values()))
-        size = min(max(1, int(_SHARE_OF_TASK * len(missing) / threads)), _MOST_OF_TASK)
-        queue = iter([missing[begin : begin + size] for begin in range(0, len(missing), size)])
+        queue = _in_tasks(missing, job.motions.events, threads)
         running = as_completed([submit(indices) for indices in islice(queue, _TASKS_PER_THREAD * threads)])
         for future in running:
             yield from _take_results(future)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from reliab.vocabulary import Metric
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
 _SHORTEST = 0.1  # of the longest delay; d/τ of shorter ones is that of this one
 _CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
+_SETUP = Lock()  # of what all motions share, which the first of several threads works out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +67,8 @@ def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> Moti
     excitation = excitation_of(motion, window)
     pair = QuadraturePair.from_excitation(excitation)
     structures = request.structures
-    batch = _batch(request.grid, tuple(structures)) if _by_poles(request) else None
+    with _SETUP:
+        batch = _batch(request.grid, tuple(structures)) if _by_poles(request) else None
     prepared = batch.prepare(excitation) if batch else [None for _ in structures]
     tables = [
         _solve_structure(excitation, pair, request, structure, of_structure)

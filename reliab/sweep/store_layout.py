@@ -8,6 +8,7 @@ little-endian values, Blosc, CRC-32C, under the name that the array prescribes.
 import json
 import shutil
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, Crc32cCodec
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary, refuse_links, written_whole
+from reliab.files import decoding, ordinary, refuse_links, unfinished_name
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
 from reliab.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
@@ -42,13 +43,38 @@ def encoded(values: NDArray[np.generic]) -> bytes:
     return bytes(CRC32C(location="end").encode(compressed))
 
 
-def write_chunk(folder: Path, array: Any, index: int, chunk: bytes) -> None:  # noqa: ANN401
-    """Write the encoded values of one motion to an array whose chunks hold one motion each."""
-    key = array.metadata.encode_chunk_key((index, *(0 for _ in array.shape[1:])))
-    place = folder / key
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(place, synced=False) as unfinished:
-        unfinished.write_bytes(chunk)
+@dataclass(frozen=True, kw_only=True)
+class ChunkNames:
+    """Names of the files of an array whose chunks hold one motion each."""
+
+    folder: Path  # Of the array, within the store
+    first: str  # Of the first motion, within that folder
+
+    @classmethod
+    def of_array(cls, folder: Path, array: Any) -> "ChunkNames":  # noqa: ANN401
+        """Names that an array prescribes; stores of older versions have folders for them."""
+        return cls(folder=folder, first=array.metadata.encode_chunk_key((0,) * array.ndim))
+
+    def of_motion(self, index: int) -> Path:
+        """Place of the file of a motion within the store."""
+        return self.folder / self.first.replace("0", str(index), 1)
+
+
+def write_chunk(store: Path, within: Path, chunk: bytes) -> None:
+    """Write a file of a store at once or not at all, without waiting for the disk.
+
+    It is written in the folder of the store, where what killed processes left is removed when that is closed.
+    """
+    place, unfinished = store / within, unfinished_name(store / "chunk")
+    try:
+        with unfinished.open("xb") as file:
+            file.write(chunk)
+        if "." not in place.name:
+            place.parent.mkdir(parents=True, exist_ok=True)
+        unfinished.replace(place)
+    except BaseException:
+        unfinished.unlink(missing_ok=True)
+        raise
 
 
 SCHEMA_VERSION = 1

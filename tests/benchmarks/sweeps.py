@@ -4,7 +4,8 @@ What a second processor adds at most is shown by two processes that share nothin
 whole suite on one thread while the other does; two threads and two workers are stated beside it. Ways are
 taken in turns, since clocks of a machine change, and the shortest turn of each is printed: its time, the
 processor time of all that took part, and the share of the machine that other programs had meanwhile. Where
-that is more than a few per cent only the processor time means something.
+that is more than a few per cent only the processor time means something. Ratios of times follow: what two
+threads and two workers add, and what share that is of what two processes add. It takes some three minutes.
 
 python tests/benchmarks/sweeps.py [SOURCE ...]
 """
@@ -114,6 +115,18 @@ def processor_times() -> tuple[float, float]:
     return everybody.user + everybody.nice + everybody.system, sum(one.user + one.system for one in times)
 
 
+def print_ratios(name: str, turns: Mapping[str, Turn]) -> None:
+    """State what two threads and two workers add to one, beside what two processes add."""
+    one, threads, processes, worker, workers = (turn.seconds for turn in turns.values())
+    ceiling = one / processes
+    print(
+        f"{name}: two processes {ceiling:.2f} times one thread; two threads {one / threads:.2f} times, "
+        f"{processes / threads:.0%} of that; dask, two workers {worker / workers:.2f} times one worker "
+        f"(efficiency {worker / workers / 2.0:.2f}, {worker / workers / ceiling:.0%} of what two processes "
+        f"add) and {one / workers:.2f} times one thread ({processes / workers:.0%})"
+    )
+
+
 def main() -> None:
     suite = load_motions(*(sys.argv[1:] or ["synthetic"]))
     paper = SweepRequest(frequencies=FREQUENCIES, damping_ratios=(0.02,), grid=ExplicitGrid())
@@ -123,8 +136,10 @@ def main() -> None:
     machine = Machine(suite, paper)
     print(f"{len(suite)} motions")
     for name, request in (("paper's grid", paper), ("scaled grid with leads", scaled)):
-        for way, turn in shortest(machine.ways(suite, request)).items():
+        turns = shortest(machine.ways(suite, request))
+        for way, turn in turns.items():
             print(f"{name} x 8 frequencies, {way}: {turn}")
+        print_ratios(f"{name} x 8 frequencies", turns)
     print(f"scaled grid x 72 structures, two threads: {one_turn(lambda: timed(suite, factorial, 2))}")
     for count in (12, 25, 50, len(suite)):
         print(f"paper's grid, {count} motions: {timed(suite[:count], paper, None):.2f} s")

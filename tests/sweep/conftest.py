@@ -1,6 +1,9 @@
 """A small suite and a small sweep."""
 
+import hashlib
 import shutil
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +11,7 @@ import pytest
 
 from reliab.indices.window import Window
 from reliab.motions import Motion, MotionSuite
-from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
+from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, store as stores
 
 
 @pytest.fixture(scope="session")
@@ -47,3 +50,35 @@ def store(tmp_path_factory, suite, request_):
 def own_store(tmp_path, store):
     """The same store for a test to change."""
     return Path(shutil.copytree(store, tmp_path / "results.zarr"))
+
+
+@pytest.fixture(scope="session")
+def contents() -> Callable[[Path], dict[str, str]]:
+    """Digest of every file of a folder."""
+    return lambda path: {
+        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(path.rglob("*"))
+        if file.is_file()
+    }
+
+
+@pytest.fixture
+def motions_handed_back(monkeypatch) -> Callable[..., list[int]]:
+    """Those that the holder of a store writes itself, where others see the same store or do not."""
+
+    def watch(*, shared: bool) -> list[int]:
+        handed_back: list[int] = []
+        own, enter = vars(stores.ResultsStore)["access"].func, stores.ResultsStore.enter
+
+        def noting(store, motion):
+            if motion.windows:
+                handed_back.append(motion.index)
+            enter(store, motion)
+
+        monkeypatch.setattr(stores.ResultsStore, "enter", noting)
+        if not shared:
+            foreign = property(lambda store: replace(own(store), token="another"))  # noqa: S106 - no password
+            monkeypatch.setattr(stores.ResultsStore, "access", foreign)
+        return handed_back
+
+    return watch

@@ -1,10 +1,12 @@
 """A chunk is written byte by byte as Zarr writes it, and read back by Zarr."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import zarr
 
-from reliab.sweep.store_layout import codecs, encoded, write_chunk
+from reliab.sweep.store_layout import ChunkNames, codecs, encoded, write_chunk
 
 
 @pytest.mark.parametrize("dtype", ["float32", "bool"])
@@ -26,5 +28,6 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     array[0] = values
     (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
     assert first.read_bytes() == encoded(values)
-    write_chunk(tmp_path / "store" / "values", array, 1, encoded(values))
+    within = ChunkNames.of_array(Path("values"), array).of_motion(1)
+    write_chunk(tmp_path / "store", within, encoded(values))
     np.testing.assert_array_equal(array[1], values)

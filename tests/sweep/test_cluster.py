@@ -25,15 +25,21 @@ def cluster(*, processes):
 
 
 @pytest.mark.filterwarnings("ignore")  # dask's own shutdown is noisy
-def test_a_cluster_gives_the_local_results(tmp_path, suite, request_, store):
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_cluster_writes_the_bytes_of_this_machine(
+    tmp_path, suite, request_, store, contents, motions_handed_back, shared
+):
+    """Workers write what they solve where they see the store, and hand it back where they do not."""
+    handed_back = motions_handed_back(shared=shared)
     with cluster(processes=False) as threads:
         path = run_sweep(suite, request_, tmp_path / "remote.zarr", scheduler=threads.scheduler_address)
-    assert open_results(path).identical(open_results(store))
+    assert contents(path) == contents(store)
+    assert sorted(handed_back) == ([] if shared else list(range(6)))
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_a_cluster_gives_the_local_results_even_when_a_worker_dies(tmp_path, suite, request_, store):
+def test_a_cluster_writes_the_same_bytes_even_when_a_worker_dies(tmp_path, suite, request_, store, contents):
     killed = []
 
     with cluster(processes=True) as workers:
@@ -48,7 +54,7 @@ def test_a_cluster_gives_the_local_results_even_when_a_worker_dies(tmp_path, sui
             suite, request_, tmp_path / "remote.zarr", scheduler=workers.scheduler_address, progress=kill_one
         )
     assert killed
-    assert open_results(path).identical(open_results(store))
+    assert contents(path) == contents(store)
 
 
 SCHEDULER = """

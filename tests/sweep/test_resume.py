@@ -1,7 +1,7 @@
 """A store survives being killed, damaged, shared and filled up."""
 
 import errno
-import hashlib
+import itertools
 import os
 import signal
 import subprocess
@@ -42,14 +42,6 @@ SCRIPT = textwrap.dedent(
 )
 
 
-def contents(path: Path) -> dict[str, str]:
-    return {
-        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in sorted(path.rglob("*"))
-        if file.is_file()
-    }
-
-
 def run_script(path: Path, *, resume: bool) -> subprocess.Popen[str]:
     arguments = [sys.executable, "-c", SCRIPT, str(path), *(["--resume"] if resume else [])]
     return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # noqa: S603
@@ -78,13 +70,13 @@ def killed(process: subprocess.Popen[str]) -> bool:
 
 
 @pytest.fixture(scope="module")
-def reference(tmp_path_factory):
+def reference(tmp_path_factory, contents):
     path = tmp_path_factory.mktemp("reference") / "results.zarr"
     return contents(run_sweep(load_motions("synthetic")[:40], REQUEST, path))
 
 
 @pytest.mark.slow
-def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path, reference):
+def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path, reference, contents):
     path = tmp_path / "results.zarr"
     process = run_script(path, resume=False)
     assert process.stdout is not None
@@ -98,15 +90,8 @@ def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path
 @pytest.mark.parametrize("tick", [0.0, 0.26])
 def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tick):
     """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
-    now = [100.0]
-    monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    write_chunk = store.write_chunk  # type: ignore[attr-defined]
-
-    def write_later(*arguments):
-        write_chunk(*arguments)
-        now[0] += tick
-
-    monkeypatch.setattr(store, "write_chunk", write_later)
+    clock = (100.0 + tick * reading for reading in itertools.count())
+    monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     path, known = tmp_path / "results.zarr", []
 
     def look(done: int, _: int) -> None:
@@ -118,7 +103,7 @@ def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tic
 
 
 @pytest.mark.slow
-def test_fifty_kills_leave_the_same_bytes(tmp_path, reference):
+def test_fifty_kills_leave_the_same_bytes(tmp_path, reference, contents):
     rng = np.random.default_rng(50)
     interrupted = sum(kill_repeatedly(tmp_path / f"{k}" / "results.zarr", 5, rng) for k in range(10))
     assert interrupted >= 40
@@ -126,7 +111,7 @@ def test_fifty_kills_leave_the_same_bytes(tmp_path, reference):
         assert contents(tmp_path / f"{k}" / "results.zarr") == reference
 
 
-def test_damaged_chunk_is_detected_and_solved_again(own_store, suite, request_):
+def test_damaged_chunk_is_detected_and_solved_again(own_store, suite, request_, contents):
     path = own_store
     before = contents(path)
     chunk = next((path / "rms").glob("c.2.*"))
@@ -157,7 +142,7 @@ def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, requ
     assert open_results(tmp_path / "results.zarr").sizes["motion"] == 6
 
 
-def test_what_a_killed_process_was_writing_is_removed(own_store, suite, request_):
+def test_what_a_killed_process_was_writing_is_removed(own_store, suite, request_, contents):
     before = contents(own_store)
     (own_store / "rms" / ".unfinished-1").write_bytes(b"half")
     (own_store / "duration" / "c.0123.partial").write_bytes(b"half")
@@ -191,7 +176,7 @@ def test_existing_store_is_not_overwritten(own_store, suite, request_):
 @pytest.mark.parametrize(
     "place", ["motion/c.0", "rms/c.0.0.0.0.0", "journal/c.0", "rms/zarr.json", "mte", ".lock"]
 )
-def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_, tmp_path, place):
+def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_, tmp_path, place, contents):
     """A store may come from somewhere else, with a link to any file of whoever resumes it."""
     own = own_store.with_name("results.zarr.lock") if place == ".lock" else own_store / place
     elsewhere = tmp_path / "elsewhere"
@@ -220,10 +205,10 @@ def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
 def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch):
     original = store.write_chunk  # type: ignore[attr-defined]
 
-    def write_chunk(folder, array, index, chunk):
-        if index == 2:
+    def write_chunk(path, within, chunk):
+        if within.name.startswith("c.2."):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        original(folder, array, index, chunk)
+        original(path, within, chunk)
 
     path = tmp_path / "results.zarr"
     monkeypatch.setattr(store, "write_chunk", write_chunk)

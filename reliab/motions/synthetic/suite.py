@@ -72,7 +72,7 @@ class _RecordingsOfEvent:
         return self._simulated[station - 1]
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _event(seed: int, number: int) -> _RecordingsOfEvent:
     """Keep the latest earthquakes, because their motions are asked for one after the other."""
     return _RecordingsOfEvent(seed, number)
