@@ -166,9 +166,10 @@ def made_with(path: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        Versions by package, under "packages"; where stages were run with different ones, by stage.
+        Versions by package, under "packages"; where stages were run with different ones, by stage. A stage
+        that is not done yet, such as the one that draws a report, has none.
     """
-    packages = {name: entry.get("packages", {}) for name, entry in _results(path).items()}
+    packages = {name: entry["packages"] for name, entry in _results(path).items() if entry.get("packages")}
     distinct = list(
         {json.dumps(versions, sort_keys=True): versions for versions in packages.values()}.values()
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from reliab.criterion import installed_versions
 from reliab.criterion.laws import FITTED
 from reliab.errors import InputError
 from reliab.files import UNFINISHED
@@ -204,6 +205,18 @@ def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finishe
         "validate",
         "real motions",
     }
+
+
+def test_a_stage_that_draws_tells_the_packages_of_those_that_are_done(tmp_path):
+    """A stage has no packages of its own while it works; the report that it draws names the others'."""
+    folder = RunFolder(tmp_path / "run", study={})
+    told = []
+    first = Stage(name="diagnose", inputs={}, writes=(), work=lambda _: None)
+    folder.perform(first)
+    folder.perform(
+        Stage(name="draw", inputs={}, writes=(), work=lambda run: told.append(stages.made_with(run)))
+    )
+    assert told == [{"packages": installed_versions()}]
 
 
 def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
