@@ -5,7 +5,7 @@ import pytest
 
 from reliab.criterion import read_ellipses
 from reliab.discrepancy.campaign import Channel
-from reliab.discrepancy.campaign.channels import read_channels
+from reliab.discrepancy.campaign.reading import read_channels
 from reliab.encodings import as_cell, of_cell, pieces_as_utf8
 from reliab.motions import load_motions
 from reliab.recordings import StatedChannels, read_test, rows_as_written

@@ -4,7 +4,6 @@ from typing import Any
 
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
-from reliab.effects.command_saturation import CommandSaturation
 from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
 from reliab.effects.degrading_hysteresis import DegradingHysteresis
@@ -27,7 +26,7 @@ from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
-from reliab.effects.stroke_saturation import StrokeSaturation
+from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.registry import Registry

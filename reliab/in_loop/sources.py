@@ -2,7 +2,7 @@
 
 The recursions are those of `reliab.assessment.rebuilt_error` and `reliab.assessment.coupled_error`, exact for
 a straight line between samples; their coefficients are written with 17 digits, so that both compute with the
-same numbers.
+same numbers: w₊ = E w + F₀τ + F₁τ₊, y = P w + Qτ, with τ = x_c − x_m at the interface.
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,10 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment import rebuilt_error
 from reliab.assessment.coupled_error import LOST_IN_NOISE
+from reliab.assessment.rebuilt_error import Recursion, WatchedMode, watched_modes
 from reliab.effects import Effect, Role, SteppedEffect
 from reliab.errors import InputError
 from reliab.in_loop.effects_in_c import functions_in_c
-from reliab.in_loop.loop_coefficients import LoopCoefficients
 from reliab.recordings import LARGEST_READING
 from reliab.significant import significant
 from reliab.simulation.hybrid_test import HybridTest
@@ -28,7 +28,6 @@ from reliab.vocabulary import Metric
 TEMPLATES = ("reliab_monitor.h", "reliab_monitor.c", "example.c", "README.md")
 CONFIGURATION = "reliab_monitor_config.h"
 MOST_DEGREES_OF_FREEDOM = 100
-
 _NONLINEAR_FORCE = (
     "static double nonlinear_force(double *motion, double time, "
     "double states[RELIAB_EFFECTS][RELIAB_EFFECT_STATES])"
@@ -51,6 +50,41 @@ _OF_ENERGY = {
     "SLOWEST": rebuilt_error.SLOWEST_POLE,
 }
 """Numbers of the alarm of the energy."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoopCoefficients:
+    """Coefficients of a monitor of p actuators."""
+
+    decay: Array  # E, shape (2n, 2n)
+    early: Array  # early, late: F₀ and F₁, shape (2n, p)
+    late: Array
+    output: Array  # P, shape (p, 2n)
+    feed_through: Array  # Q, shape (p, p)
+    carry: Array  # Interface displacements per unit at each sensor [-], shape (p, p)
+    equilibrium: Array  # State under a constant x_c − x_m of one at each sensor, shape (2n, p)
+    share: Array  # By which a sensor's offset that the loop feels moves its command back [-], shape (p,)
+    modes: tuple[WatchedMode, ...]  # Three for each actuator at most
+
+    pushed: tuple[Array, Array]  # F₀ and F₁ of a force at the interface, shape (2n, p) each
+
+    @classmethod
+    def of_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
+        """Take a structure with interface displacements that the channels are carried to; `step` [s]."""
+        whole = structure.with_masses
+        recursion, by_force = Recursion.of_displacement(whole, step), Recursion.of_force(whole, step)
+        return cls(
+            decay=recursion.transition,
+            early=recursion.early,
+            late=recursion.late,
+            output=recursion.output,
+            feed_through=recursion.feed_through,
+            carry=carry,
+            equilibrium=recursion.static @ carry,
+            share=structure.shares_at_sensors(carry),
+            modes=watched_modes(whole, step),
+            pushed=(by_force.early, by_force.late),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,7 +33,7 @@ from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
 from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
 from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
-from reliab.discrepancy.campaign.channels import read_channels  # noqa: E402
+from reliab.discrepancy.campaign.reading import read_channels  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
 from reliab.discrepancy.spectra.smoothing import motions_of  # noqa: E402
 from reliab.recordings import StatedChannels  # noqa: E402

@@ -7,7 +7,7 @@ import pytest
 from reliab.assessment.design import Tolerance
 from reliab.cli import calibrate, ellipses, output, validate
 from reliab.cli.assess.shown_design import show_design
-from reliab.cli.assess.shown_several import show_several
+from reliab.cli.assess.shown_test import show_several
 from reliab.cli.criterion import show_criteria
 from reliab.stated_value import StatedValue
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings, strategies as st
 
 from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
 from reliab.discrepancy.campaign import reading
-from reliab.discrepancy.campaign.channels import read_channels
 from reliab.discrepancy.campaign.contradictions import _crossed, require_consistent
+from reliab.discrepancy.campaign.reading import read_channels
 from reliab.errors import InputError
 from reliab.recordings import StatedChannels
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface
-from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, sample_posterior
+from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, LikelihoodSurface, sample_posterior
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit

@@ -8,7 +8,7 @@ import pytest
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.naming.ranking import believed, ranking
+from reliab.discrepancy.naming.naming import believed, ranking
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects import find_effect
 

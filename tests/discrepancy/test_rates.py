@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface
+from reliab.discrepancy.adding.posterior import LikelihoodSurface
 from reliab.discrepancy.blocks.loop import _resampled
 from reliab.discrepancy.blocks.observed import ObservedBlock
 

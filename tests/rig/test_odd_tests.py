@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.rig.odd_tests import OddTests, odd_density, ordinary_tests
+from reliab.rig.watching import OddTests, odd_density, ordinary_tests
 
 
 def test_the_density_of_odd_tests_is_a_student_distribution():

@@ -21,10 +21,10 @@ from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT_DRAWS,
-    FEWEST_SWEPT,
     Histories,
     Unknown,
     exact_of_draws,
+    samples_in_step,
     sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
@@ -39,7 +39,6 @@ DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
 
 _OF_EXACT = 0.001  # accuracy of an error whose structure is exact
-_IN_PERIOD_OF_BAND = 0.25
 _PER_PERIOD = 16.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
 _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that are linear between samples
@@ -98,7 +97,10 @@ def rebuild_coupled(
     band, frequencies = channels.noises[0].band, partition.natural_frequencies
     modes = int(np.count_nonzero(frequencies <= _ABOVE_BAND * max(band, float(frequencies[0]))))
     structure = partition.with_lowest_modes(modes)
-    every = _samples_in_step(structure, band, time_step, command.shape[1])
+    governing = _governing_modes(structure, _NEAR_BAND * band)
+    fastest = float(governing.max()) if governing.size else float(frequencies[0])
+    of_structure = max(int(1.0 / (_PER_PERIOD * fastest * time_step)), 1)
+    every = samples_in_step(of_structure, channels.noises[0], command.shape[1])
     histories = _smoothed(channels, carry, feedback_lag)
     differences = _draw(channels, histories, structure, every, draws, seed)
     recursion = recursion or histories.recursion(structure)
@@ -268,15 +270,6 @@ def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
     still = ~_moves(channels.command, channels.measured)
     shown = np.where(still, np.mean((channels.command - channels.measured) ** 2, axis=1), 0.0)
     return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ shown))
-
-
-def _samples_in_step(structure: Partition, band: float, step: float, samples: int) -> int:
-    """Return the number of samples of which one is enough while draws are swept."""
-    governing = _governing_modes(structure, _NEAR_BAND * band)
-    fastest = float(governing.max()) if governing.size else float(structure.natural_frequencies[0])
-    of_structure = max(int(1.0 / (_PER_PERIOD * fastest * step)), 1)
-    of_band = max(int(_IN_PERIOD_OF_BAND / (band * step)), 1)
-    return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
 
 
 def _governing_modes(partition: Partition, highest: float) -> Array:

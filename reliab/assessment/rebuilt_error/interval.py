@@ -24,7 +24,6 @@ from reliab.assessment.rebuilt_error.recursion import (
     states_in_motion,
     structure_of_draw,
 )
-from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -274,9 +273,11 @@ def _at_interface(thin: Histories, differences: Array) -> Array:
     return carried.reshape(len(carried), -1, carried.shape[-1])
 
 
-def samples_in_step(structure: Partition, noise: SensorNoise, samples: int) -> int:
-    """Return the number of samples of which one is enough while draws are swept."""
-    of_structure = samples_in_step_of_structure(structure, noise.time_step)
+def samples_in_step(of_structure: int, noise: SensorNoise, samples: int) -> int:
+    """Return the number of samples of which one is enough while draws are swept.
+
+    `of_structure`: the number of which one resolves the structure's modes.
+    """
     of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
     return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
 

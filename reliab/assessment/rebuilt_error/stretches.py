@@ -116,7 +116,7 @@ def draw_error(
     Returns the error from the beginning of the test, and what was drawn of these samples.
     """
     structure, seed = test.structure, test.seed
-    every = samples_in_step(structure, noise, command.size)
+    every = samples_in_step(samples_in_step_of_structure(structure, test.time_step), noise, command.size)
     if np.ptp(command) > 0.0:
         difference, fed_back = noise.smooth(command - read), noise.smooth(fed_back)
         lowest = float(structure.natural_frequencies[0])

@@ -178,7 +178,7 @@ def _show_one(
 
 def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
     from reliab.api import write_tests
-    from reliab.cli.assess.shown_several import show_several
+    from reliab.cli.assess.shown_test import show_several
     from reliab.cli.output import write_json
 
     contents = [
@@ -199,7 +199,7 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
 
 def _write_same_test(assessments: "Assessments", demand: AssessDemand) -> bool:
     from reliab.api import write_tests
-    from reliab.cli.assess.shown_several import show_same_test
+    from reliab.cli.assess.shown_test import show_same_test
     from reliab.cli.output import write_json
 
     together = assessments.same_test()

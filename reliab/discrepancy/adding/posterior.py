@@ -1,20 +1,36 @@
-"""The posterior distribution of a model's parameters, sampled by independent ensembles of walkers."""
+"""The posterior distribution of a model's parameters, sampled by independent ensembles of walkers.
+
+A simulation takes some ten milliseconds and an ensemble sampler asks for a hundred thousand. Near a fitted
+model the whitened residual is therefore written as a quadratic polynomial of the parameters, exact where
+effects enter linearly, which is fitted at points as far from the most probable model as the data allow. The
+likelihood is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is
+good enough is checked with simulations at draws.
+"""
 
 import warnings
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.discrepancy.adding.likelihood_surface import LikelihoodSurface, log_density, simulated
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.progress import Progress, silent
-from reliab.sampling import Ensembles, PosteriorSample, sample
+from reliab.sampling import Ensembles, Model, Parameter, PosteriorSample, sample
 from reliab.significant import percent
+
+_REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
+_WIDE = 10.0  # standard deviations within which the mode is looked for
+_WALL = 1e9  # stands for infinity where walkers may still start
+_WORKERS = 2
 
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
@@ -23,6 +39,109 @@ _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
+
+
+def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
+    """Whitened residuals of a model at given coordinates."""
+    with ThreadPoolExecutor(_WORKERS) as pool:
+        rows = pool.map(lambda point: problem.whitened(fitted.space, point, fitted.noise), points)
+        return np.stack(list(rows))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LikelihoodSurface(Model):
+    """Posterior of a model's coordinates, in standard ones in which it is nearly standard normal."""
+
+    name: ClassVar[str] = "likelihood surface"
+
+    names: tuple[str, ...]  # Standard coordinates, principal axes of the fitted covariance
+    centre: Array  # Coordinates where the standard ones are zero, shape (size,)
+    axes: Array  # Coordinates over standard ones, shape (size, size)
+    bounds: tuple[Array, Array]  # Bounds of the coordinates, shape (size,) each
+    coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
+
+    @classmethod
+    def around(cls, problem: Problem, fitted: Fit) -> "LikelihoodSurface":
+        """Simulate around a fitted model and fit the polynomial."""
+        variances, directions = np.linalg.eigh(fitted.covariance)
+        axes = directions * np.sqrt(variances)
+        points = np.clip(fitted.coordinates + _design(fitted.space.size) @ axes.T, *fitted.space.bounds)
+        standard = np.linalg.solve(axes, (points - fitted.coordinates).T).T
+        return cls(
+            names=tuple(f"axis {k}" for k in range(fitted.space.size)),
+            centre=fitted.coordinates,
+            axes=axes,
+            bounds=fitted.space.bounds,
+            coefficients=np.linalg.pinv(_features(standard)) @ simulated(problem, fitted, points),
+        )
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Standard coordinates; their spread is how far the mode is looked for, not that of the prior."""
+        return tuple(Parameter(name=name, mean=0.0, spread=_WIDE) for name in self.names)
+
+    @property
+    def data(self) -> Array:
+        """Coefficients of the residual and where they hold."""
+        return np.concatenate([self.coefficients.ravel(), self.centre, self.axes.ravel()])
+
+    @cached_property
+    def _gram(self) -> Array:
+        return self.coefficients @ self.coefficients.T
+
+    def coordinates(self, theta: Array) -> Array:
+        """Coordinates of standard ones, shape (..., size)."""
+        return np.asarray(self.centre + theta @ self.axes.T)
+
+    def log_prior(self, theta: Array) -> Array:
+        """Log-density of the prior, standard normal in the model's coordinates, negligible beyond bounds."""
+        coordinates = self.coordinates(theta)
+        overshoot = np.abs(coordinates - np.clip(coordinates, *self.bounds)).sum(axis=1)
+        walls = np.where(overshoot > 0.0, _WALL * (1.0 + overshoot), 0.0)
+        return np.asarray(-0.5 * (coordinates**2).sum(axis=1) - walls)
+
+    def draw_prior(self, count: int, rng: np.random.Generator) -> Array:
+        """Draw standard coordinates from the prior, shape (count, size)."""
+        drawn = np.clip(rng.standard_normal((count, self.centre.size)), *self.bounds)
+        return np.asarray(np.linalg.solve(self.axes, (drawn - self.centre).T).T)
+
+    def log_likelihood(self, theta: Array) -> Array:
+        """Log-likelihood at standard coordinates, shape (points, size) to (points,)."""
+        features = _features(theta)
+        return np.asarray(-0.5 * np.einsum("ki,ki->k", features @ self._gram, features))
+
+    def simulate(self, theta: Array, rng: np.random.Generator) -> "LikelihoodSurface":
+        """Return the surface of data drawn at standard coordinates, shape (size,)."""
+        changed = self.coefficients.copy()
+        changed[0] += (
+            rng.standard_normal(changed.shape[1]) - (_features(theta[np.newaxis]) @ self.coefficients)[0]
+        )
+        return replace(self, coefficients=changed)
+
+
+def log_density(residuals: Array, coordinates: Array) -> Array:
+    """Logarithm of the posterior density from simulated residuals, shape (points,)."""
+    return np.asarray(-0.5 * (residuals**2).sum(axis=1) - 0.5 * (coordinates**2).sum(axis=1))
+
+
+def _design(size: int) -> Array:
+    """Points that determine a quadratic polynomial, shape ((size + 1)(size + 2)/2, size)."""
+    unit = _REACH * np.eye(size)
+    pairs = [unit[i] + unit[j] for i, j in combinations(range(size), 2)]
+    return np.vstack([np.zeros((1, size)), unit, -unit, *(pair[np.newaxis] / np.sqrt(2.0) for pair in pairs)])
+
+
+def _features(standard: Array) -> Array:
+    """Monomials up to the second degree, shape (points, features)."""
+    i, j = _pairs(standard.shape[1])
+    return np.column_stack([np.ones(len(standard)), standard, standard[:, i] * standard[:, j]])
+
+
+@cache
+def _pairs(size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Factors of the monomials of the second degree; walkers ask for them thousands of times."""
+    i, j = np.triu_indices(size)
+    return i, j
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,7 +217,7 @@ def sample_posterior(
     """Sample the posterior distribution of a fitted model.
 
     Calibrations and offsets are sampled along with the effects; the noise is as fitted. Walkers move on a
-    surface that a few simulations determine, see :mod:`reliab.discrepancy.adding.likelihood_surface`, and
+    surface that a few simulations determine, see :mod:`reliab.discrepancy.adding.posterior`, and
     simulations at draws check it.
     """
     surface = LikelihoodSurface.around(problem, fitted)

@@ -13,6 +13,7 @@ from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_un
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import _for_half, widenings, widenings_of_draws
@@ -175,11 +176,12 @@ def test_a_step_of_the_sweep_resolves_structure_and_motion():
     """64 samples in a period of the structure; a quarter of the motion's period for up to 4096 samples."""
     stiff = Partition.of_structure(Structure(frequency=0.5, damping_ratio=0.05))
     noise = SensorNoise(time_step=1.0 / 1024.0, weights=np.zeros(6), band=32.0)
-    assert samples_in_step(stiff, noise, 20_000) == 8
-    assert samples_in_step(stiff, replace(noise, band=128.0), 4096) == 2
-    assert samples_in_step(stiff, replace(noise, band=128.0), 4096 * 5 + 1) == 6
-    assert samples_in_step(stiff, replace(noise, band=2.0), 100) == 32
-    assert samples_in_step(stiff, replace(noise, band=400.0), 100) == 1
+    of_structure = samples_in_step_of_structure(stiff, noise.time_step)
+    assert samples_in_step(of_structure, noise, 20_000) == 8
+    assert samples_in_step(of_structure, replace(noise, band=128.0), 4096) == 2
+    assert samples_in_step(of_structure, replace(noise, band=128.0), 4096 * 5 + 1) == 6
+    assert samples_in_step(of_structure, replace(noise, band=2.0), 100) == 32
+    assert samples_in_step(of_structure, replace(noise, band=400.0), 100) == 1
 
 
 def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histories):
