@@ -17,7 +17,7 @@ from reliab.assessment.contradictions import (
     of_stability,
 )
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.doubts import verdict_of_error
+from reliab.assessment.doubts import doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
@@ -160,6 +160,7 @@ def _examined(
     judged = _judged(recording, clean, faults, question)
     turning = examine_turning(judged.error, recording, question)
     verdict = judged.verdict(_with_any_damping(clean, question) if assumed else ())
+    verdict = doubted_by_rest(verdict, judged.error, clean)
     assessment = Assessment(
         recording=recording,
         structure=structure,

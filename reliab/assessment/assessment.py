@@ -77,6 +77,11 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
             f"The command responds to it, so that the structure felt it: {name} is {sizes[0]} with it and "
             f"would be {sizes[1]} without."
         )
+    elif fault.kind == "zero":
+        yield (
+            f"{name} is {sizes[0]} from there; from the recorded zero it would be {sizes[1]}. State zeros in "
+            "channels.toml if the structure rests elsewhere."
+        )
     elif fault.in_loop is False:
         why = (
             ""

@@ -2,11 +2,14 @@
 
 import math
 
+import numpy as np
+
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.verdict import Verdict, Word, word_of_probability
+from reliab.recordings import CoupledRecording, Recording
 from reliab.significant import percent, significant
 from reliab.structures import is_of_entries
 from reliab.vocabulary import Metric
@@ -19,6 +22,11 @@ _NONLINEAR = (
 )
 _NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
+_COPIED = "Export the test again, each channel from its own sensor."
+_JUMPED = "Export the test again, whole and alone: from its first motion to its end, without lost samples."
+_CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."
+_STILL = 1e-3  # of the command's peak: what the command of a structure at rest stays below
+_MOSTLY_MOVING = 0.7  # share of a recording in which the structure moves, above which it is no longer asked
 _SKEW = (
     "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
     "vibration: the verdict depends on which of the two is the cause."
@@ -75,6 +83,32 @@ def verdict_of_error(
     return verdict.doubted(reasons, remedies)
 
 
+def doubted_by_rest(
+    verdict: Verdict, error: ErrorWithThreshold, recording: Recording | CoupledRecording
+) -> Verdict:
+    """Call no test reliable that is so only because its recording is long before or after the motion.
+
+    RMS^R is the mean over the whole recording, which says little where the structure rests in most of it.
+    """
+    if error.metric is not Metric.RMS or verdict.word is not Word.RELIABLE:
+        return verdict
+    commands = np.abs(np.atleast_2d(recording.command))
+    moving = np.flatnonzero((commands > _STILL * commands.max(axis=1, keepdims=True)).any(axis=0))
+    samples = int(moving[-1] - moving[0] + 1)
+    share = samples / commands.shape[1]
+    factor = 1.0 / math.sqrt(share)
+    probability = float(np.mean(error.rebuilt.errors(Metric.RMS) * factor <= error.threshold))
+    if share > _MOSTLY_MOVING or word_of_probability(probability) is Word.RELIABLE:
+        return verdict
+    reason = (
+        f"The structure moves in {significant(samples * recording.time_step)} of "
+        f"{significant(recording.duration)} s only: over these RMS^R is "
+        f"{percent(error.estimate(Metric.RMS).value * factor, decimals=2)}, below "
+        f"{percent(error.threshold)} with probability {probability_text(probability)}."
+    )
+    return verdict.doubted([reason], [_CUT])
+
+
 def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     """Call no test reliable of which a structure that stated entries allow has too large an error.
 
@@ -124,7 +158,7 @@ def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], li
         if effect.otherwise is None:
             if word is Word.RELIABLE:
                 reasons.append(effect.fault.sentence)
-                remedies.append("Export the test again, each channel from its own sensor.")
+                remedies.append(_JUMPED if effect.fault.kind == "jump" else _COPIED)
             continue
         if effect.fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             reasons.append(

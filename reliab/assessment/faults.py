@@ -1,4 +1,4 @@
-"""Faults of a recording that A and d do not show: offset, drift, spikes, standstill, a copied channel.
+"""Faults of a recording that A and d do not show: zeros, offset, drift, spikes, jumps, standstill, copies.
 
 Each fault is stated with the recording as it would be without it, so that its effect on the error of the test
 can be computed. Whether the loop felt an offset shows in the command: a constant error of the restoring force
@@ -35,6 +35,12 @@ _ROUNDED, _BY_CHANCE = (
     3.0,
 )  # of the smallest step; so many more repeats than smallest steps are not chance
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
+_LEAST_ZERO = 0.02  # of the command's span: another zero of both channels below which nothing is said
+_FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
+_NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
+_PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
+_BESIDE, _ISOLATED = 16, 4.0  # steps on each side of a jump, and how much larger than all of them it is
+_LEAST_JUMP = 0.02  # of the command's peak
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,11 +119,15 @@ def faults_of_channel(
     `threshold`, `experimental_fraction` [-]; `window` of the spectra. Returns the faults, and how the
     recording tracked but for its spikes.
     """
-    clean, *in_channels = without_spikes(recording)
+    moved = tuple(_other_zero(recording))
+    centred = repaired(recording, moved) if moved else recording
+    clean, *in_channels = without_spikes(centred)
     tracking = track(clean, window=window, seed=seed)
     expected = _expected(clean, tracking)
     faults = (
-        *_plain_faults(recording, clean, *in_channels),
+        *_plain_faults(centred, clean, *in_channels),
+        *moved,
+        *_jumps(clean),
         *_held(clean),
         *_standstill(clean, expected),
         *_slow(clean, expected, threshold, experimental_fraction, tracking),
@@ -135,6 +145,61 @@ def _plain_faults(
 ) -> Iterator[Fault]:
     yield from _spikes(recording, clean, in_command, in_measured)
     yield from _copy(clean)
+
+
+def _other_zero(recording: Recording) -> Iterator[Fault]:
+    """Find that both channels count from another zero than the structure, as strokes of a piston do.
+
+    A linear structure oscillates about the zero in which it rests. An error over a peak that is counted from
+    elsewhere would be too small.
+    """
+    zero = _zero_of(recording.command)
+    if zero:
+        span = float(np.ptp(recording.command))
+        yield Fault(
+            kind="zero",
+            finding="The command oscillates about another value than zero, by "
+            f"{percent(abs(zero) / span)} of its span: that value was taken as the position of rest, and "
+            "subtracted from both channels.",
+            in_command=np.full_like(recording.command, zero),
+            in_measured=np.full_like(recording.measured, zero),
+            in_loop=False,
+        )
+
+
+def _zero_of(command: Array) -> float:
+    """Value about which a command oscillates; 0 where that is zero, or cannot be told."""
+    first, mean, span = float(command[0]), float(command.mean()), float(np.ptp(command))
+    steps = np.abs(np.diff(command))
+    if steps[0] <= _FROM_REST * steps.max():
+        oscillates = abs(mean - first) <= abs(first) / 2.0
+        zero = first if abs(mean - first) <= _NEAR * span else mean
+    else:
+        means = np.array([float(piece.mean()) for piece in np.array_split(command, _PIECES)])
+        one_sided = float(command.min()) > 0.0 or float(command.max()) < 0.0
+        oscillates = one_sided or float(means.std()) < _STEADY * abs(mean)
+        zero = mean
+    return zero if oscillates and abs(zero) > _LEAST_ZERO * span else 0.0
+
+
+def _jumps(recording: Recording) -> Iterator[Fault]:
+    """Find steps of the command that no computed displacement takes, beside those next to them."""
+    command = recording.command
+    steps = np.abs(np.diff(command))
+    padded = np.pad(steps, _BESIDE)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, _BESIDE)
+    beside = np.maximum(windows[: steps.size].max(axis=1), windows[_BESIDE + 1 :].max(axis=1))
+    least = _LEAST_JUMP * float(np.abs(command).max())
+    jumps = np.flatnonzero((steps > _ISOLATED * beside) & (steps > least))
+    if jumps.size:
+        place = int(jumps[np.argmax(steps[jumps])]) + 1
+        size = float(steps[place - 1]) / float(np.abs(command).max())
+        yield Fault(
+            kind="jump",
+            finding=f"The command jumps by {percent(size)} of its peak at "
+            f"{place * recording.time_step:.4g} s, which no computed displacement does: samples were lost "
+            "there, or the recording goes on after the end of the test.",
+        )
 
 
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:

@@ -17,7 +17,7 @@ from reliab.assessment.contradictions import (
     of_specimen,
     of_stability,
 )
-from reliab.assessment.doubts import doubted_by_entries, verdict_of_error
+from reliab.assessment.doubts import doubted_by_entries, doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import error_of_one_with_faults, error_with_faults
@@ -194,7 +194,7 @@ def _of_one(
         resolved=_resolved(sound, over_frequency, error),
         responses=errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion),
         faults=effects,
-        verdict=turning.limit(_verdict(error, effects)),
+        verdict=turning.limit(_verdict(error, effects, sound)),
         turning=turning,
         limit=stability_limit(partition, tracking.amplitude),
         criterion=criterion,
@@ -233,7 +233,7 @@ def _of_several(
         error=error,
         responses=errors_of_responses(error, partition.degrees_of_freedom, ground, motion),
         faults=effects,
-        verdict=_verdict(error, effects),
+        verdict=_verdict(error, effects, repaired(recording, faults)),
         turning=examine_turning(error, recording, question),
         limit=limit,
         limit_of_gains=of_gains,
@@ -246,8 +246,10 @@ def _of_several(
     )
 
 
-def _verdict(error: ErrorWithThreshold, effects: tuple[FaultEffect, ...]) -> Verdict:
-    return doubted_by_entries(verdict_of_error(error, effects), error)
+def _verdict(
+    error: ErrorWithThreshold, effects: tuple[FaultEffect, ...], sound: Recording | CoupledRecording
+) -> Verdict:
+    return doubted_by_rest(doubted_by_entries(verdict_of_error(error, effects), error), error, sound)
 
 
 def _contradicted(assessment: _Assessment, *contradictions: Contradiction) -> _Assessment:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment import assess
+from reliab.assessment.verdict import Word
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.structures.structure import Structure
@@ -123,3 +124,50 @@ def test_an_unrelated_channel_is_refused(good):
     noise = np.random.default_rng(1).normal(size=good.measured.size)
     with pytest.raises(InputError, match="follow the command"):
         judged(good, np.std(good.measured) * noise)
+
+
+@pytest.mark.parametrize("zero", [0.7, -10.0])
+def test_another_zero_of_both_channels_is_taken_away(shaken, zero):
+    """Strokes of a piston: over a peak counted from its end, an error would be several times too small."""
+    bad = shaken(delay=0.003)
+    stroke = zero * np.abs(bad.ideal).max()
+    found = judged(bad, bad.measured + stroke, bad.command + stroke)
+    assert kinds(found) == {"zero"}
+    assert found.error.rebuilt.rms.value == pytest.approx(bad.rms, rel=0.02)
+    assert found.verdict.word is Word.NOT_RELIABLE
+    assert any("taken as the position of rest" in warning for warning in found.warnings)
+
+
+def test_a_release_from_a_displacement_has_its_zero_where_it_comes_to_rest():
+    time = np.arange(0.0, 30.0, 1.0 / 256.0)
+    command = np.exp(-0.1256 * time) * np.cos(2.0 * np.pi * time)
+    found = judged(None, 0.999 * command, command)
+    assert "zero" not in kinds(found)
+
+
+@pytest.mark.parametrize("lost", ["samples", "end"])
+def test_a_command_that_jumps_leaves_no_test_reliable(good, lost):
+    command, measured = good.command, good.measured
+    place = int(np.argmax(np.abs(command)))
+    if lost == "samples":
+        pieces = slice(0, place), slice(place + 128, None)
+        command, measured = (
+            np.concatenate([values[piece] for piece in pieces]) for values in (command, measured)
+        )
+    else:
+        command, measured = (np.append(values[:place], np.zeros(512)) for values in (command, measured))
+    found = judged(good, measured, command)
+    assert "jump" in kinds(found)
+    assert found.verdict.word is not Word.RELIABLE
+    (effect,) = (effect for effect in found.faults if effect.fault.kind == "jump")
+    assert f"{place / 256:.4g} s" in effect.fault.finding
+
+
+@pytest.mark.parametrize("seconds", [0.0, 120.0])
+def test_a_long_rest_beside_the_motion_makes_no_bad_test_reliable(shaken, seconds):
+    test = shaken(delay=0.0027)
+    assert 0.05 < test.rms < 0.1
+    rest = np.zeros(int(256 * seconds))
+    found = judged(test, np.append(rest, test.measured), np.append(rest, test.command))
+    assert found.verdict.word is not Word.RELIABLE
+    assert any("moves in" in reason for reason in found.verdict.reasons) == (seconds > 100.0)
