@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from normal_values import NormalValues
 from parsed import nodes
 
 import reliab
@@ -18,7 +19,7 @@ from reliab.criterion.provenance import Provenance
 from reliab.discrepancy.adding import adding
 from reliab.indices.window import Window
 from reliab.motions import load_motions
-from reliab.sampling import Ensembles, NormalValues, sample
+from reliab.sampling import Ensembles, sample
 from reliab.shipped import shipped
 from reliab.simulation.frames import read_structure
 from reliab.simulation.frames.frame_file import frame_of_tables
@@ -180,7 +181,6 @@ PASSED_ON = {  # by a case of the function that calls it
     "learn": "derive_criterion",
     "fit_hierarchical": "derive_criterion",
     "draw": "sample",
-    "sample_posterior": "sample",
 }
 ELSEWHERE = {"diagnose": "discrepancy/test_progress.py"}
 

@@ -16,6 +16,8 @@ from reliab.vocabulary import MILLI
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of the population's ground motions for which tolerable errors are stated."""
 
+_CHARTED = 8  # frequencies
+
 
 @dataclass(frozen=True, kw_only=True)
 class Tolerance:
@@ -84,12 +86,12 @@ class Tolerance:
         }
 
 
-def chart_frequencies(criterion: Criterion | None = None, *, count: int = 8) -> list[float]:
-    """Give increasing frequencies [Hz] for a chart: shipped ones, or `count` of a criterion's validity."""
+def chart_frequencies(criterion: Criterion | None = None) -> list[float]:
+    """Give increasing frequencies [Hz] for a chart: shipped ones, or some of a criterion's validity."""
     if criterion is None:
         return shipped_frequencies()
     low, high = criterion.law.validity.frequency
-    return [float(frequency) for frequency in np.unique(np.linspace(low, high, count))]
+    return [float(frequency) for frequency in np.unique(np.linspace(low, high, _CHARTED))]
 
 
 def tolerable_errors(

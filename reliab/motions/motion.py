@@ -102,7 +102,7 @@ class Motion:
         return self.name, self.event, self.set_name, self.checksum
 
 
-def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
+def require_short(samples: int, name: str) -> None:
     """Refuse a motion whose simulation would not fit in memory.
 
     >>> require_short(10_000_000, "long")
@@ -111,9 +111,9 @@ def require_short(samples: int, name: str, most: int = MOST_SAMPLES) -> None:
     reliab.errors.InputError: long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep the
     strong part of the record, or resample it.
     """
-    if samples > most:
+    if samples > MOST_SAMPLES:
         raise InputError(
-            f"A motion may have {most:,} samples at most",
+            f"A motion may have {MOST_SAMPLES:,} samples at most",
             value=f"{samples:,}",
             remedy="Keep the strong part of the record, or resample it",
             where=name,

@@ -113,11 +113,11 @@ class Channel:
         }
 
 
-def require_few_samples(samples: int, where: str, most: int = MOST_SAMPLES) -> None:
+def require_few_samples(samples: int, where: str) -> None:
     """Refuse a test whose statistics would not fit in memory."""
-    if samples > most:
+    if samples > MOST_SAMPLES:
         raise InputError(
-            f"A test may have {most:,} samples at most",
+            f"A test may have {MOST_SAMPLES:,} samples at most",
             value=f"{samples:,}",
             remedy="Resample it at a lower rate, or cut it where everything stands still",
             where=where,

@@ -98,13 +98,13 @@ def ellipse_line(a: ArrayLike, b: ArrayLike, *, points: int = 121) -> tuple[NDAr
     return 1.0 + np.sqrt(a) * np.cos(angle), np.sqrt(b) * np.sin(angle)
 
 
-def scientific(value: float, digits: int = 3) -> str:
+def scientific(value: float) -> str:
     r"""Write a number for a label, with a power of ten where it is very small or large.
 
     >>> scientific(5.29e-5), scientific(1.048), scientific(0.977)
     ('$5.29\\times10^{-5}$', '1.05', '0.977')
     """
-    text = significant(value, digits)
+    text = significant(value, 3)
     if "e" not in text:
         return text
     mantissa, exponent = text.split("e")

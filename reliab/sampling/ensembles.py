@@ -92,14 +92,6 @@ def sample(
     ------
     InputError
         If the file holds a run of another model, other data or other settings.
-
-    Examples
-    --------
-    >>> from reliab.sampling import NormalValues
-    >>> model = NormalValues(values=np.random.default_rng(1).normal(-1.0, 0.6, 100))
-    >>> posterior = sample(model, Ensembles(steps=800, walkers=16))
-    >>> posterior.converged, bool(abs(posterior.flat[:, 0].mean() - model.values.mean()) < 0.01)
-    (True, True)
     """
     posterior = draw(model, ensembles, file=file, group=group, progress=progress)
     posterior.warn_unless_converged()

@@ -16,13 +16,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from motions.conftest import AT2, RECORDS
+from normal_values import NormalValues
 from recordings.layouts import LAYOUTS, record
 from scipy.io import netcdf_file, savemat
 
 from reliab.criterion import derive_criterion, published_criterion
 from reliab.effects import find_effect
 from reliab.motions import Motion, MotionSuite
-from reliab.sampling import Ensembles, NormalValues
+from reliab.sampling import Ensembles
 from reliab.sampling.ensembles import draw
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.simulation.hybrid_test.model import Actuator

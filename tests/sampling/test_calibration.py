@@ -7,10 +7,11 @@ If all is right, the rank of the true parameter among draws of its posterior is 
 
 import numpy as np
 import pytest
+from normal_values import NormalValues
 from scipy.stats import chisquare, kstest
 
 from reliab.criterion.methods.hierarchical.model import Hierarchical
-from reliab.sampling import Ensembles, NormalValues, draw
+from reliab.sampling import Ensembles, draw
 
 DRAWS = 99  # of a posterior, among which the true parameter is ranked
 EVENTS = np.repeat([f"E{number}" for number in range(6)], 2)

@@ -7,9 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from emcee.backends import HDFBackend
+from normal_values import NormalValues
 
 from reliab.errors import IncompleteError, InputError
-from reliab.sampling import ConvergenceWarning, Ensembles, NormalValues, chain_file, sample
+from reliab.sampling import ConvergenceWarning, Ensembles, chain_file, sample
 from reliab.sampling.ensembles import width_of
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from normal_values import REFERENCE_PRIOR, WEAK_PRIOR, NormalValues, drawn, updated
 from scipy import stats
 
-from reliab.sampling import Ensembles, NormalValues, sample
-from reliab.sampling.normal_inverse_chi_squared import WEAK_PRIOR, NormalInverseChiSquared
+from reliab.sampling import Ensembles, NormalInverseChiSquared, sample
 
 SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
@@ -13,9 +13,9 @@ VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
 
 @pytest.fixture(scope="module", params=[pytest.param("reference", marks=pytest.mark.slow), "weak"])
 def posteriors(request):
-    prior = NormalInverseChiSquared.reference_prior() if request.param == "reference" else WEAK_PRIOR
+    prior = REFERENCE_PRIOR if request.param == "reference" else WEAK_PRIOR
     sampled = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
-    return sampled, NormalInverseChiSquared.posterior(VALUES, prior)
+    return sampled, updated(prior, VALUES)
 
 
 def error_of_share(share, effective_size):
@@ -55,15 +55,15 @@ def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):
 def test_quantiles_of_the_populations_quantile_are_those_of_draws(share):
     """Draws of μ and σ need neither Student's nor the non-central distribution."""
     exact = NormalInverseChiSquared.posterior(VALUES[:6])
-    mu, sigma = exact.draw(40_000, np.random.default_rng(31))
-    drawn = mu + stats.norm.ppf(share) * sigma
-    found = (drawn[:, None] <= exact.quantile_of_quantile(share, SHARES)).mean(axis=0)
-    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, drawn.size)).all()
+    mu, sigma = drawn(exact, 40_000, np.random.default_rng(31))
+    quantiles = mu + stats.norm.ppf(share) * sigma
+    found = (quantiles[:, None] <= exact.quantile_of_quantile(share, SHARES)).mean(axis=0)
+    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, quantiles.size)).all()
 
 
 def test_the_density_is_that_of_the_conjugate_posterior():
     model = NormalValues(values=VALUES)
-    exact = NormalInverseChiSquared.posterior(VALUES, WEAK_PRIOR)
+    exact = updated(WEAK_PRIOR, VALUES)
     mu, log_sigma = np.random.default_rng(1).normal([-0.8, -0.5], 0.3, (20, 2)).T
     variance = np.exp(2.0 * log_sigma)
     scaled = exact.degrees_of_freedom * exact.variance

@@ -22,7 +22,6 @@ from reliab.simulation.laboratory.laboratory import Limits
 from reliab.simulation.transfer_systems import (
     ServoHydraulic,
     first_order_lag,
-    second_order,
 )
 from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
 from reliab.structures import Partition, Specimen
@@ -87,9 +86,6 @@ def laboratory(rig, **options):
             "with damping needs a moving mass",
         ),
         (lambda: ServoHydraulic().plant(Specimen(stiffness=0.0)), "needs a stiffness to hold the actuator"),
-        (lambda: second_order(0.0, 0.7), "positive frequency and damping ratio; found 0.0 Hz, 0.7"),
-        (lambda: second_order(10.0, 0.0), "positive frequency and damping ratio; found 10.0 Hz, 0.0"),
-        (lambda: second_order(math.inf, 0.7), "positive frequency and damping ratio"),
         (
             lambda: transfer_function_of(
                 scipy.signal.StateSpace([[-1.0]], [[1.0, 1.0]], [[1.0]], [[0.0, 0.0]])

@@ -36,12 +36,7 @@ def samples_in_step_of_simulation(
     return max(int(1.0 / (time_step * max(least_rate, per_period * frequency))), 1)
 
 
-def fits(samples: int, every: int, most: int = MOST_DRAWN) -> bool:
-    """Whether the draws of a test fit in memory."""
-    return -(-samples // every) <= most
-
-
-def require_fitting(samples: int, every: int, time_step: float, most: int = MOST_DRAWN) -> None:
+def require_fitting(samples: int, every: int, time_step: float) -> None:
     """Refuse a test whose draws would not fit in memory, before they are made.
 
     `time_step` [s].
@@ -53,11 +48,11 @@ def require_fitting(samples: int, every: int, time_step: float, most: int = MOST
     error are drawn at 1,000,000 samples at most; found 24 h. Cut it where everything stands still, and judge
     the parts one by one.
     """
-    if not fits(samples, every, most):
-        longest = most * every * time_step / _HOUR
+    if -(-samples // every) > MOST_DRAWN:
+        longest = MOST_DRAWN * every * time_step / _HOUR
         raise InputError(
             f"A test of this structure may last {significant(longest)} h at most, since the intervals of "
-            f"its error are drawn at {most:,} samples at most",
+            f"its error are drawn at {MOST_DRAWN:,} samples at most",
             value=f"{significant(samples * time_step / _HOUR)} h",
             remedy="Cut it where everything stands still, and judge the parts one by one",
         )

@@ -37,9 +37,7 @@ class CriterionShift:
         return {"a": self.a, "b": self.b}
 
 
-def criterion_shift(
-    test: HybridTest, shaking: Sequence[Excitation], *, threshold: float = THRESHOLD
-) -> CriterionShift:
+def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> CriterionShift:
     """Compare the criterion of a model with that of the same model without its effects.
 
     The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the ground
@@ -47,8 +45,6 @@ def criterion_shift(
     :class:`reliab.simulation.effect_loop.EffectLoop`: an effect of the specimen or of the shaking belongs to
     the behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable
     error, so that less is left for the actuator.
-
-    `threshold` [-].
 
     >>> from reliab.effects import find_effect
     >>> from reliab.structures.structure import Structure
@@ -62,8 +58,7 @@ def criterion_shift(
     if not shaking:
         raise InputError("A criterion needs ground motions", value="none", remedy="Give at least one")
     pairs = [
-        (_axes(test, excitation, threshold), _axes(replace(test, effects=()), excitation, threshold))
-        for excitation in shaking
+        (_axes(test, excitation), _axes(replace(test, effects=()), excitation)) for excitation in shaking
     ]
     sound = np.array([pair for pair in pairs if np.isfinite(pair).all()]).reshape(-1, 2, 2)
     if sound.size == 0:
@@ -76,10 +71,10 @@ def criterion_shift(
     return CriterionShift(a=float(ratio[0]), b=float(ratio[1]))
 
 
-def _axes(test: HybridTest, excitation: Excitation, threshold: float) -> tuple[float, float]:
+def _axes(test: HybridTest, excitation: Excitation) -> tuple[float, float]:
     """Ellipse parameters a and b under a motion; NaN where the boundary is no ellipse."""
     loop = EffectLoop(excitation=excitation, test=test, phase_step=_PHASE_STEP)
-    (contour,) = motion_contours(loop, (threshold,), amplitude_step=_COARSE)
+    (contour,) = motion_contours(loop, (THRESHOLD,), amplitude_step=_COARSE)
     ellipse = Ellipse.fit(contour)
     return (ellipse.a, ellipse.b) if ellipse.n == 0 or min(ellipse.a, ellipse.b) > 0.0 else (np.nan, np.nan)
 

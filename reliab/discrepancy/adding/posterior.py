@@ -23,7 +23,6 @@ from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.progress import Progress, silent
 from reliab.sampling import Ensembles, Model, Parameter, PosteriorSample, sample
 from reliab.significant import percent
 
@@ -35,6 +34,7 @@ _WORKERS = 2
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
 
+_SEED = 2017
 _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
@@ -211,8 +211,6 @@ def sample_posterior(
     *,
     out: Path | None = None,
     steps: int = 800,
-    seed: int = 2017,
-    progress: Progress = silent,
 ) -> Posterior:
     """Sample the posterior distribution of a fitted model.
 
@@ -223,21 +221,21 @@ def sample_posterior(
     surface = LikelihoodSurface.around(problem, fitted)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
-        sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=seed), file=out, progress=progress)
+        sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=_SEED), file=out)
     coordinates = surface.coordinates(sampled.spread_out(_DRAWS))
     return Posterior(
         names=_names(fitted.space),
         units=tuple(parameter.units for parameter in fitted.space.parameters),
-        draws=_values(fitted.space, coordinates, seed),
+        draws=_values(fitted.space, coordinates),
         sample=sampled,
         agreement=_agreement(problem, fitted, surface, sampled.spread_out(_CHECKED)),
     )
 
 
-def _values(space: ModelSpace, coordinates: Array, seed: int) -> Array:
+def _values(space: ModelSpace, coordinates: Array) -> Array:
     """SI values with the error of the model, shape (draws, parameters)."""
     exact = np.stack([space.values(point) for point in coordinates])
-    strayed = np.random.default_rng(seed).standard_normal(exact.shape)
+    strayed = np.random.default_rng(_SEED).standard_normal(exact.shape)
     return exact + space.model_errors(exact) * strayed
 
 

@@ -190,7 +190,7 @@ class Learned:
         }
 
 
-def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_], *, seed: int = 0) -> Learned:
+def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_]) -> Learned:
     """Learn one quantity.
 
     `values`, shape (tests,), at least three; `events`, the earthquake of each, a name of its own where it is
@@ -199,12 +199,12 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_],
     centre = float(np.median(values))
     smallest = _SMALLEST * (1.0 + abs(centre))
     if np.ptp(values) < smallest:  # the same in all tests: taken as if it scattered by so little
-        values = centre + smallest * np.random.default_rng(seed).standard_normal(values.size)
+        values = centre + smallest * np.random.default_rng(0).standard_normal(values.size)
     spread = max(_median_spread(values, centre), 0.3 * float(values.std()), 0.3 * smallest)
     likeness = Likeness.among(circumstances, values.size)
     among = likeness.among_learned()
     standard = (values - centre) / spread
-    variances = fit_variances(standard, among, likeness.respects, seed=seed)
+    variances = fit_variances(standard, among, likeness.respects)
     return Learned(
         values=values,
         events=events,

@@ -36,7 +36,6 @@ class Variances:
     respects: tuple[str, ...]
     mode: Array  # ln σ of each effect, then of the noise
     problem: "_Problem"
-    seed: int
 
     @property
     def weights(self) -> Array:
@@ -60,10 +59,10 @@ class Variances:
 
     @cached_property
     def _drawn(self) -> tuple[Array, float, float]:
-        return _importance_draws(self.problem, self.mode, np.random.default_rng(self.seed))
+        return _importance_draws(self.problem, self.mode, np.random.default_rng(0))
 
 
-def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, seed: int = 0) -> Variances:
+def fit_variances(values: Array, likeness: Array, respects: Sequence[str]) -> Variances:
     """Learn from standardised values, shape (tests,), and their likeness, shape (respects, tests, tests)."""
     priors = np.array([_PRIOR for _ in respects] + [_PRIOR_OF_NOISE])
     theta, weights = priors[:, 0].copy(), np.ones(values.size)
@@ -72,7 +71,7 @@ def fit_variances(values: Array, likeness: Array, respects: Sequence[str], *, se
         theta = problem.mode(theta)
         weights = problem.robust_weights(theta)
     problem = _Problem(values=values, likeness=likeness, weights=weights, priors=priors)
-    return Variances(respects=tuple(respects), mode=problem.mode(theta), problem=problem, seed=seed)
+    return Variances(respects=tuple(respects), mode=problem.mode(theta), problem=problem)
 
 
 def covariance(likeness: Array, theta: Array) -> Array:

@@ -93,7 +93,6 @@ def run_laboratory(
     rate: float = 4096.0,
     seed: int | None = None,
     emulate_differences: bool = False,
-    modelled: Partition | None = None,
 ) -> Run:
     """Run a real-time hybrid test in a digital laboratory, from rest.
 
@@ -122,7 +121,7 @@ def run_laboratory(
         shaken,
         between,
         h,
-        _numerical_step(modelled or partition, h, emulate_differences),
+        _numerical_step(partition, h, emulate_differences),
         _plant_step(partition, plant, h),
         _events(rig, plant, h, _LOST * largest),
         _socket(rig, h),

@@ -12,5 +12,4 @@ from .transfer_function import (
     first_order_lag as first_order_lag,
     gain_and_delay as gain_and_delay,
     invertible as invertible,
-    second_order as second_order,
 )

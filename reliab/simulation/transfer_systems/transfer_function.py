@@ -203,21 +203,6 @@ def first_order_lag(time: float, gain: float = 1.0, delay: float = 0.0) -> Trans
     return TransferFunction(numerator=(gain,), denominator=(time, 1.0), delay=delay)
 
 
-def second_order(
-    frequency: float, damping_ratio: float, gain: float = 1.0, delay: float = 0.0
-) -> TransferFunction:
-    """Transfer function kω²/(s² + 2ζωs + ω²) of a natural frequency [Hz] and a damping ratio [-]."""
-    omega = 2.0 * math.pi * frequency
-    if not (math.isfinite(omega) and omega > 0.0 and damping_ratio > 0.0):
-        raise InputError(
-            "A second-order transfer system needs a positive frequency and damping ratio",
-            value=f"{frequency} Hz, {damping_ratio}",
-        )
-    return TransferFunction(
-        numerator=(gain * omega**2,), denominator=(1.0, 2.0 * damping_ratio * omega, omega**2), delay=delay
-    )
-
-
 def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
     """Transfer function k_p e^(−sτ)."""
     if not (math.isfinite(gain) and gain > 0.0):

@@ -10,7 +10,7 @@ import scipy
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.readings import delayed
-from reliab.assessment.rebuilt_error.size import fits, require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
 from reliab.errors import InputError
 from reliab.signals import binned
 from reliab.structures import Partition
@@ -130,11 +130,9 @@ def test_the_highest_mode_is_swept_at_64_samples_a_period():
 
 
 def test_a_test_fits_up_to_the_last_sample():
-    assert fits(12, 3, 4)
-    assert not fits(13, 3, 4)
-    require_fitting(12, 3, 0.01, 4)
-    with pytest.raises(InputError, match=r"3\.33e-05 h.*at 4 samples.*found 3\.61e-05 h"):
-        require_fitting(13, 3, 0.01, 4)
+    require_fitting(3 * MOST_DRAWN, 3, 0.01)
+    with pytest.raises(InputError, match=r"8\.33 h.*at 1,000,000 samples.*found 8\.33 h"):
+        require_fitting(3 * MOST_DRAWN + 1, 3, 0.01)
 
 
 def test_a_kernel_takes_a_sine_to_its_derivatives():

@@ -12,12 +12,12 @@ from reliab.simulation.transfer_systems import (
     first_order_lag,
     gain_and_delay,
     read_matlab,
-    second_order,
     transfer_function_of,
 )
 from reliab.structures import Specimen
 
 SPRING = Specimen(stiffness=1e6)
+SECOND_ORDER = TransferFunction(numerator=(5685.0,), denominator=(1.0, 105.6, 5685.0))  # 12 Hz, 0.7
 
 
 def state_space_transfer(plant, s):
@@ -59,7 +59,7 @@ def test_benchmark_plant_has_the_published_poles_and_inverse(benchmark_partition
         (ServoHydraulic(), Specimen(stiffness=1.19e6, damping=114.0, mass=29.0)),
         (ServoHydraulic(), SPRING),
         (first_order_lag(0.004, 0.98, delay=0.001), SPRING),
-        (second_order(12.0, 0.7), Specimen(stiffness=1e5, damping=10.0, mass=4.0)),
+        (SECOND_ORDER, Specimen(stiffness=1e5, damping=10.0, mass=4.0)),
         (TransferFunction(numerator=[2.0, 300.0], denominator=[1e-4, 0.1, 20.0, 300.0]), SPRING),
         (gain_and_delay(0.97, 0.003), SPRING),
     ],
@@ -72,7 +72,7 @@ def test_state_space_and_transfer_function_agree(system, specimen):
 
 
 def test_force_row_is_the_specimens_force():
-    specimen, system = Specimen(stiffness=1e5, damping=30.0, mass=4.0), second_order(12.0, 0.7)
+    specimen, system = Specimen(stiffness=1e5, damping=30.0, mass=4.0), SECOND_ORDER
     plant, s = system.plant(specimen), 20j
     states = np.linalg.solve(s * np.eye(2) - plant.dynamics, plant.command.astype(complex))
     force = plant.force @ states + plant.force_of_command

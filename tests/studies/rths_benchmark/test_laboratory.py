@@ -23,7 +23,7 @@ from reliab.simulation.compensators import compensators
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, _runge_kutta_step, run_laboratory
-from reliab.simulation.transfer_systems import ServoHydraulic, gain_and_delay, second_order
+from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, gain_and_delay
 from reliab.structures import Partition, Specimen, floor_interface
 from reliab.structures.frames import Frame, undivided_response
 from reliab.structures.structure import Structure
@@ -216,7 +216,7 @@ def test_limits_hold():
 
 def test_sensors_have_the_noise_and_resolution_that_they_are_given():
     rig = Rig(
-        transfer_system=second_order(40.0, 0.8),
+        transfer_system=TransferFunction(numerator=(63165.0,), denominator=(1.0, 402.1, 63165.0)),
         sensors=Sensors(displacement_noise=1e-5, displacement_step=2e-6, force_step=3.0),
     )
     partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)

@@ -10,15 +10,15 @@ from reliab.arrays import Array
 from reliab.sampling import Parameter
 
 
-def covariance_parameters(prefix: str, typical_spread: float, doubt: float = 0.8) -> tuple[Parameter, ...]:
+def covariance_parameters(prefix: str, typical_spread: float) -> tuple[Parameter, ...]:
     """Parameters of one covariance with their priors.
 
-    Returns ln σ_a, ln σ_b ~ N(ln typical, doubt²) and artanh ρ ~ N(1.5, 0.75²): a and b are expected to move
+    Returns ln σ_a, ln σ_b ~ N(ln typical, 0.8²) and artanh ρ ~ N(1.5, 0.75²): a and b are expected to move
     together (ρ of 0.9), with −0.03 … 0.995 allowed.
     """
     return (
-        Parameter(name=f"{prefix}: log spread of a", mean=float(np.log(typical_spread)), spread=doubt),
-        Parameter(name=f"{prefix}: log spread of b", mean=float(np.log(typical_spread)), spread=doubt),
+        Parameter(name=f"{prefix}: log spread of a", mean=float(np.log(typical_spread)), spread=0.8),
+        Parameter(name=f"{prefix}: log spread of b", mean=float(np.log(typical_spread)), spread=0.8),
         Parameter(name=f"{prefix}: Fisher z", mean=1.5, spread=0.75),
     )
 
