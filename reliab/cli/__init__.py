@@ -22,6 +22,7 @@ from reliab.cli.output import write_what_can_be_written
 from reliab.cli.printable import printable, substituted
 from reliab.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.stated_value import StatedValue
+from reliab.threads import ONE_THREAD
 from reliab.version import __version__
 
 _BAD_INPUT = 2
@@ -53,18 +54,6 @@ _MODULES = {
     **dict.fromkeys(("run", "report"), "studies"),
 }
 """Modules of commands that share one; the others have one of their name."""
-
-_ONE_THREAD = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "BLIS_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-    ),
-    "1",
-)
-"""Sums differ in the last digit with the number of threads; matrices as small as ours need only one."""
 
 
 def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
@@ -133,7 +122,7 @@ def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
-    os.environ.update(_ONE_THREAD)
+    os.environ.update(ONE_THREAD)
     sys.stdout, sys.stderr = map(write_what_can_be_written, (sys.stdout, sys.stderr))
     sys.exit(run(sys.argv[1:]))
 

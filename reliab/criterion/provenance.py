@@ -9,6 +9,9 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+import numpy as np
+import scipy
+
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
 from reliab.version import __version__
 from reliab.vocabulary import CurveName
@@ -17,7 +20,6 @@ SCHEMA_VERSION = 2
 """Version of the JSON of a criterion; version 1 had neither limits for leads nor inscribed ellipses."""
 
 _SYNTHETIC = re.compile(r"SYN\d{3,}")  # as `reliab.motions.synthetic` names its earthquakes
-_PACKAGES = ("numpy", "scipy", "xarray")
 
 
 def installed_versions() -> dict[str, str]:
@@ -27,10 +29,9 @@ def installed_versions() -> dict[str, str]:
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    installed = [("reliab", __version__)]
-    for name in _PACKAGES:
-        with suppress(PackageNotFoundError):
-            installed.append((name, version(name)))
+    installed = [("reliab", __version__), ("numpy", np.__version__), ("scipy", scipy.__version__)]
+    with suppress(PackageNotFoundError):
+        installed.append(("xarray", version("xarray")))
     return tuple(installed)
 
 

@@ -27,6 +27,7 @@ OF_OTHER_STRUCTURES = OF_FILES | {
 }
 SPARED_BY_ONE = SPARED_BY_VERDICTS | {f"reliab.{name}" for name in OF_OTHER_STRUCTURES}
 SPARED_BY_ONE |= {"reliab.sampling.ensembles", "reliab.assessment.measured_specimen.rebuild"}
+SPARED_BY_ONE |= {"threadpoolctl", "rich.progress"}
 
 SCRIPT = """
 import io, json, sys

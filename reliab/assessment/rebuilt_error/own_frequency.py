@@ -292,7 +292,6 @@ class _VariancesFit:
     def __init__(self, squares: Array, frequency: Array) -> None:
         self._scale = float(squares.mean())
         self._design = _design(len(squares), np.log(frequency))
-        self._penalty = _RIDGE * np.eye(self._design.shape[1])
         self._found: Array = np.asarray(
             np.linalg.lstsq(self._design, self._logarithms(squares), rcond=None)[0], dtype=np.float64
         )
@@ -302,24 +301,24 @@ class _VariancesFit:
 
     def likelihood(self, squares: Array) -> float:
         """Largest logarithm of the likelihood −½ Σ (ln v + c²/v), by Newton's method."""
-        design, counted = self._design, squares.ravel() / self._scale
+        design, half, counted = self._design, 0.5 * self._design.T, squares.ravel() / self._scale
+        penalty = _RIDGE * np.eye(len(half))
 
-        def cost(found: Array) -> float:
+        def tried(found: Array) -> tuple[float, Array]:
+            """Cost of coefficients, and c²/v with them."""
             level = design @ found
-            fit = 0.5 * float(np.sum(level + counted * np.exp(-level)))
-            return fit + 0.5 * float(found @ self._penalty @ found)
+            ratio = counted * np.exp(-level)
+            return 0.5 * float(np.sum(level + ratio) + _RIDGE * (found @ found)), ratio
 
-        least = cost(self._found)
+        least, ratio = tried(self._found)
         for _ in range(_STEPS):
-            ratio = counted * np.exp(-design @ self._found)
-            slope = 0.5 * design.T @ (1.0 - ratio) + self._penalty @ self._found
-            curved = 0.5 * (design * np.maximum(ratio, _CURVATURE)[:, np.newaxis]).T @ design + self._penalty
-            step = np.linalg.solve(curved, slope)
-            while (reached := cost(self._found - step)) > least and np.abs(step).max() > _CONVERGED:
+            slope = half @ (1.0 - ratio) + _RIDGE * self._found
+            step = np.linalg.solve((half * np.maximum(ratio, _CURVATURE)) @ design + penalty, slope)
+            while (reached := tried(self._found - step))[0] > least and np.abs(step).max() > _CONVERGED:
                 step /= 2.0
-            if least - reached < _CONVERGED:
+            if least - reached[0] < _CONVERGED:
                 break
-            self._found, least = self._found - step, reached
+            self._found, (least, ratio) = self._found - step, reached
         return -least
 
 

@@ -1,6 +1,7 @@
 """`reliab assess`: the verdict on a test, or what is tolerable before one."""
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,6 +12,7 @@ from reliab.cli import options
 from reliab.cli.completion import samples
 from reliab.cli.demand import Demand, argument, flag, option, takes
 from reliab.errors import InputError
+from reliab.progress import silent
 
 if TYPE_CHECKING:
     from reliab.assessment import Assessment, Assessments, CoupledAssessment, FrameAssessment
@@ -116,7 +118,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
         raise api.unused("corrected", "together with several tests, since the response is that of one test")
     if demand.same_test and not several:
         raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
-    with progress_bar("tests") as progress:
+    with progress_bar("tests") if several else nullcontext(silent) as progress:
         verdicts: Any = demand.ask(
             api.assess,
             *("tests", "out", "corrected", "details", "check", "json_target", "report", "same_test"),
