@@ -129,7 +129,9 @@ class Case:
     def _measures(self, population: xr.Dataset, source: EllipseSource, show: Show) -> xr.Dataset:
         """Measure the responses of the population's own motions, or look them up."""
         if source.motions is not None:
-            motions = load_motions(*paths(source.motions), sets=source.sets)
+            behind = set(population["motion"].values.tolist())
+            suite = load_motions(*paths(source.motions), sets=source.sets)
+            motions = [motion for motion in suite if motion.name in behind]
             places = {name: population[name].values.tolist() for name in ("f", "xi")}
             with show("Measuring responses of the population") as progress:
                 return measure_responses(motions, **_structures(places), progress=progress)

@@ -31,6 +31,7 @@ from reliab.criterion import (
     compare_shares,
     protects,
     published_criterion,
+    without_copies,
 )
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import RECOMMENDED, Method, method_of
@@ -318,7 +319,7 @@ class _Question:
     def _populations(self, method: Method, confidences: Sequence[float]) -> dict[float, xr.Dataset]:
         """Ellipses behind the criterion of each confidence; one dataset where lengths count alike."""
         source = self.source()
-        population = with_room(source.dataset(self.show))
+        population = without_copies(with_room(source.dataset(self.show)))
         carried = self.case.carried(population, source, *self.structures, self.show)
         found: dict[bool, xr.Dataset] = {}
         for confidence in confidences:

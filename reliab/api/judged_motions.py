@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.api.sources import EllipseSource, listed, paths
-from reliab.criterion import Position, compare_with_scope, magnitudes_of, scope_of
+from reliab.criterion import Position, compare_with_scope, events_of_originals, magnitudes_of, scope_of
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
@@ -62,7 +62,7 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
-    return dataset
+    return dataset.assign_coords(event=("motion", events_of_originals(dataset)))
 
 
 def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:

@@ -1,5 +1,7 @@
 """What a user should know before relying on a criterion, in plain sentences."""
 
+import numpy as np
+
 from reliab.criterion.ellipse_table import EllipseTable, names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
@@ -9,6 +11,7 @@ from reliab.significant import percent, significant
 from reliab.vocabulary import Side
 
 _FEW_EVENTS = 30
+_SHARED_BY = 2  # fewest motions that can be of one earthquake
 _SHORTFALL = 0.005  # of a plug-in quantile, from which it is worth a sentence
 
 
@@ -19,11 +22,13 @@ def cautions_of(
     sentences = (
         _without_promise(grid, method, confidence, empty),
         str(ellipses.attrs.get("caution", "")),
+        str(ellipses.attrs.get("copies", "")),
         _too_small(ellipses, confidence),
         _fitted(grid, method),
         _left_out(grid, method),
         _unequally_kept(ellipses),
         few_events(grid.fewest_events),
+        _unstated_earthquakes(ellipses),
         "" if empty else _beyond_the_earthquakes(grid, method, confidence),
         "" if empty else _shortfall(grid, method, confidence),
         *_not_lognormal(grid, method),
@@ -135,6 +140,16 @@ def few_events(fewest: int) -> str:
     if fewest >= _FEW_EVENTS:
         return ""
     return f"The motions come from {_earthquakes(fewest)} only, and motions of one earthquake are alike."
+
+
+def _unstated_earthquakes(ellipses: EllipseTable) -> str:
+    own = int((ellipses.at["motion"].astype(np.str_) == ellipses.events.astype(np.str_)).sum())
+    if own < _SHARED_BY:
+        return ""
+    return (
+        f"No earthquake is stated for {own} of {ellipses.n_motions} motions: each counts as one of its own, "
+        "which promises too much where some are of one earthquake; state them in a column event."
+    )
 
 
 def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.criterion.cautions import cautions_of, few_leads
+from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
@@ -184,7 +185,7 @@ def derive_criterion(
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
         protect_over_lengths(
-            _read(ellipses, f, xi, threshold, str(metric)),
+            without_copies(_read(ellipses, f, xi, threshold, str(metric))),
             metric=str(metric),
             curve=known_method.curve,
             confidence=confidence,

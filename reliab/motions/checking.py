@@ -1,5 +1,6 @@
 """Check whole folders of records and report every fault at once."""
 
+import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +21,7 @@ from reliab.motions.loading import (
     scan_folder,
     unread_files,
 )
-from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.reading import Declared, Reading
 from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
 from reliab.significant import significant
@@ -28,6 +29,7 @@ from reliab.vocabulary import STANDARD_GRAVITY
 
 _LIKENESS = 50.0
 """Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
+_DECIMALS = 4  # of samples over their peak, in which scaled copies agree
 _FEWEST = 3  # fewest records for which the peaks are compared with their median
 
 
@@ -37,8 +39,8 @@ class Inspection:
 
     records: int  # Number of motions that were checked
     faults: list[Fault]  # Everything that is wrong, in the order of the catalogue or of the paths
-    # Points to check that are not faults: files in formats that are not read, and peaks that differ much from
-    # the others although the files state their units
+    # Points to check that are not faults: files in formats that are not read, peaks that differ much from the
+    # others although the files state their units, and one record in several files
     notes: list[Fault] = field(default_factory=list)
 
 
@@ -97,6 +99,8 @@ def inspect(
         )
     faults: list[Fault] = []
     peaks: list[_Peak] = []
+    copies: list[Fault] = []
+    first: dict[str, str] = {}
     checked = 0
     for record, report in _records(source, declared, faults):
         if sets is not None and record.set_name not in sets:
@@ -110,11 +114,14 @@ def inspect(
             peaks.append(
                 _Peak(file=report.file, value=value, has_units=reading.units_stated, confirmed=confirmed)
             )
+            original = first.setdefault(_digest(reading), record.name)
+            if original != record.name:
+                copies.append(_copy(report.file, original))
     if not checked and not faults:
         faults.append(_no_records(source, sets))
     unlike = list(_unlike_peaks(peaks))
     mixed = [fault for has_units, fault in unlike if not has_units]
-    notes = [*_unread(source), *(fault for has_units, fault in unlike if has_units)]
+    notes = [*_unread(source), *(fault for has_units, fault in unlike if has_units), *copies]
     return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *mixed])), notes=notes)
 
 
@@ -162,6 +169,24 @@ def _unread(source: Path) -> Iterator[Fault]:
             value=UNREAD[path.suffix.lower()],
             remedy="Skipped; export it as text or CSV if it is a record",
         )
+
+
+def _digest(reading: Reading) -> str:
+    """Digest of a record that its scaled copies share, up to the rounding of their text."""
+    peak = float(np.abs(reading.acceleration).max()) or 1.0
+    digest = hashlib.sha256(np.float64(reading.time_step).tobytes())
+    digest.update((np.round(reading.acceleration / peak, _DECIMALS) + 0.0).tobytes())
+    return digest.hexdigest()
+
+
+def _copy(file: str, original: str) -> Fault:
+    return Fault(
+        file=file,
+        line=None,
+        rule="Each record should be there once",
+        value=f"the same record as {original}, as it is or scaled",
+        remedy="A criterion counts it once",
+    )
 
 
 def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:

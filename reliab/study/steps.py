@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.criterion import Criterion, Derivation
+from reliab.criterion import Criterion, Derivation, without_copies
 from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
@@ -91,7 +91,7 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
-        traced = open_ellipses(folder / ELLIPSES)
+        traced = without_copies(open_ellipses(folder / ELLIPSES))
         derived = [
             _derive(traced, threshold, metric, criterion)
             for metric in errors.metrics

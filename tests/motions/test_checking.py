@@ -1,3 +1,4 @@
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,8 +11,9 @@ from reliab.motions.loading import UnreadFileWarning
 Write = Callable[[str, str | bytes], Path]
 
 
-def two_columns(units: str, scale: float) -> str:
-    lines = "".join(f"{0.01 * i:.2f} {scale * (-1) ** i:.6g}\n" for i in range(20))
+def two_columns(units: str, scale: float, *, cycles: float = 10.0) -> str:
+    samples = [scale * math.cos(0.1 * math.pi * cycles * i) for i in range(20)]
+    lines = "".join(f"{0.01 * i:.2f} {sample:.6g}\n" for i, sample in enumerate(samples))
     return f"# units: {units}\n{lines}"
 
 
@@ -80,8 +82,8 @@ def test_sets_choose_what_is_checked_and_all_are_by_default(
 def test_a_record_out_of_scale_with_its_folder_is_reported(
     units: str, scale: float, write: Write, tmp_path: Path
 ) -> None:
-    for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9}.items():
-        write(f"{name}.txt", two_columns("g", peak))
+    for cycles, (name, peak) in enumerate({"a": 0.2, "b": 0.3, "c": 0.9}.items(), start=1):
+        write(f"{name}.txt", two_columns("g", peak, cycles=cycles))
     odd = write("odd.txt", two_columns(units, scale))
     inspection = inspect(tmp_path)
     assert inspection.faults == []
@@ -125,6 +127,18 @@ def test_records_of_a_wide_but_possible_range_are_not_reported(write: Write, tmp
     for name, peak in {"a": 0.02, "b": 0.15, "c": 0.3, "d": 0.5, "e": 1.5}.items():
         write(f"{name}.txt", two_columns("g", peak))
     assert inspect(tmp_path).faults == []
+
+
+def test_a_record_that_is_there_twice_is_noted(write: Write, tmp_path: Path) -> None:
+    samples = [math.sin(i * i) for i in range(20)]
+    for name, scale in (("one", 1.0), ("two", 1.0), ("half", 0.5)):
+        lines = "".join(f"{0.01 * i:.2f} {scale * sample:.6g}\n" for i, sample in enumerate(samples))
+        write(f"{name}.txt", f"# units: m/s2\n{lines}")
+    write("other.txt", two_columns("m/s2", 0.5))
+    inspection = inspect(tmp_path)
+    assert inspection.faults == []
+    assert [Path(note.file).stem for note in inspection.notes] == ["one", "two"]
+    assert all(note.value == "the same record as half, as it is or scaled" for note in inspection.notes)
 
 
 def test_a_path_that_does_not_exist_is_refused(tmp_path: Path) -> None:

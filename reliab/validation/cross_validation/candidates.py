@@ -8,7 +8,7 @@ from itertools import filterfalse
 
 import xarray as xr
 
-from reliab.criterion import Derivation, protect_over_lengths, protects
+from reliab.criterion import Derivation, protect_over_lengths, protects, without_copies
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError
@@ -78,6 +78,7 @@ class Derived(Candidate):
         """
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
+        ellipses = without_copies(ellipses)
         for shares in (list(filter(protects, confidences)), list(filterfalse(protects, confidences))):
             if not shares:
                 continue

@@ -124,7 +124,8 @@ def event_bootstrap(
 
     `events` (motions,).
     Returns `low, high`: ends of the interval, in the trailing shape; NaN where there is nothing to be
-    counted.
+    counted. Where none or all were counted, drawing earthquakes again shows no spread: one end is then that
+    of Clopper and Pearson, for as many trials as earthquakes.
 
     Davison, A. C. and Hinkley, D. V. (1997). *Bootstrap Methods and their Application*, section 3.8.
     """
@@ -140,4 +141,7 @@ def event_bootstrap(
     ends = np.full((2, *rates.shape[1:]), np.nan)
     known = bottom.sum(axis=0) > 0.0
     ends[:, known] = np.nanquantile(rates[:, known], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0)
-    return ends[0], ends[1]
+    none, every = top.sum(axis=0) == 0.0, top.sum(axis=0) == bottom.sum(axis=0)
+    least = (0.5 * (1.0 - level)) ** (1.0 / np.maximum((bottom > 0.0).sum(axis=0), 1))
+    low = np.where(known & every, least, ends[0])
+    return low, np.where(known & none, 1.0 - least, ends[1])

@@ -73,7 +73,6 @@ def _write(table: pd.DataFrame, path: Path) -> None:
 
 
 _ENDS = (0.05, 0.95)
-_TAIL = 0.025
 
 
 def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
@@ -160,10 +159,4 @@ def _rate(name: str, counted: np.ndarray, among: np.ndarray, events: pd.Series) 
         float(end)
         for end in event_bootstrap(counted.astype(float), among.astype(float), events.to_numpy(str))
     )
-    # Where none or all were counted, drawing earthquakes again shows no spread: Clopper and Pearson's bound.
-    least = _TAIL ** (1.0 / max(events[among].nunique(), 1))
-    if rate == 0.0:
-        high = 1.0 - least
-    elif rate == 1.0:
-        low = least
     return {name: rate, f"{name}_low": low, f"{name}_high": high}

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import binomtest
 
 from reliab.criterion.laws import Dimensionless, Table
 from reliab.criterion.methods import method_of
@@ -214,3 +215,13 @@ def test_transfer_learns_from_no_earthquake_that_it_judges():
     np.testing.assert_array_equal(folds[1].judged, [False, True, False, False, False, False])
     with pytest.raises(InputError, match="among far, near"):
         list(transfer(sets, events, learned=["far"], judged=["nearby"]))
+
+
+def test_bootstrap_interval_of_none_or_all_counts_earthquakes():
+    """Ten of ten earthquakes leave a true share of 70 %, or a failure in 30 %, possible."""
+    events = np.repeat(np.arange(10), 4).astype(str)
+    good = np.stack([np.ones(40), np.zeros(40), np.arange(40) % 2], axis=1)
+    low, high = event_bootstrap(good, np.ones_like(good), events)
+    least = binomtest(10, 10).proportion_ci().low
+    assert low.tolist() == pytest.approx([least, 0.0, 0.5])
+    assert high.tolist() == pytest.approx([1.0, 1.0 - least, 0.5])
