@@ -274,7 +274,7 @@ def _identified(
     ]
     identified = min(candidates, key=lambda candidate: candidate.misfit)
     if identified.misfit > _LARGEST_MISFIT:
-        return None, (_other_ground(identified.misfit),)
+        return None, (_other_ground(identified.misfit, with_force=force is not None),)
     return identified, () if identified is candidates[0] else (
         "The ground acceleration has the opposite sign.",
     )
@@ -344,10 +344,12 @@ def _sentence(name: str, estimate: Identified) -> str:
     )
 
 
-def _other_ground(misfit: float) -> str:
+def _other_ground(misfit: float, *, with_force: bool) -> str:
+    where = ", or the recorded force is not what acted" if with_force else ""
+    check = "channel, unit and range of both" if with_force else "channel and unit"
     return (
-        "The recorded ground acceleration does not belong to this test (the equation of motion leaves "
-        f"{percent(misfit, decimals=0)} of it unexplained): check channel and unit. The structure was "
+        f"The recorded ground acceleration does not belong to this test{where} (the equation of motion "
+        f"leaves {percent(misfit, decimals=0)} of it unexplained): check {check}. The structure was "
         "not identified from it."
     )
 

@@ -1,6 +1,7 @@
-"""Copies of one record among ground motions: the same one twice, or scaled.
+"""Copies of one record among ground motions: the same record under several names.
 
-A linear structure has the same boundaries under both, so that they are recognised from any source.
+They are recognised by their checksums; where these are not known, as in a table of ellipses, by their
+boundaries.
 """
 
 from typing import TYPE_CHECKING, TypeVar
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 
 _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 
-_ALIKE = 1e-5  # relative difference of boundaries from results in single precision; records differ by more
 _WRITTEN_OUT = 2  # copies that a sentence names
 
 
@@ -25,12 +25,12 @@ def without_copies(ellipses: _Given) -> _Given:
     copied = np.flatnonzero(first != np.arange(first.size))
     if not copied.size:
         return ellipses
-    names = _names(ellipses)
+    names = _along_motions(ellipses, "motion")
     pairs = [f"{names[place]} of {names[first[place]]}" for place in copied[:_WRITTEN_OUT]]
     more = ", …" if copied.size > _WRITTEN_OUT else ""
     sentence = (
-        f"{copied.size} of {first.size} motions are the records of others, as they are or scaled "
-        f"({', '.join(pairs)}{more}): each record counts once."
+        f"{copied.size} of {first.size} motions are the records of others ({', '.join(pairs)}{more}): "
+        "each record counts once."
     )
     originals = np.unique(first)
     if isinstance(ellipses, EllipseTable):
@@ -40,32 +40,29 @@ def without_copies(ellipses: _Given) -> _Given:
 
 def events_of_originals(ellipses: Ellipses) -> NDArray[np.str_]:
     """Earthquake of each motion, copies having that of their record, shape (motions,)."""
+    return _along_motions(ellipses, "event")[_originals(ellipses)]
+
+
+def _along_motions(ellipses: Ellipses, name: str) -> NDArray[np.str_]:
+    """Texts of the motions; empty where they are not known."""
     if isinstance(ellipses, EllipseTable):
-        return ellipses.events[_originals(ellipses)]
-    return np.asarray(ellipses["event"].values[_originals(ellipses)])
-
-
-def _names(ellipses: Ellipses) -> list[str]:
-    values = ellipses.at["motion"] if isinstance(ellipses, EllipseTable) else ellipses["motion"].values
-    return [str(name) for name in values]
+        texts = ellipses.at["motion"] if name == "motion" else ellipses.of_motions.get(name, ())
+    else:
+        texts = ellipses[name].values if name in ellipses.coords else ()
+    return np.array([str(text) for text in texts], dtype=np.str_)
 
 
 def _originals(ellipses: Ellipses) -> NDArray[np.intp]:
-    """Find the first motion with the boundaries of each; motions without an ellipse have no copies.
-
-    Returns places, shape (motions,).
-    """
-    rows = np.concatenate([_rows(ellipses, "a"), _rows(ellipses, "b")], axis=1)
-    rows = np.where(rows > 0.0, rows, np.nan)
-    first = np.arange(rows.shape[0])
-    with_ellipse = np.flatnonzero(np.isfinite(rows).any(axis=1))
-    order = with_ellipse[np.argsort(np.nansum(np.log(rows[with_ellipse]), axis=1), kind="stable")]
-    alike = np.isclose(rows[order[1:]], rows[order[:-1]], rtol=_ALIKE, atol=0.0, equal_nan=True).all(axis=1)
-    group = np.cumsum(np.append(0, ~alike))[: order.size]
-    least = np.full(first.size, first.size)
-    np.minimum.at(least, group, order)
-    first[order] = least[group]
-    return first
+    """Find the first motion with the record of each, shape (motions,)."""
+    checksums = _along_motions(ellipses, "checksum")
+    if checksums.size and all(checksums.tolist()):
+        identities = checksums.tolist()
+    else:
+        rows = np.concatenate([_rows(ellipses, "a"), _rows(ellipses, "b")], axis=1)
+        known = np.isfinite(rows).any(axis=1).tolist()  # motions without an ellipse have nothing in common
+        identities = [row.tobytes() if known[place] else place for place, row in enumerate(rows)]
+    first: dict[object, int] = {}
+    return np.array([first.setdefault(identity, place) for place, identity in enumerate(identities)])
 
 
 def _rows(ellipses: Ellipses, name: str) -> NDArray[np.float64]:

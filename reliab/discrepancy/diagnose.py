@@ -28,6 +28,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects import Role, Scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
@@ -81,6 +82,8 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
         progress(0, whole)
         for kind in kinds:
             block = _block(kind, campaign, scales, motions, diagnoses)
+            if isinstance(block, BalanceBlock):
+                block = _on_one_clock(block, campaign, diagnoses)
             diagnoses.append(_examined(block, campaign, lambda: progress(next(steps), whole)))
     return Diagnosis(campaign=campaign, blocks=tuple(diagnoses), faults=faults)
 
@@ -129,6 +132,29 @@ def _block(
     if diagnoses:
         return SpecimenBlock(campaign, scales, _pistons(diagnoses[0]))
     return SpecimenBlock(campaign, scales, motions, smoothed=True)
+
+
+def _on_one_clock(
+    block: BalanceBlock, campaign: Campaign, diagnoses: Sequence[BlockDiagnosis]
+) -> BalanceBlock:
+    """Read the force as late as the specimen shows it to be, where that is more credible than one in time.
+
+    A lag τ of the force beside the ground acceleration looks like a damping ratio larger by half of ω₀τ.
+    Where the displacement was early in place of the force late, the force is in time with the ground.
+    """
+    lags = [
+        estimate.value
+        for diagnosed in diagnoses
+        for effect in diagnosed.effects
+        if isinstance(diagnosed.block, SpecimenBlock) and effect.name == ClockOffset.name
+        for estimate in effect.estimates
+    ]
+    if not lags:
+        return block
+    late = block.read_late(lags[0])
+    searches = [Search(_problem(each, campaign, campaign.training)) for each in (block, late)]
+    in_time, delayed = (search.score(search.null) for search in searches)
+    return late if delayed > in_time else block
 
 
 def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:

@@ -87,6 +87,22 @@ def test_a_ground_acceleration_in_another_unit_is_said_of_each_test(name, unit, 
 
 
 @pytest.mark.parametrize("name", RIGS)
+def test_a_ground_acceleration_that_was_not_recorded_is_refused(name):
+    """It would be called an unknown effect of the numerical substructure."""
+    with pytest.raises(InputError, match="must change during a test that starts at rest; found 0 throughout"):
+        require_consistent(spoiled(RIGS[name], GROUND, 0.0))
+
+
+def test_a_structure_that_is_released_needs_no_ground_acceleration():
+    """A free vibration begins where the structure was held."""
+    time = np.arange(0.0, 10.0, 1.0 / RIGS["rig_a"].rate)
+    moved = 0.01 * np.exp(-0.3 * time) * np.cos(2.0 * np.pi * RIGS["rig_a"].structure.frequency * time)
+    channels = {GROUND: np.zeros(time.size), COMMAND: moved, MEASURED: moved + 1e-9 * np.sin(time)}
+    released = MeasuredTest(file="a.csv", motion="", held_out=True, channels=channels)
+    require_consistent(replace(RIGS["rig_a"], tests=(released, replace(released, held_out=False))))
+
+
+@pytest.mark.parametrize("name", RIGS)
 def test_a_reversed_ground_acceleration_is_said_of_each_test(name):
     said = require_consistent(spoiled(RIGS[name], GROUND, -1.0))
     assert said == tuple(

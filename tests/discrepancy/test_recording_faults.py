@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import diagnose
+from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.discrepancy.terms import ClockOffset, LeadingReading, StatedDamping, with_clock, with_damping
 from reliab.effects import AddedMass
 from reliab.simulation import Actuator
@@ -138,6 +140,42 @@ def test_a_reading_that_leads_is_that_of_later():
     assert early[-1] == pytest.approx(np.sin(3.0 * TIME[-1]) + 0.003 * slope, abs=1e-5)
     far = with_clock(HybridTest(effects=(LeadingReading(lead_s=0.2),)), np.sin(3.0 * TIME), step)
     assert far[-30:] == pytest.approx(np.sin(3.0 * TIME[-1]) + 2.0 * step * slope, abs=1e-5)
+
+
+def with_late_force(campaign, lag):
+    """Forces that were recorded later than they acted [s]; the controller used them in time."""
+    late = HybridTest(effects=(ClockOffset(lag_s=lag),))
+    tests = (
+        replace(
+            test,
+            channels={
+                **test.channels,
+                Channel.FORCE: with_clock(late, test.channels[Channel.FORCE], campaign.step),
+            },
+        )
+        for test in campaign.tests
+    )
+    return replace(campaign, tests=tuple(tests))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lag", [-0.001, 0.001, 0.003])
+def test_a_late_force_is_no_other_damping_ratio_of_the_structure(lag):
+    """Beside the ground it looks like half of ω₀τ more damping, which would widen a criterion."""
+    found = diagnose(with_late_force(read_campaign("rig_c"), lag))
+    assert [effect.name for effect in found.effects] == ["clock_offset"]
+    assert [item.name for block in found.blocks for item in block.misstated] == []
+
+
+def test_a_balance_reads_its_force_as_late_as_the_specimen_does():
+    campaign = read_campaign("rig_c")
+    block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
+    late = block.read_late(0.01)
+    expected = with_clock(
+        HybridTest(effects=(ClockOffset(lag_s=0.01),)), block.predict(block.nominal, 0), campaign.step
+    )
+    assert late.predict(late.nominal, 0) == pytest.approx(expected)
+    assert block.nominal == campaign.nominal
 
 
 def answers_of(*, damping_ratio=0.05, mass=0.0, gain=1.0, delay=0.004):

@@ -13,7 +13,13 @@ from reliab.cli.diagnose import _proved
 from reliab.discrepancy import BlockDiagnosis, Gap, Verdict
 from reliab.discrepancy.naming import unexplained
 from reliab.discrepancy.naming.naming import offset_odds
-from reliab.discrepancy.result.diagnosis import contradiction, one_of_two, remainder_statement, statement
+from reliab.discrepancy.result.diagnosis import (
+    contradiction,
+    one_of_two,
+    remainder_statement,
+    scale_of_displacement,
+    statement,
+)
 from reliab.discrepancy.result.gap import Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy_report import _closed, _floor
@@ -205,6 +211,26 @@ def test_what_contradicts_the_campaign_is_said_first(verdict):
         "The tests did not run with what was stated (mass 1.031 times). "
     )
     assert "1.031 ± 0.0003 times the stated one: check the table [structure]" in contradiction(mass)
+
+
+@pytest.mark.parametrize(
+    ("gain", "stiffness", "said"), [(1.1, 1.0 / 1.1, 1), (1.1, 1.0, 0), (1.1, 0.8, 0), (1.002, 0.9, 0)]
+)
+def test_a_scale_of_the_displacement_that_explains_gain_and_stiffness_is_said(gain, stiffness, said):
+    estimates = {
+        name: Estimate(name=name, value=value, sd=1e-4, units="-", signed=True)
+        for name, value in (("gain", gain), ("stiffness", stiffness))
+    }
+    blocks = [
+        SimpleNamespace(calibration=(estimates["gain"],), misstated=()),
+        SimpleNamespace(
+            calibration=(estimates["stiffness"],),
+            misstated=(estimates["stiffness"],) if stiffness != 1.0 else (),
+        ),
+    ]
+    sentences = scale_of_displacement(blocks)
+    assert len(sentences) == said
+    assert all("recorded 1.1 times too large" in sentence for sentence in sentences)
 
 
 def test_one_of_two_stated_values_is_said_to_be_wrong():

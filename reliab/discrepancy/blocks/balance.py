@@ -89,6 +89,15 @@ class BalanceBlock(ObservedBlock):
         narrow._informed = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
         return narrow
 
+    def read_late(self, lag: float) -> "BalanceBlock":
+        """Return the same block with a force that was recorded so much later than it acted.
+
+        `lag` [s].
+        """
+        late = copy(self)
+        late.nominal = self.nominal.adding(ClockOffset(lag_s=lag))
+        return late
+
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that balances ground motion and command [N], shape (n,)."""
         records = tuple(effect for effect in model.acting(Role.RECORD) if isinstance(effect, RecordEffect))

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Spectrum
+from reliab.arrays import Array, Spectrum
 from reliab.assessment import doubts_of_ground, plain_faults, require_plausible, require_restoring_force
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
@@ -30,6 +30,7 @@ _BINS_IN_BAND = (
     4.0  # of the shortest test: a band is narrower than a resonance, and noise is not coherent in it
 )
 _COHERENT = 0.8
+_AT_REST = 0.1  # of the largest displacement
 _SHARED, _ALIKE = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
 _STEEPEST = 2.0  # power of the frequency with which a rig answers
 _LARGEST_CHANGE = np.log(
@@ -53,7 +54,17 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     )
     specimen = campaign.nominal.specimen
     stiffness = None if specimen is None else specimen.stiffness
-    if measured is None or not np.ptp(measured if command is None else command) > 0.0:
+    moved = measured if command is None else command
+    if moved is None or not np.ptp(moved) > 0.0:
+        return
+    if campaign.structure is not None and ground is not None and _is_still(ground, moved):
+        raise InputError(
+            "The recorded ground acceleration must change during a test that starts at rest",
+            value=f"{significant(ground[0] + 0.0)} throughout",
+            remedy="Record it, or leave its column out of every test: the other channels are then diagnosed",
+            where=test.file,
+        )
+    if measured is None:
         return
     try:
         if command is not None:
@@ -71,6 +82,11 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
+
+
+def _is_still(ground: Array, moved: Array) -> bool:
+    """Whether the ground rests although a structure moves that was not pulled from its rest at the begin."""
+    return not np.ptp(ground) > 0.0 and abs(float(moved[0])) < _AT_REST * float(np.abs(moved).max())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

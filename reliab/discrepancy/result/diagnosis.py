@@ -107,7 +107,8 @@ class Diagnosis(ResultWithRows):
         """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
         contradicted = (contradiction(item) for block in self.blocks for item in block.misstated)
         either = (one_of_two(block.either_misstated) for block in self.blocks if block.either_misstated)
-        remarks = [*self.faults, *contradicted, *either, *(effect.remark for effect in self.doubtful)]
+        scale = scale_of_displacement(self.blocks)
+        remarks = [*self.faults, *contradicted, *scale, *either, *(effect.remark for effect in self.doubtful)]
         for block in self.blocks:
             remarks += _limits_of(block)
         remarks += [
@@ -273,6 +274,24 @@ def contradiction(item: Estimate) -> str:
     )
 
 
+def scale_of_displacement(blocks: Sequence[BlockDiagnosis]) -> list[str]:
+    """Say that a wrong scale of the measured displacement would explain gain and stiffness together.
+
+    Nothing where it would not: where the gain is as stated, or their product is another than the stated one.
+    """
+    gains = [item for block in blocks for item in block.calibration if item.name == "gain"]
+    stiffnesses = [item for block in blocks for item in block.misstated if item.name == "stiffness"]
+    return [
+        f"The actuator's gain is {significant(gain.value, 4)} ± {significant(gain.sd, 1)} times the stated "
+        f"one, so that a measured displacement recorded {significant(gain.value, 4)} times too large would "
+        "explain both gain and stiffness: check its scale first."
+        for gain in gains
+        for stiffness in stiffnesses
+        if abs(gain.value - 1.0) > NOMINAL_VALUES["stiffness"].tolerance
+        and abs(gain.value * stiffness.value - 1.0) < NOMINAL_VALUES["stiffness"].tolerance
+    ]
+
+
 def one_of_two(either: Sequence[Estimate]) -> str:
     """Say that one of two stated values is wrong, and what each would be if the other were right."""
     cases = [
@@ -301,7 +320,7 @@ def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
         return f"{first}{_VERDICTS[verdict]}"
     open_ones = [str(block.block.channel) for block in blocks if not is_explained(block)]
     if open_ones:
-        channels = ", ".join(open_ones)
+        channels = ", ".join(dict.fromkeys(open_ones))
         return (
             f"{first}Calibration explains the tests except for a remainder in {channels} that may not be "
             "noise."
