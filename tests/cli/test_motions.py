@@ -27,7 +27,8 @@ def folder(tmp_path: Path) -> Path:
     folder = tmp_path / "records"
     folder.mkdir()
     for component in (90, 180):
-        (folder / f"N{component}.AT2").write_text(AT2.format(component=component))
+        record = AT2.replace(".6000000E-01", f".{component:03}0000E-01").format(component=component)
+        (folder / f"N{component}.AT2").write_text(record)
     return folder
 
 
@@ -118,7 +119,7 @@ def test_check_reports_faults_in_json_with_stable_keys(faulty: Path) -> None:
 
 
 def test_check_takes_several_sources_and_built_in_suites(folder: Path) -> None:
-    result = run("check", folder, folder / "N90.AT2", "synthetic", "--json", "-")
+    result = run("check", folder, folder / "N90.AT2", "synthetic", "--json", "-")  # each by itself
     assert json.loads(result.stdout) == {"records": 103, "faults": [], "notes": []}
 
 
