@@ -152,7 +152,7 @@ def _on_one_clock(
     if not lags:
         return block
     late = block.read_late(lags[0])
-    searches = [Search(_problem(each, campaign, campaign.training)) for each in (block, late)]
+    searches = [Search(_problem(clock, campaign, campaign.training)) for clock in (block, late)]
     in_time, delayed = (search.score(search.null) for search in searches)
     return late if delayed > in_time else block
 
