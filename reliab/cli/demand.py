@@ -141,7 +141,7 @@ def _parameters(options: type[Demand]) -> Iterator[inspect.Parameter]:
     declared: dict[str, Field[Any]] = {item.name: item for item in fields(options)}
     shared = {item.name for item in fields(Demand)}
     for home in options.__mro__:
-        for name in vars(home).get("__annotations__", {}):
+        for name in inspect.get_annotations(home):
             if name in declared and name not in shared:
                 taken = declared.pop(name)
                 yield inspect.Parameter(
