@@ -32,6 +32,6 @@ class AddedMass(SteppedEffect):
             starts=(0.02,),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     mass_kg: float  # Mass [kg]

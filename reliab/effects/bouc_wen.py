@@ -69,5 +69,5 @@ def require_followed(exponent: float) -> None:
         )
 
 
-BOUC_WEN = Kernel(function=_force, states=4)
+BOUC_WEN = Kernel(function=_force, states=4, linear=0, by_path=True)
 """Kernel of eight coefficients: those of a hysteresis, then growth of flexibility, fall of strength, slip."""

@@ -44,7 +44,7 @@ class CoulombFriction(SteppedEffect):
             starts=(0.003, 0.003),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     force_n: float  # Friction force F [N]
     # Velocity v_s [m/s] over which the force changes sign; vanishing for ideal friction, and fitted up to 2 %

@@ -32,6 +32,6 @@ class CubicStiffness(SteppedEffect):
             starts=(0.05,),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0, by_path=True)
 
     cubic_n_per_m3: float  # Coefficient k₃ [N/m³], negative for a softening spring

@@ -36,7 +36,7 @@ class DirectionalFriction(SteppedEffect):
             starts=(0.05, -0.05),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     force_n: float  # Mean friction force F of both directions [N]
     regularisation_velocity_m_per_s: float  # Velocity v_s [m/s] over which the force changes sign

@@ -35,7 +35,7 @@ class Gap(SteppedEffect):
             starts=(0.003, 0.01, 0.03, 0.1, 0.3),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=1, by_path=True)
 
     gap_m: float  # Slack g to either side [m]
 

@@ -83,7 +83,7 @@ class HysteresisWithPlay(SteppedEffect):
             starts=(0.02,),
         ),
     )
-    kernel = Kernel(function=_force, states=4)
+    kernel = Kernel(function=_force, states=4, linear=0, by_path=True)
 
     # force_n, displacement_m, gamma, exponent, lost_share: As in
     # :class:`~reliab.effects.hysteresis.Hysteresis`, without play

@@ -43,6 +43,10 @@ class Kernel:
         state (zero before the first step). What it returns depends on the role of the effect.
     states : int, optional
         Length of the state.
+    linear : int, optional
+        Place of a coefficient to which what it returns is proportional; none where there is no such one.
+    by_path : bool, optional
+        Whether the displacement alone decides, not velocity, acceleration or time.
 
     Examples
     --------
@@ -55,6 +59,8 @@ class Kernel:
 
     function: KernelFunction
     states: int = 0
+    linear: int | None = None
+    by_path: bool = False
 
     def __call__(
         self, motion: Numbers, time: float, step: float, coefficients: Numbers, state: Numbers

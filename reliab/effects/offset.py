@@ -8,7 +8,7 @@ def _reading(_motion: Numbers, _time: float, _step: float, coefficients: Numbers
     return coefficients[0]
 
 
-OFFSET = Kernel(function=_reading)
+OFFSET = Kernel(function=_reading, linear=0)
 """Kernel of a constant offset, the one coefficient."""
 
 

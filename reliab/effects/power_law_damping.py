@@ -48,7 +48,7 @@ class PowerLawDamping(SteppedEffect):
             starts=(0.3, 0.6),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     coefficient: float  # c [N·(s/m)ᵖ], the force at 1 m/s
     exponent: float  # p [-], between 0.1 and 0.9

@@ -32,6 +32,6 @@ class QuadraticDamping(SteppedEffect):
             starts=(0.02,),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     coefficient_n_s2_per_m2: float  # Coefficient c₂ [N·s²/m²]

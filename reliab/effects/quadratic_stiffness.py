@@ -32,6 +32,6 @@ class QuadraticStiffness(SteppedEffect):
             starts=(0.05,),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0, by_path=True)
 
     quadratic_n_per_m2: float  # Coefficient k₂ [N/m²]

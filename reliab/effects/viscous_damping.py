@@ -32,6 +32,6 @@ class ViscousDamping(SteppedEffect):
             starts=(0.02,),
         ),
     )
-    kernel = Kernel(function=_force)
+    kernel = Kernel(function=_force, linear=0)
 
     damping_n_s_per_m: float  # Damping coefficient c [N·s/m]

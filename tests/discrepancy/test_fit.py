@@ -15,12 +15,14 @@ from reliab.discrepancy.fitting.left_out import left_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.effects import find_effect
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
+from reliab.discrepancy.terms import ClockOffset, ElasticStops, SoftenedSpring, outside_terms
+from reliab.effects import Effect, Role, Setting, SteppedEffect, find_effect, library
 from reliab.signals import NoiseModel
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load, read_force
+from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_force
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Specimen, Structure
+from reliab.vocabulary import Block
 
 RATE, NOISE = 1024.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)
@@ -78,13 +80,78 @@ def test_forces_of_effects_add_up(block):
     )
 
 
+LATE = ClockOffset(lag_s=0.003)
+PLAY = find_effect("series_play")(width_m=0.002)
+ORIFICE = find_effect("quadratic_damping")(coefficient_n_s2_per_m2=900.0)
+SLACK = find_effect("gap")(gap_m=0.001)
+
+
+@pytest.mark.parametrize(
+    "effects", [(), (SLACK, FRICTION), (LATE, FRICTION), (ORIFICE, FRICTION, LATE), (PLAY, FRICTION)]
+)
+@pytest.mark.parametrize("smoothed", [False, True])
+def test_remembered_spectra_are_those_of_the_predicted_force(campaign, effects, smoothed):
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions, smoothed=smoothed)
+    segments = cut_segments(campaign.training[:2], RATE, lambda _: 40.0)
+    for factor in (1.0, 1.7):  # the second time from what is remembered
+        stiffer = replace(SPECIMEN, stiffness=factor * SPECIMEN.stiffness, mass=0.3)
+        model = HybridTest(specimen=stiffer, effects=effects)
+        for segment, spectrum in zip(segments, block.spectra(model, segments), strict=True):
+            expected = segment.spectrum(block.predict(model, segment.test))
+            np.testing.assert_allclose(spectrum, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
+    rng = np.random.default_rng(8)
+    reading = campaign.tests[0].channels[Channel.MEASURED] + 1e-4 * rng.standard_normal(int(20.0 * RATE))
+    test = replace(campaign.tests[0], channels={**campaign.tests[0].channels, Channel.MEASURED: reading})
+    noisy = replace(campaign, tests=(test, *campaign.tests[1:]))
+    motions = motions_of(noisy)
+    block = SpecimenBlock(noisy, scales_of(noisy, motions), motions, smoothed=True)
+    spread = velocity_spread(reading, 1.0 / RATE, block.highest_signal)
+    reach = np.array([[0.0], [np.sqrt(3.0) * spread], [0.0]])
+    model = HybridTest(specimen=SPECIMEN, effects=(ORIFICE, FRICTION, SLACK))
+    loads = [
+        load(model, Motion3(values=motions[0].values + node * reach, step=1.0 / RATE))
+        for node in (-1.0, 0.0, 1.0)
+    ]
+    expected = np.average(loads, axis=0, weights=(1.0, 4.0, 1.0))
+    assert np.abs(loads[1] - expected).max() > 0.01  # of some 20 N
+    np.testing.assert_allclose(block.predict(model, 0), expected, rtol=1e-9, atol=1e-9)
+
+
+LIBRARY: list[type[Effect]] = [
+    *library().values(), *outside_terms(Block.SPECIMEN), SoftenedSpring, ElasticStops
+]  # fmt: skip
+FORCES = [
+    kind for kind in LIBRARY
+    if issubclass(kind, SteppedEffect) and kind.role in (Role.FORCE, Role.FORCE_READING)
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FORCES, ids=lambda kind: kind.name)
+def test_a_kernel_is_proportional_and_blind_to_velocity_where_it_says_so(kind):
+    moved = np.sin(0.3 * np.arange(200.0)) * np.linspace(0.2, 2.0, 200)
+    slow = Motion3(values=np.stack([moved, np.gradient(moved, 0.1), np.cos(moved)]), step=0.1)
+    fast = replace(slow, values=slow.values + np.array([[0.0], [0.7], [0.3]]))
+    values = np.array([0.37 + 0.11 * place for place in range(len(kind.parameters))])
+    numbers = kind.from_values(values).coefficients(Setting(step=0.1, stiffness=5.0))
+    force = follow(kind.kernel, tuple(numbers), slow)
+    if kind.kernel.by_path:
+        np.testing.assert_array_equal(follow(kind.kernel, tuple(numbers), fast), force)
+    if kind.kernel.linear is not None:
+        numbers[kind.kernel.linear] *= -3.0
+        np.testing.assert_allclose(follow(kind.kernel, tuple(numbers), slow), -3.0 * force, rtol=1e-12)
+
+
 def test_noise_of_whitened_residuals_is_that_of_the_model_left(problem, fitted):
     again = problem.noise_of(fitted.space, fitted.coordinates)
     np.testing.assert_allclose(problem.noise_left(fitted.residual, fitted.noise).weights, again.weights)
 
 
 def test_another_noise_needs_no_simulation(problem, fitted):
-    with patch.object(Problem, "predictions", side_effect=AssertionError):
+    with patch.object(SpecimenBlock, "spectra", side_effect=AssertionError):
         other = reweighted(problem, fitted)
     simulated = problem.whitened(fitted.space, fitted.coordinates, other.noise)
     np.testing.assert_allclose(other.residual, simulated, rtol=1e-9, atol=1e-9)
@@ -119,7 +186,7 @@ def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
 
 def test_a_fit_that_has_settled_simulates_no_more_than_it_must(problem, fitted):
     settled = refined(problem, fitted)
-    with patch.object(Problem, "predictions", autospec=True, side_effect=Problem.predictions) as simulate:
+    with patch.object(SpecimenBlock, "spectra", autospec=True, side_effect=SpecimenBlock.spectra) as simulate:
         refined(problem, settled)
     assert simulate.call_count <= 2 + settled.space.size
 

@@ -1,16 +1,17 @@
 """An observed block: it predicts its channel from its input, for any model."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import highest_frequency
 from reliab.effects import AddedMass, Effect, Scales, ViscousDamping
 from reliab.simulation.hybrid_test import HybridTest, Motion3
@@ -90,6 +91,11 @@ class ObservedBlock(ABC):
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:
         """Predict the channel in a test, shape (⌈n / every⌉,)."""
+
+    def spectra(self, model: HybridTest, segments: Sequence[Segment]) -> list[Spectrum]:
+        """Spectrum of the predicted channel in each segment, shape (bins,) each."""
+        predicted = {test: self.predict(model, test) for test in {segment.test for segment in segments}}
+        return [segment.coarse_spectrum(predicted[segment.test], self.every) for segment in segments]
 
     def measured(self, test: int) -> Array:
         """Return the channel as measured in a test, shape (n,)."""

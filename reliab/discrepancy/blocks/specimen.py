@@ -1,14 +1,15 @@
 """The specimen with the load cell: motion of the piston → force."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     open_stiffness,
@@ -17,8 +18,17 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import ClockOffset, ElasticStops, SoftenedSpring, outside_terms, with_clock
+from reliab.discrepancy.terms import (
+    ClockOffset,
+    ElasticStops,
+    SoftenedSpring,
+    lag_of,
+    outside_terms,
+    recorded_late,
+    with_clock,
+)
 from reliab.effects import (
     AddedMass,
     Effect,
@@ -40,7 +50,7 @@ from reliab.vocabulary import Block
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
-_CACHED_FORCES = 12  # forces of effects that are remembered for each test
+_CACHED_FORCES, _CACHED_SPECTRA = 12, 40  # terms that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
@@ -80,6 +90,7 @@ class SpecimenBlock(ObservedBlock):
         peaks = [float(np.abs(piston.values[0]).max()) for piston in self.motions]
         self._moved_before = np.maximum.accumulate([0.0, *peaks]).tolist()
         self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
+        self._seen = lru_cache(maxsize=_CACHED_SPECTRA * len(self.tests))(self._seen_one)
 
     def with_open_stiffness(self) -> "SpecimenBlock":
         """Return the same block, whose stiffness may be any multiple of the stated one."""
@@ -121,40 +132,103 @@ class SpecimenBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Force that the load cell reads [N], shape (n,)."""
-        followed = replace(model, moved_before=self._moved_before[test])
-        return with_clock(model, self._force(followed, test), self.motions[test].step)
+        if self._independent(model):
+            force = np.zeros(self.motions[test].values.shape[1])
+            for factor, term in self._terms(model, test):
+                force += factor * self._followed(term, test)
+        else:
+            force = self._coupled(replace(model, moved_before=self._moved_before[test]), test)
+        return with_clock(model, force, self.motions[test].step)
 
-    def _force(self, model: HybridTest, test: int) -> Array:
-        """Predict the force as if all channels had one clock."""
+    def spectra(self, model: HybridTest, segments: Sequence[Segment]) -> list[Spectrum]:
+        """Spectrum of the predicted force in each segment, of forces whose spectra are remembered."""
+        if not self._independent(model):
+            return super().spectra(model, segments)
+        lag, spectra = lag_of(model), [np.zeros(segment.bins, dtype=np.complex128) for segment in segments]
+        for test in dict.fromkeys(segment.test for segment in segments):
+            places = [place for place, segment in enumerate(segments) if segment.test == test]
+            of_test = tuple(segments[place] for place in places)
+            for factor, term in self._terms(model, test):
+                for place, spectrum in zip(places, self._seen(term, lag, of_test), strict=True):
+                    spectra[place] += factor * spectrum
+        return spectra
+
+    def _independent(self, model: HybridTest) -> bool:
+        """Whether the given motion is that of the specimen, so that no effect changes another's force."""
+        smoothed = self.smoothed and bool(model.acting(Role.DISPLACEMENT_READING))
+        return not (smoothed or any(isinstance(effect, SeriesPlay) for effect in model.effects))
+
+    def _terms(self, model: HybridTest, test: int) -> list[tuple[float, "Term"]]:
+        """Return the forces that add up to that of a model in a test, each with its factor."""
+        specimen = model.specimen or Specimen(stiffness=0.0)
+        linear = (specimen.stiffness, specimen.damping, specimen.mass)
+        terms = [(factor, Term(source=row)) for row, factor in enumerate(linear) if factor != 0.0]
+        setting = replace(model.setting(self.motions[test].step), moved_before=self._moved_before[test])
+        spread = self._velocity_is_spread(model)
+        for effect in model.acting(Role.FORCE, Role.FORCE_READING):
+            if isinstance(effect, SteppedEffect) and not isinstance(effect, ClockOffset):
+                expected = spread and effect.role is Role.FORCE and not effect.kernel.by_path
+                terms.append(_term(effect.kernel, effect.coefficients(setting).tolist(), expected))
+        return terms
+
+    def _velocity_is_spread(self, model: HybridTest) -> bool:
+        """Whether a force depends so much on the velocity that its mean over the velocity's spread counts."""
+        return self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects)
+
+    def _follow_one(self, term: "Term", test: int) -> Array:
+        """Force of one term in a test, shape (n,)."""
+        piston = self.motions[test]
+        if not isinstance(term.source, Kernel):
+            row: Array = piston.values[term.source]
+            return row
+        if not term.expected:
+            return follow(term.source, term.numbers, piston)
+        faster = self._at_velocities(piston, test)
+        return _mean((weight, follow(term.source, term.numbers, moved)) for weight, moved in faster)
+
+    def _seen_one(self, term: "Term", lag: float, segments: tuple[Segment, ...]) -> tuple[Spectrum, ...]:
+        """Spectrum of one term in each of some segments of one test, recorded by a clock that lags [s]."""
+        test = segments[0].test
+        force = recorded_late(self._followed(term, test), lag, self.motions[test].step)
+        return tuple(segment.coarse_spectrum(force, self.every) for segment in segments)
+
+    def _coupled(self, model: HybridTest, test: int) -> Array:
+        """Predict the force where effects change the motion that others see, as if there were one clock."""
         piston = self.motions[test]
         if self.smoothed and model.acting(Role.DISPLACEMENT_READING):
             piston = _without_reading(model, piston)
-        if self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects):
-            return read_force(model, piston, self._expected_load(model, piston, test))
-        if piston is not self.motions[test] or any(
-            isinstance(effect, SeriesPlay) for effect in model.effects
-        ):
+        if not self._velocity_is_spread(model):
             return read_force(model, piston, load(model, piston))
-        setting = model.setting(piston.step)
-        force = load(replace(model, effects=()), piston)
-        for effect in model.acting(Role.FORCE, Role.FORCE_READING):
-            if isinstance(effect, SteppedEffect):
-                numbers = tuple(effect.coefficients(setting).tolist())
-                force += self._followed(effect.kernel, numbers, test)
-        return force
+        faster = self._at_velocities(piston, test)
+        return read_force(model, piston, _mean((weight, load(model, moved)) for weight, moved in faster))
 
-    def _follow_one(self, kernel: Kernel, numbers: tuple[float, ...], test: int) -> Array:
-        """Force that one effect adds [N]; under a given motion the effects are independent of each other."""
-        return follow(kernel, numbers, self.motions[test])
-
-    def _expected_load(self, model: HybridTest, piston: Motion3, test: int) -> Array:
-        """Mean of the force where the velocity is known up to its spread only."""
-        expected = np.zeros(piston.values.shape[1])
+    def _at_velocities(self, piston: Motion3, test: int) -> Iterator[tuple[float, Motion3]]:
+        """Motions at the velocities over which a mean is taken, each with its weight."""
         for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
             values = piston.values.copy()
             values[1] += node * self._spreads[test]
-            expected += weight * load(model, Motion3(values=values, step=piston.step))
-        return expected
+            yield weight, Motion3(values=values, step=piston.step)
+
+
+class Term(NamedTuple):
+    """A force under a given motion, up to a factor."""
+
+    source: Kernel | int  # Kernel, or row of the motion to which the force is proportional
+    numbers: tuple[float, ...] = ()  # Coefficients of the kernel
+    expected: bool = False  # Whether it is the mean over velocities that are known up to their spread
+
+
+def _term(kernel: Kernel, numbers: list[float], expected: bool) -> tuple[float, Term]:  # noqa: FBT001
+    """Take the coefficient to which a kernel is proportional, if there is one, for a factor."""
+    factor = 1.0
+    if kernel.linear is not None:
+        factor, numbers[kernel.linear] = numbers[kernel.linear], 1.0
+    return factor, Term(source=kernel, numbers=tuple(numbers), expected=expected)
+
+
+def _mean(weighted: Iterable[tuple[float, Array]]) -> Array:
+    """Mean of forces by weights that sum to one."""
+    return np.asarray(np.sum([weight * force for weight, force in weighted], axis=0))
 
 
 def _without_reading(model: HybridTest, reading: Motion3) -> Motion3:

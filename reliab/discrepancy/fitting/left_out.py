@@ -107,11 +107,11 @@ def _determined(fitted: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
 
 def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: Sequence[Segment]) -> float:
     """Energy that a model misses of segments of one test; a simulation that runs away misses very much."""
-    predicted = problem.block.predict(space.model(coordinates), segments[0].test)
-    missed = [
-        s.spectrum(problem.measured(s.test)) - s.coarse_spectrum(predicted, problem.block.every)
-        for s in segments
-    ]
+    predicted = problem.block.spectra(space.model(coordinates), segments)
+    missed = (
+        s.spectrum(problem.measured(s.test)) - spectrum
+        for s, spectrum in zip(segments, predicted, strict=True)
+    )
     energy = sum(map(energy_of, missed))
     return energy if np.isfinite(energy) else _RAN_AWAY
 

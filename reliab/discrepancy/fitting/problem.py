@@ -111,11 +111,11 @@ class Problem:
 
     def whitened(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
         """Residuals of unit variance if the model is right, shape (rows,)."""
-        predicted = self.predictions(space, coordinates)
-        parts = []
-        for place, (segment, measured) in enumerate(zip(self.segments, self._spectra, strict=True)):
-            difference = measured - segment.coarse_spectrum(predicted[segment.test], self.block.every)
-            parts.append(real_parts(difference, self._density(place, noise)))
+        predicted = self.block.spectra(space.model(coordinates), self.segments)
+        parts = [
+            real_parts(measured - spectrum, self._density(place, noise))
+            for place, (measured, spectrum) in enumerate(zip(self._spectra, predicted, strict=True))
+        ]
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
 

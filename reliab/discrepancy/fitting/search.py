@@ -314,7 +314,8 @@ class Search:
                 likely = [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
                 children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
             children.sort(key=self.score, reverse=True)
-            near = [candidate for candidate in children[:_BEAM] if self._within_reach(candidate, children[0])]
+            reach = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
+            near = [self.keep(refined(self.problem, one)) for one in reach]  # else each extension goes on so
             beam = [*near[:1], *(candidate for candidate in near[1:] if not self._surpassed(candidate))]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
@@ -372,12 +373,8 @@ class Search:
             if candidate is not self.null and self._within_reach(candidate, best)
         ]
         with ThreadPoolExecutor(_WORKERS) as pool:
-            for candidate in pool.map(
-                lambda candidate: refined(
-                    problem, fit(problem, candidate.space, [candidate.coordinates], candidate.noise)
-                ),
-                near,
-            ):
+            fits = pool.map(lambda one: fit(problem, one.space, [one.coordinates], one.noise), near)
+            for candidate in pool.map(lambda one: refined(problem, one), fits):
                 search.keep(candidate)
         search.whole(search.best)
         return search

@@ -1,6 +1,8 @@
 from .clock_offset import (
     ClockOffset as ClockOffset,
     LeadingReading as LeadingReading,
+    lag_of as lag_of,
+    recorded_late as recorded_late,
     with_clock as with_clock,
 )
 from .outside_term import OutsideTerm as OutsideTerm, is_outside as is_outside

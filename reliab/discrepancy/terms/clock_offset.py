@@ -70,12 +70,21 @@ class LeadingReading(SteppedEffect):
 
 
 def with_clock(model: HybridTest, values: Array, step: float) -> Array:
-    """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s].
+    """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s]."""
+    return recorded_late(values, lag_of(model), step)
+
+
+def lag_of(model: HybridTest) -> float:
+    """Time by which the clocks of a model record a channel later than the other [s]."""
+    late = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
+    return late - sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
+
+
+def recorded_late(values: Array, lag: float, step: float) -> Array:
+    """Read a channel at steps [s] so much later [s], shape (n,).
 
     Beyond its ends it goes on straight for two steps, and keeps that value.
     """
-    lag = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
-    lag -= sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
     if not lag:
         return values
     path = CubicPath.through(np.arange(values.size, dtype=np.float64), values)

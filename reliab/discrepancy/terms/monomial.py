@@ -55,7 +55,7 @@ def _move(motion: Numbers, time: float, step: float, coefficients: Numbers, stat
     return 0.0
 
 
-_ON_FORCE = Kernel(function=_force)
+_ON_FORCE = Kernel(function=_force, linear=0)
 _ON_PISTON = Kernel(function=_move, states=2)
 
 

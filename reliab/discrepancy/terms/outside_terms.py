@@ -56,7 +56,7 @@ class OneSidedSpring(OutsideTerm):
             starts=(0.02, 0.2, 0.5, -0.02, -0.2, -0.5),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_force_of_spring)
+    kernel = Kernel(function=_force_of_spring, linear=0, by_path=True)
 
     stiffness_n_per_m: float  # Stiffness k [N/m]
     start_m: float  # Displacement x₀ at which it is touched [m]
@@ -97,7 +97,7 @@ class Relaxation(OutsideTerm):
             starts=(0.3, 1.0, 3.0),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_branch, states=3)
+    kernel = Kernel(function=_branch, states=3, linear=0)
 
     stiffness_n_per_m: float  # Stiffness k [N/m]
     time_s: float  # Relaxation time T [s]
@@ -129,7 +129,7 @@ class WornSpring(OutsideTerm):
             starts=(0.02,),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_worn, states=1)
+    kernel = Kernel(function=_worn, states=1, linear=0, by_path=True)
 
     coefficient: float  # c [N/m²], negative when the specimen weakens
 
@@ -154,7 +154,7 @@ class GrowingSlack(OutsideTerm):
             typical=0.1, lower=0.003, upper=0.9, starts=(0.03, 0.1, 0.3),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_slack, states=1)
+    kernel = Kernel(function=_slack, states=1, linear=0, by_path=True)
 
     stiffness_n_per_m: float  # c [N/m], minus the spring's stiffness for a slack
     share: float  # s [-]
@@ -194,7 +194,7 @@ class SoftenedSpring(OutsideTerm):
             typical=2.0, spread=1.0, lower=0.2, upper=20.0, starts=(4.0, 2.0, 1.0),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_softened, states=1)
+    kernel = Kernel(function=_softened, states=1, linear=0, by_path=True)
 
     lost_n_per_m: float  # c [N/m]
     power: float  # p [-]
@@ -241,7 +241,7 @@ class ElasticStops(OutsideTerm):
             typical=1.5, spread=0.3, lower=1.0, upper=3.0, starts=(1.5, 1.5, 1.5, 1.5),
         ),
     )  # fmt: skip
-    kernel = Kernel(function=_stopped)
+    kernel = Kernel(function=_stopped, linear=0, by_path=True)
 
     stiffness_n_per_m: float  # k [N/m]
     clearance_m: float  # g [m]
