@@ -28,18 +28,14 @@ from reliab.assessment.budget import (
 )
 from reliab.assessment.coupled_error import CoupledMonitor
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
-from reliab.assessment.rebuilt_error import (
-    DRAWS,
-    FALSE_ALARMS,
-    FALSE_ERROR_ALARMS,
-    Monitor,
-)
+from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
     Rows,
     StatedChannels,
     chunks_of_text,
+    rows_about_zero,
     rows_as_written,
     rows_at_equal_steps,
     rows_without_skew,
@@ -341,7 +337,7 @@ class _Watch:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
-        for part in rows_at_equal_steps(rows, step):
+        for part in rows_about_zero(rows_at_equal_steps(rows, step)):
             begin, size = 0, part.command.shape[-1]
             while begin < size:
                 to_next = min(count - monitor.samples % count for count in (between, glance))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex, track
-from reliab.recordings import CoupledRecording, Recording, without_spikes
+from reliab.recordings import CoupledRecording, Recording, without_spikes, zero_of
 from reliab.signals import CubicPath
 from reliab.significant import percent, significant
 from reliab.vocabulary import MILLI
@@ -35,10 +35,6 @@ _ROUNDED, _BY_CHANCE = (
     3.0,
 )  # of the smallest step; so many more repeats than smallest steps are not chance
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
-_LEAST_ZERO = 0.02  # of the command's span: another zero of both channels below which nothing is said
-_FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
-_NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
-_PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
 _BESIDE, _ISOLATED = 16, 4.0  # steps on each side of a jump, and how much larger than all of them it is
 _LEAST_JUMP = 0.02  # of the command's peak
 
@@ -148,12 +144,8 @@ def _plain_faults(
 
 
 def _other_zero(recording: Recording) -> Iterator[Fault]:
-    """Find that both channels count from another zero than the structure, as strokes of a piston do.
-
-    A linear structure oscillates about the zero in which it rests. An error over a peak that is counted from
-    elsewhere would be too small.
-    """
-    zero = _zero_of(recording.command)
+    """Find that both channels count from another zero than the structure, as strokes of a piston do."""
+    zero = zero_of(recording.command)
     if zero:
         span = float(np.ptp(recording.command))
         yield Fault(
@@ -165,21 +157,6 @@ def _other_zero(recording: Recording) -> Iterator[Fault]:
             in_measured=np.full_like(recording.measured, zero),
             in_loop=False,
         )
-
-
-def _zero_of(command: Array) -> float:
-    """Value about which a command oscillates; 0 where that is zero, or cannot be told."""
-    first, mean, span = float(command[0]), float(command.mean()), float(np.ptp(command))
-    steps = np.abs(np.diff(command))
-    if steps[0] <= _FROM_REST * steps.max():
-        oscillates = abs(mean - first) <= abs(first) / 2.0
-        zero = first if abs(mean - first) <= _NEAR * span else mean
-    else:
-        means = np.array([float(piece.mean()) for piece in np.array_split(command, _PIECES)])
-        one_sided = float(command.min()) > 0.0 or float(command.max()) < 0.0
-        oscillates = one_sided or float(means.std()) < _STEADY * abs(mean)
-        zero = mean
-    return zero if oscillates and abs(zero) > _LEAST_ZERO * span else 0.0
 
 
 def _jumps(recording: Recording) -> Iterator[Fault]:

@@ -9,12 +9,16 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import partial, wraps
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import typer
 
 from reliab.api import unused
+from reliab.errors import InputError
 
+_WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
+_BROUGHT_UP_TO_DATE = {"out": ("channels", "tests")}  # a table among the tests of a pattern is no test
 _Answer = TypeVar("_Answer")
 _Options = TypeVar("_Options", bound="Demand")
 
@@ -102,6 +106,28 @@ class Demand:
         stated = (name for name, value in values.items() if value is not None and name not in idle)
         return service(**{name: values[name] for name in stated})
 
+    def refuse_to_overwrite(self) -> None:
+        """Refuse to write over a file that the command reads, such as the only recording of a test."""
+        for name in _WRITTEN:
+            target = getattr(self, name, None)
+            if target is None or not Path(target).is_file():
+                continue
+            for source in self._read_beside(name):
+                if source.is_file() and source.samefile(target):
+                    raise InputError(
+                        "A command must not write over a file that it reads",
+                        value=f"`{name}` {target}",
+                        remedy="Name another file",
+                        where=str(source),
+                    )
+
+    def _read_beside(self, written: str) -> Iterator[Path]:
+        """Give the files that may be read, but those that an option may bring up to date."""
+        for item in fields(self):
+            if item.name not in (*_WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ()), "given", "in_options"):
+                value = getattr(self, item.name)
+                yield from map(Path, filter(_may_name_a_file, value if isinstance(value, list) else [value]))
+
     def refuse_all_but(self, names: Collection[str], why: str = "") -> None:
         """Refuse what the command line states and nothing would use."""
         for name in self.given:
@@ -117,13 +143,19 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
         def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
             given = tuple(name for name in values if _is_given(context, name))
             say = partial(_in_options, root=context.find_root())
-            command(options(given=given, in_options=say, **values))
+            demand = options(given=given, in_options=say, **values)
+            demand.refuse_to_overwrite()
+            command(demand)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
         run.__signature__ = inspect.Signature([context, *_parameters(options)])  # type: ignore[attr-defined]
         return run
 
     return declare
+
+
+def _may_name_a_file(value: object) -> bool:
+    return isinstance(value, str | Path)
 
 
 def _in_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type

@@ -98,6 +98,7 @@ HELD_BY_FORCE = option(
     "friction_n=40±20.",
 )
 TAKEN_AS_EXACT = flag("Take channels, and values that are stated without a standard deviation, as exact.")
+_TABLE_BEGINS = b"file,"
 CRITERION_FILE = option("FILE.json", "Criterion, as `reliab criterion --out` writes it.")
 ERROR_THRESHOLD = option("ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.")
 JSON_TARGET = option("FILE|-", "Write JSON to a file; - prints only JSON to standard output.", name="--json")
@@ -212,7 +213,19 @@ def files_of(tests: Sequence[Path] | None, out: Path | None) -> list[Path]:
     for path in tests or []:
         names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
         files += [Path(name) for name in sorted(names)] or [path]
+    if out in files and not _is_table(out):
+        raise InputError(
+            "The table must not be written over a test", value=f"`out` {out}", remedy="Name another file"
+        )
     return [file for file in files if file != out]
+
+
+def _is_table(path: Path) -> bool:
+    """Tell whether a file is the table of an earlier run, which a pattern names among the tests."""
+    try:
+        return path.read_bytes()[: len(_TABLE_BEGINS)] == _TABLE_BEGINS
+    except OSError:
+        return True  # it is not there yet
 
 
 def only_value(values: Sequence[_Value] | None, name: str) -> _Value | None:

@@ -53,11 +53,24 @@ def record(demand: RecordDemand) -> None:
         raise InputError(
             "A CSV file holds one test only", value=f"{len(demand.sources)} files", remedy="Name one file"
         )
+    _require_own_names(demand)
     records = [_record(source, demand) for source in demand.sources]
     contents = [record.to_dict() for record in records]
     if not write_json(contents[0] if len(contents) == 1 else contents, demand.json_target):
         for answer in records:
             _show(answer)
+
+
+def _require_own_names(demand: RecordDemand) -> None:
+    """Refuse files of which one would be written over the record of another."""
+    stems = [source.stem for source in demand.sources]
+    twice = next((stem for stem in stems if stems.count(stem) > 1), None)
+    if demand.out is not None and twice is not None:
+        raise InputError(
+            "Files that are kept in one folder must have different names",
+            value=f"{stems.count(twice)} files {twice}",
+            remedy="Rename them, or name another `out` for each",
+        )
 
 
 def _record(source: Path, demand: RecordDemand) -> "Record":

@@ -51,3 +51,4 @@ from .units import (
     TIMES as TIMES,
     UNITS as UNITS,
 )
+from .zero import rows_about_zero as rows_about_zero, zero_of as zero_of

@@ -229,16 +229,31 @@ def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
         off = np.abs(steps - mean) > 1.01 * _rounding(times) + _JITTER * abs(mean)
     if not off.any() and mean > 0.0:
         return Clock(begin=scale * float(times[0]), step=_of_whole_rate(scale * mean), times=None)
-    jitters = mean > 0.0 and off.mean() > _FEW and (np.abs(steps - mean) <= _LARGEST_JITTER * mean).all()
-    if jitters and _jitter(times, mean) <= 1.0:
+    if mean > 0.0 and off.mean() > _FEW and _jitters(times, steps, mean):
         return Clock(begin=scale * float(times[0]), step=scale * mean, times=scale * times)
     row = int(np.flatnonzero(off)[0] if off.any() else np.argmin(steps)) + 1
     raise InputError(
         f"Samples must follow each other at equal steps, here mostly of {usual:.6g}",
         value=f"{times[row]:.10g} after {times[row - 1]:.10g}",
-        remedy="Resample the test, or cut it where samples are missing",
+        remedy=_remedy(float(steps[row - 1])),
         where=columns.place(row, name),
     )
+
+
+def _jitters(times: Array, steps: Array, mean: float) -> bool:
+    """Tell times of which no sample is missing, though none is where it should be."""
+    largest = _jitter(times, mean)
+    near = bool((steps > 0.0).all()) and largest < _LARGEST_JITTER  # a missing sample is half a step at least
+    return near or (largest <= 1.0 and bool((np.abs(steps - mean) <= _LARGEST_JITTER * mean).all()))
+
+
+def _remedy(step: float) -> str:
+    """Say what to do about a step between samples that is not like the others."""
+    if step == 0.0:
+        return "Leave out rows that repeat the time of the row before"
+    if step < 0.0:
+        return "Cut the file where its time goes back, as where another test begins, and name one test"
+    return "Resample the test, or cut it where samples are missing"
 
 
 def _of_whole_rate(step: float) -> float:
@@ -248,9 +263,10 @@ def _of_whole_rate(step: float) -> float:
 
 
 def _jitter(times: Array, step: float) -> float:
-    """Largest distance of a time from an even clock, in steps."""
-    even = times - times[0] - step * np.arange(times.size)
-    return float(np.abs(even - np.median(even)).max() / step)
+    """Largest distance of a time from the even clock that is nearest to all, in steps."""
+    count = np.arange(times.size) - (times.size - 1) / 2.0
+    late = times - times.mean()
+    return float(np.abs(late - count * (count @ late) / (count @ count)).max() / step)
 
 
 def _rounding(times: Array) -> float:

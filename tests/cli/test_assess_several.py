@@ -135,3 +135,13 @@ def test_one_run_or_a_faulty_one_is_no_same_test(ask):
     code, _, error = ask("good.csv", "faulty.csv", "--same-test")
     assert code == 2
     assert "Every run of the same test" in error
+
+
+@pytest.mark.parametrize("option", ["--json", "--out", "--corrected"])
+def test_a_test_is_not_replaced_by_its_verdict(ask, folder, option):
+    """It may be the only recording that there is."""
+    before = (folder / "good.csv").read_bytes()
+    several = ["sound.csv"] if option == "--out" else []
+    code, _, error = ask("good.csv", *several, option, "good.csv")
+    assert (code, before) == (2, (folder / "good.csv").read_bytes())
+    assert f"{option} good.csv" in error

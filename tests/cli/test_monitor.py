@@ -466,3 +466,18 @@ def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, ca
     assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, skew=6.0).error
     assert errors[1] == pytest.approx(assessed.governing.rms.value, rel=0.02)
     assert abs(errors[1] / errors[0] - 1.0) > 0.1
+
+
+def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(good, tmp_path):
+    """Strokes of a piston: their peak is counted from its end, and no error over it means anything."""
+    names, *rows = good.read_text(encoding="utf-8").splitlines()
+    numbers = np.loadtxt(rows, delimiter=",") + np.array([0.0, 0.2, 0.2])
+    path = tmp_path / "stroke.csv"
+    np.savetxt(path, numbers, delimiter=",", header=names, comments="", fmt="%.12g")
+    with pytest.raises(reliab.InputError, match=r"oscillates about 200 mm.*`zero`"):
+        list(follow_test(path, f=1.0, xi=0.05, wait=0.1))
+    channels = tmp_path / "channels.toml"
+    channels.write_text("".join(f"[channels.{name}]\nzero = 0.2\n" for name in ("command", "measured")))
+    *_, end = follow_test(path, f=1.0, xi=0.05, wait=0.1, channels=channels)
+    *_, plain = follow_test(good, f=1.0, xi=0.05, wait=0.1)
+    assert end.to_dict()["rms"] == pytest.approx(plain.to_dict()["rms"], rel=1e-6)

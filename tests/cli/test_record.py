@@ -31,6 +31,25 @@ def test_several_files_become_a_folder_of_records(tmp_path, capsys):
     assert sorted(path.name for path in (tmp_path / "records").iterdir()) == ["rths_001.nc", "t.nc"]
 
 
+def test_no_record_is_written_over_another_of_the_same_call(tmp_path, capsys):
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        csv_with_units_in_brackets(tmp_path / name)
+    sources = sorted(map(str, tmp_path.glob("*/*.csv")))
+    assert len(sources) == 2
+    assert run(["record", *sources, "--out", str(tmp_path / "records")]) == 2
+    assert "must have different names" in capsys.readouterr().err
+    assert not (tmp_path / "records").exists()
+
+
+def test_a_recording_is_not_replaced_by_what_is_made_of_it(tmp_path, capsys):
+    source = csv_with_units_in_brackets(tmp_path)
+    before = source.read_bytes()
+    assert run(["record", str(source), "--csv", str(source)]) == 2
+    assert "must not write over a file that it reads; found --csv" in capsys.readouterr().err
+    assert source.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

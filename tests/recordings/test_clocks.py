@@ -14,8 +14,9 @@ def smooth(time):
     return 0.01 * np.sin(2.0 * np.pi * 0.7 * time)
 
 
-def test_a_jittering_clock_is_interpolated_and_said():
-    jitter = np.random.default_rng(1).uniform(-0.2, 0.2, TIME.size) / RATE
+@pytest.mark.parametrize("largest", [0.2, 0.45])
+def test_a_jittering_clock_is_interpolated_and_said(largest):
+    jitter = np.random.default_rng(1).uniform(-largest, largest, TIME.size) / RATE
     times = TIME + jitter
     test = read_recording(
         pd.DataFrame({"time_s": times, "command_m": smooth(times), "measured_m": smooth(times - 0.01)})
@@ -29,6 +30,23 @@ def test_a_gap_is_refused():
     times = TIME.copy()
     times[1000:] += 2.0 / RATE
     with pytest.raises(InputError, match="equal steps"):
+        read_recording(pd.DataFrame({"time_s": times, "command_m": COMMAND, "measured_m": MEASURED}))
+
+
+@pytest.mark.parametrize("place", [20, 1000, -20])
+def test_a_sample_that_a_jittering_clock_lost_is_refused(place):
+    times = TIME + np.random.default_rng(1).uniform(-0.3, 0.3, TIME.size) / RATE
+    table = {"time_s": times, "command_m": COMMAND, "measured_m": MEASURED}
+    lost = pd.DataFrame({name: np.delete(values, place) for name, values in table.items()})
+    with pytest.raises(InputError, match="equal steps"):
+        read_recording(lost)
+
+
+@pytest.mark.parametrize(("step", "remedy"), [(0.0, "repeat the time"), (-3.0, "where another test begins")])
+def test_a_time_that_stands_or_goes_back_says_what_to_do(step, remedy):
+    times = TIME.copy()
+    times[1000:] += (step - 1.0) / RATE if step == 0.0 else step
+    with pytest.raises(InputError, match=remedy):
         read_recording(pd.DataFrame({"time_s": times, "command_m": COMMAND, "measured_m": MEASURED}))
 
 
