@@ -24,6 +24,8 @@ def main() -> None:
     except Exception as error:  # noqa: BLE001 - whatever it is, its exit code must be no answer
         sys.stderr.write(_report(error))
         sys.exit(UNEXPECTED)
+    finally:
+        gc.freeze()  # the process ends: what it holds need not be searched for cycles
 
 
 def _report(error: Exception) -> str:
