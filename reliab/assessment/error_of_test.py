@@ -190,9 +190,9 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
-        own = (self.specimen or self.rebuilt).widenings(self.metric)
         if self.if_linear is None:
-            return own
+            return (self.specimen or self.rebuilt).widenings(self.metric)
+        own = replace(self.rebuilt, draws=self.if_linear).widenings(self.metric)
         share = self.sizes["yielding"].deviation
         yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
         return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))

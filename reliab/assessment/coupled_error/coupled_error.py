@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
-from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
+from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.significant import percent
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
@@ -185,10 +185,8 @@ class CoupledError:
         governing = self.governing(metric)
         if governing is None:
             return ()
-        draws, deviations = governing.draws, self.unknown.deviations()
-        parts = widenings_of_draws(draws, self.drawn, deviations, metric)
-        parts.append(widening_alone("sensor_noise", draws, governing.of_noise, metric))
-        return tuple(sorted(parts, key=lambda part: -part.contribution))
+        deviations = self.unknown.deviations()
+        return widenings(governing.draws, self.drawn, deviations, governing.of_noise, metric)
 
 
 def errors_of_displacements(

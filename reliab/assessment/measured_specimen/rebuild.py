@@ -41,7 +41,7 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings_of_draws
+from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings
 from reliab.errors import InputError
 from reliab.structures import Partition
 from reliab.threads import one_thread
@@ -127,14 +127,13 @@ class MeasuredSpecimen:
         of_force = self.test.drawn_of_force(draws, seed)
         del of_force["specimen"]  # whose families and coefficients are drawn, too
         deviations = rebuilt.unknown.deviations() | self.test.deviations_of_force
-        found = widenings_of_draws(rebuilt.draws, stated | of_force, deviations, metric)
         few, places = _few(rebuilt.differences, draws), np.arange(rebuilt.reference.size) / rebuilt.every
         of_noise = self.test.spread(few, EXACT, places, seed, varied=False)
         quiet = np.broadcast_to(rebuilt.differences.mean(axis=0), few.shape)
         of_specimen = self.test.spread(quiet, EXACT, places, seed, carried=("specimen",))
-        found.append(widening_alone("sensor_noise", rebuilt.draws, of_noise, metric))
-        found.append(widening_alone("specimen", rebuilt.draws, of_specimen, metric, self.test.missed))
-        return tuple(sorted(found, key=lambda one: -one.contribution))
+        parts = widenings(rebuilt.draws, stated | of_force, deviations, of_noise, metric)
+        specimen = widening_alone("specimen", rebuilt.draws, of_specimen, metric, self.test.missed)
+        return tuple(sorted((*parts, specimen), key=lambda part: -part.contribution))
 
     def _strayed(self, moved: Array) -> Array:
         """Error of an actuator that moves like this along the command [m], at the simulated samples."""

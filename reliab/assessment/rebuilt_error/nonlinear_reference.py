@@ -177,13 +177,11 @@ def sweep_model(
     fine = _statistics(histories.measured, reference_of_model(model, histories))
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
-    stated = unknown.deviations()
     drawn, _ = draw_unknown(unknown, len(differences), seed)
     inputs, shifts = inputs_of_reading(thin, drawn)
     for row, difference in enumerate(differences):
-        changed = _drawn(
-            model, deviations, stated["frequency"], float(drawn["damping_ratio"][row]), generator
-        )
+        frequency, ratio = (float(drawn[name][row]) for name in ("frequency", "damping_ratio"))
+        changed = _drawn(model, deviations, frequency, ratio, generator)
         measured = thin.command - difference - shifts[row] @ inputs
         moved = Histories(
             command=thin.command,
@@ -206,21 +204,20 @@ def _statistics(measured: Array, reference: Array) -> Array:
 def _drawn(
     perfect: HybridTest,
     deviations: Mapping[str, float],
-    of_frequency: float,
+    frequency: float,
     damping_ratio: float,
     generator: np.random.Generator,
 ) -> HybridTest:
-    """Draw a model; relative deviation of the frequency, and change of the damping ratio as drawn [-]."""
+    """Draw a model; relative changes of the frequency and of the damping ratio as drawn [-]."""
     structure, specimen = perfect.structure, perfect.specimen
     if structure is None or specimen is None:
         raise AssertionError  # tangent_structure has looked
-    factor = 1.0 + generator.standard_normal() * of_frequency
     stiffness = specimen.stiffness + generator.standard_normal() * deviations.get("stiffness_n_per_m", 0.0)
     return replace(
         perfect,
         structure=replace(
             structure,
-            frequency=structure.frequency * max(factor, _LEAST),
+            frequency=structure.frequency * max(1.0 + frequency, _LEAST),
             damping_ratio=min(structure.damping_ratio * max(1.0 + damping_ratio, _LEAST), 0.99),
         ),
         specimen=replace(specimen, stiffness=max(stiffness, 0.0)),

@@ -21,9 +21,12 @@ from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
     Histories,
     Unknown,
+    draw_unknown,
     exact_of_draws,
+    sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
@@ -38,7 +41,7 @@ from reliab.errors import InputError
 from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
-_WIDENING_DRAWS = 128
+_KEPT = 128
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -54,8 +57,7 @@ class RebuiltError(DisplacementError):
     start: Start  # How the test begins, and the sensor's offset
     unknown: Unknown  # Standard deviations that went into the intervals
     histories: Histories  # Smoothed histories from which the error is rebuilt
-    # Draws of x_c − x_m that the noise leaves open [m], as many as widenings need, shape (at most 128,
-    # ceil(n/every))
+    # Draws of x_c − x_m that the noise leaves open [m], some of them, shape (at most 128, ceil(n/every))
     differences: Array
     every: int  # Number of samples of which one was drawn
     seed: int  # Seed of the draws
@@ -80,16 +82,10 @@ class RebuiltError(DisplacementError):
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
-        return widenings(
-            self.histories,
-            self.structure,
-            self.unknown,
-            self.differences,
-            self.every,
-            metric=metric,
-            draws=_WIDENING_DRAWS,
-            seed=self.seed,
-        )
+        drawn, _ = draw_unknown(self.unknown, self.draws.rms.size, self.seed)
+        rows = self.histories, self.structure, EXACT, self.differences, self.every
+        of_noise = sweep(*rows, draws=len(self.differences), seed=self.seed).spread
+        return widenings(self.draws, drawn, self.unknown.deviations(), of_noise, metric)
 
 
 def conclude(
@@ -124,7 +120,7 @@ def conclude(
         start=start,
         unknown=unknown,
         histories=histories,
-        differences=differences[:_WIDENING_DRAWS].copy(),  # the others are many times the histories
+        differences=differences[:_KEPT].copy(),  # the others are many times the histories
         every=every,
         seed=seed,
     )

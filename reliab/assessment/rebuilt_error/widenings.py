@@ -12,9 +12,8 @@ from itertools import combinations
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Swept, Unknown, sweep
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.structures import Partition, is_part
+from reliab.structures import is_part
 from reliab.vocabulary import Metric
 
 _HALVINGS = 12
@@ -34,26 +33,18 @@ class Widening:
 
 
 def widenings(
-    histories: Histories,
-    structure: Partition,
-    unknown: Unknown,
-    differences: Array,
-    every: int,
-    *,
+    spread: Spread,
+    drawn: Mapping[str, Array],
+    deviations: Mapping[str, float],
+    of_noise: Spread,
     metric: Metric,
-    draws: int,
-    seed: int,
 ) -> tuple[Widening, ...]:
-    """Find what each uncertain quantity contributes, the largest first, and what would halve the interval."""
+    """Find what each uncertain quantity contributes, the largest first, and what would halve the interval.
 
-    def swept(unknown: Unknown, differences: Array = differences) -> Swept:
-        return sweep(histories, structure, unknown, differences, every, draws=draws, seed=seed)
-
-    every_one = swept(unknown)
-    quiet = swept(unknown, differences.mean(axis=0, keepdims=True))
-    parts = widenings_of_draws(every_one.spread, every_one.drawn, unknown.deviations(), metric)
-    of_noise = widening_alone("sensor_noise", every_one.spread, swept(EXACT).spread, metric)
-    parts.append(replace(of_noise, width_without=_width(quiet.spread, metric)))
+    `drawn`: quantities by name, shape (draws,); `of_noise`: draws with all but the sensors' noise as stated.
+    """
+    parts = widenings_of_draws(spread, drawn, deviations, metric)
+    parts.append(widening_alone("sensor_noise", spread, of_noise, metric))
     return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 
@@ -129,10 +120,11 @@ def _alike_at_sensors(names: Iterable[str]) -> list[tuple[str, str]]:
 
 def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:
     squares = spread.errors(metric) ** 2
+    as_drawn = replace(spread, counts=spread.weights())  # a draw whose error vanishes would count for all
 
     def width(factor: float) -> float:
         changed = np.sqrt(np.maximum(squares - effect.added(1.0) + effect.added(factor), 0.0))
-        return _width(replace(spread, **{metric.value: changed}), metric)
+        return _width(replace(as_drawn, **{metric.value: changed}), metric)
 
     whole, without = _width(spread, metric), width(0.0)
     alone = np.sqrt(np.maximum(effect.nominal + effect.linear + effect.square, 0.0))

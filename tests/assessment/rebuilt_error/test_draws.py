@@ -9,7 +9,14 @@ import scipy
 from rebuilt_error.by_transform import respond_spectrally
 from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, samples_in_step, sweep
+from reliab.assessment.rebuilt_error.interval import (
+    EXACT,
+    Histories,
+    Unknown,
+    draw_unknown,
+    samples_in_step,
+    sweep,
+)
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
@@ -184,11 +191,18 @@ def test_a_step_of_the_sweep_resolves_structure_and_motion():
     assert samples_in_step(of_structure, replace(noise, band=400.0), 100) == 1
 
 
+def widest(histories, unknown, differences, draws):
+    """What widens the interval of RMS^R."""
+    every_one, noisy = (
+        sweep(histories, STRUCTURE, one, differences, 1, draws=draws, seed=3) for one in (unknown, EXACT)
+    )
+    return widenings(every_one.spread, every_one.drawn, unknown.deviations(), noisy.spread, Metric.RMS)
+
+
 def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histories):
     unknown = Unknown(tolerances=Tolerances(sensor_scale=0.02), offset=0.0, error_at_start=0.0)
     differences = np.stack([0.999 * histories.difference, 1.001 * histories.difference])
-    options = {"metric": Metric.RMS, "draws": DRAWS, "seed": 3}
-    first, *others = widenings(histories, STRUCTURE, unknown, differences, 1, **options)
+    first, *others = widest(histories, unknown, differences, DRAWS)
     assert (first.name, first.deviation) == ("sensor_scale", 0.02)
 
     def interval(unknown):
@@ -227,7 +241,7 @@ def test_a_contribution_is_that_of_the_quantity_alone(histories):
         error_at_start=0.0,
     )
     still = histories.difference[np.newaxis]
-    shares = widenings(histories, STRUCTURE, unknown, still, 1, metric=Metric.RMS, draws=128, seed=3)
+    shares = widest(histories, unknown, still, 128)
     by_name = {share.name: share for share in shares}
     lag = -lag_of_reading(histories.command, 0.0016)
     columns = {
