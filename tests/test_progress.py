@@ -34,8 +34,7 @@ from reliab.sweep import (
     run_sweep,
     trace_ellipses,
 )
-from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.sweep.rig_table import errors_of_rig, limits_of_coupling
+from reliab.sweep.frame_table import FrameRequest, errors_of_rig, limits_of_coupling, trace_frame_ellipses
 from reliab.validation.beyond_the_model import try_rigs
 from reliab.validation.cross_validation import cross_validate, k_fold
 from reliab.validation.cross_validation.candidates import Derived

@@ -11,6 +11,9 @@ from .ellipse_table import (
 )
 from .frame_table import (
     FrameRequest as FrameRequest,
+    errors_of_rig as errors_of_rig,
+    limits_of_coupling as limits_of_coupling,
+    summary_of_rig as summary_of_rig,
     trace_frame_ellipses as trace_frame_ellipses,
 )
 from .grid import ExplicitGrid as ExplicitGrid, ScaledGrid as ScaledGrid
@@ -37,11 +40,6 @@ from .results import (
     real_results as real_results,
     stored_results as stored_results,
     write_compact as write_compact,
-)
-from .rig_table import (
-    errors_of_rig as errors_of_rig,
-    limits_of_coupling as limits_of_coupling,
-    summary_of_rig as summary_of_rig,
 )
 from .run import run_sweep as run_sweep
 from .shares import (

@@ -13,7 +13,7 @@ from reliab.indices.window import Window
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.motions.writing import write_suite
 from reliab.simulation.frames.frame_file import read_frame
-from reliab.sweep.rig_table import errors_of_rig
+from reliab.sweep.frame_table import errors_of_rig
 
 app = typer.Typer()
 app.command()(criterion)
