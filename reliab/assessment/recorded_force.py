@@ -24,6 +24,8 @@ _UNRELATED = 0.9  # of the force's power, above which it follows no motion
 _BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
 _FAR_BETTER = 0.01  # where the force follows the displacement as that of a spring does
 _EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
+_SKEWED = 1.2  # samples: a lead that may be the skew of two channels
+_OF_LEAD = 0.25  # of the power that a force which follows the command leaves over, seen from ahead of it
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
@@ -107,7 +109,9 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     """Refuse a test whose force follows the command, and whose measured displacement is ahead of it.
 
     A force that follows the command alone is no proof: a displacement sensor that drifts hides the motion
-    that the specimen follows, but it does not know what will be commanded.
+    that the specimen follows, but it does not know what will be commanded. Nor is it a proof where the
+    measured displacement explains the force, too: an actuator that leads moves the specimen earlier than its
+    command, which a computer knows without noise, and a skew shows as a lead.
 
     `command`, `measured`, `force` [m]; `time_step` [s].
     """
@@ -115,7 +119,10 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     if kernel is None:
         return
     by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
-    if by_command < _EXCHANGED * by_measured and _leads(measured, command, kernel):
+    lead = _lead(measured, command, kernel)
+    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
+    misses = lead > _SKEWED * time_step and by_measured > _OF_LEAD * of_lead
+    if misses and by_command < _EXCHANGED * by_measured:
         raise InputError(
             "The recorded force must follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
@@ -124,10 +131,14 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
         )
 
 
-def _leads(first: Array, second: Array, kernel: Kernel) -> bool:
-    """Whether one history is ahead of another, to first order in the time between them."""
-    ahead = _without_line(kernel.seen(first, 0))
-    return bool(ahead @ kernel.seen(second, 1) > 0.0)
+def _lead(first: Array, second: Array, kernel: Kernel) -> float:
+    """Time by which one history is ahead of another, to first order [s]."""
+    ahead, rate = _without_line(kernel.seen(first, 0)), kernel.seen(second, 1)
+    return float(ahead @ rate) / float(rate @ rate)
+
+
+def _power(values: Array) -> float:
+    return float(np.var(values))
 
 
 def _without_line(values: Array) -> Array:

@@ -46,12 +46,13 @@ class Turning:
     doubt_of_skew: str = ""
 
     def limit(self, verdict: Verdict) -> Verdict:
-        """Return a verdict that is not "reliable" where a specimen that yielded would not have been.
+        """Return a verdict that is not "reliable" where a specimen that yielded or hardened would not be.
 
         Two displacements do not tell how far a specimen yielded: of 23 bad simulated tests with bilinear
-        specimens two would be called reliable otherwise.
+        specimens two would be called reliable otherwise. Nor do they tell how far it hardened.
         """
-        if self.smallest_ductility is None or verdict.word is not Word.RELIABLE:
+        nothing_turns = self.smallest_ductility is None and self.smallest_hardening is None
+        if nothing_turns or verdict.word is not Word.RELIABLE:
             return verdict
         return verdict.doubted(self._of_specimen, [_YIELDING])
 

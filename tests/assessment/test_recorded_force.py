@@ -179,6 +179,15 @@ def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(moved):
         require_plausible(replace(test, command=test.measured, measured=test.command))
 
 
+@pytest.mark.parametrize("specimen", ["spring", "hardening"])
+@pytest.mark.parametrize("lead", [0.0, 0.004, 0.02])
+def test_an_actuator_that_leads_has_its_columns_where_they_belong(moved, specimen, lead):
+    """The sensor is read half a sample early, and the force then follows the command more closely."""
+    test = recorded(moved, specimen, late=-lead, noise=0.0)
+    places = np.arange(test.command.size)
+    require_plausible(replace(test, measured=0.78 * np.interp(places + 0.5, places, test.measured)))
+
+
 def test_a_brace_that_buckles_takes_work_and_is_not_reversed():
     """Springs explain its force better with the sign turned, but the motion does work on it."""
     simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")

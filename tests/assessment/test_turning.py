@@ -172,3 +172,7 @@ def test_only_a_reliable_verdict_is_limited_by_yielding(word):
     expected = Word.UNDECIDED if word is Word.RELIABLE else word
     assert turning.limit(verdict).word is expected
     assert Turning(error_if_yielding=(0.01, 0.02), **hardening).limit(verdict) is verdict
+    hardened = Turning(
+        smallest_hardening=0.4, error_if_yielding=(0.01, 0.02), error_if_hardening=(0.02, 0.07)
+    )
+    assert hardened.limit(verdict).word is expected

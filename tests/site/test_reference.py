@@ -87,3 +87,11 @@ def test_no_formula_is_set_as_code(page):
     """An indented line outside of fences is code for Markdown."""
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     assert [line for line in text.splitlines() if line.startswith("    ") and "=" in line] == []
+
+
+@pytest.mark.parametrize("key", ["frame", "damping"])
+def test_the_reference_says_that_matrices_of_a_frame_contain_its_specimen(key):
+    """A frame that is described without its specimen has other frequencies and another error."""
+    assert "of the whole structure, with its specimen" in (
+        FrameDescription.model_fields[key].description or ""
+    )

@@ -57,11 +57,16 @@ class FrameTable(DescribedTable):
     """Mass and stiffness of the whole structure, each in one of its ways."""
 
     masses_kg: Row | None = Field(default=None, description="Masses of the floors, from the ground up")
-    mass_matrix_kg: Matrix | None = Field(default=None, description="Mass matrix, by rows")
-    storey_stiffnesses_n_per_m: Row | None = Field(
-        default=None, description="Stiffnesses of the storeys of a shear frame, from the ground up"
+    mass_matrix_kg: Matrix | None = Field(
+        default=None, description="Mass matrix, with the specimen's, by rows"
     )
-    stiffness_matrix_n_per_m: Matrix | None = Field(default=None, description="Stiffness matrix, by rows")
+    storey_stiffnesses_n_per_m: Row | None = Field(
+        default=None,
+        description="Stiffnesses of the storeys of a shear frame, with the specimen's, from the ground up",
+    )
+    stiffness_matrix_n_per_m: Matrix | None = Field(
+        default=None, description="Stiffness matrix, with the specimen's, by rows"
+    )
     planar: PlanarTable | None = Field(default=None, description="Stiffness from columns and beams")
     names: tuple[str, ...] = Field(
         default=(), description="Names of the degrees of freedom; without them “1”, “2”, …"
@@ -164,8 +169,8 @@ class FrameDescription(DescribedTable):
 
     name: str = Field(default="frame", description="Free text")
     kind: Literal["frame"] = Field(default="frame", description="What the file describes")
-    frame: FrameTable = Field(description="Mass and stiffness")
-    damping: DampingTable = Field(description="Damping")
+    frame: FrameTable = Field(description="Mass and stiffness of the whole structure, with its specimen")
+    damping: DampingTable = Field(description="Damping of the whole structure, with its specimen")
     specimen: SpecimenTable = Field(description="Specimen and interface")
     error: ErrorTable = Field(default=ErrorTable(), description="Response whose error is judged")
     tolerances: TolerancesTable = Field(
