@@ -7,6 +7,7 @@ shifts the structure's mean position.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, TypeVar
 
 import numpy as np
@@ -112,16 +113,38 @@ def faults_of_channel(
 ) -> tuple[tuple[Fault, ...], TrackingIndex]:
     """Look for faults of a recording beside the gain and delay that it shows without spikes.
 
+    Where the command's mean is the answer of the loop to an offset of the sensor, that is its zero.
     `threshold`, `experimental_fraction` [-]; `window` of the spectra. Returns the faults, and how the
     recording tracked but for its spikes.
     """
+    look = partial(
+        _faults_about,
+        threshold=threshold,
+        experimental_fraction=experimental_fraction,
+        window=window,
+        seed=seed,
+    )
+    as_recorded = look(recording)
     moved = tuple(_other_zero(recording))
-    centred = repaired(recording, moved) if moved else recording
-    clean, *in_channels = without_spikes(centred)
+    answered = any(fault.kind == "offset" and fault.in_loop for fault in as_recorded[0])
+    return as_recorded if answered or not moved else look(repaired(recording, moved), moved)
+
+
+def _faults_about(
+    recording: Recording,
+    moved: tuple[Fault, ...] = (),
+    *,
+    threshold: float,
+    experimental_fraction: float,
+    window: str,
+    seed: int,
+) -> tuple[tuple[Fault, ...], TrackingIndex]:
+    """Look for faults of a recording from which another zero was taken, if it was moved."""
+    clean, *in_channels = without_spikes(recording)
     tracking = track(clean, window=window, seed=seed)
     expected = _expected(clean, tracking)
     faults = (
-        *_plain_faults(centred, clean, *in_channels),
+        *_plain_faults(recording, clean, *in_channels),
         *moved,
         *_jumps(clean),
         *_held(clean),

@@ -62,6 +62,14 @@ def test_an_offset_that_the_loop_felt_counts(shaken):
     assert any("the structure felt it" in warning for warning in found.warnings)
 
 
+def test_an_offset_that_the_loop_felt_before_the_recording_began_is_no_other_zero(good):
+    """The command rests at the answer to it from the first sample on."""
+    offset = 0.1 * np.abs(good.command).max()
+    found = judged(good, good.measured, good.command - offset)
+    (effect,) = found.faults
+    assert (effect.fault.kind, effect.fault.in_loop) == ("offset", True)
+
+
 def test_an_offset_of_the_reading_alone_does_not(good):
     peak = np.abs(good.ideal).max()
     found = judged(good, good.measured + 0.08 * peak)
