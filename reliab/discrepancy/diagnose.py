@@ -20,9 +20,9 @@ from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.clocks import fit_beside_clocks, fitted_with_clock
 from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import BESIDE, Search
-from reliab.discrepancy.locating.noise_test import is_model_error, is_noise
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis

@@ -386,3 +386,17 @@ def test_a_damper_and_an_offset_of_the_clocks_that_cancel_each_other_must_matter
     assert Search._shifts_what_matters(search, candidate) is stands  # noqa: SLF001 - what is tested
     assert all(smaller == (CUBIC,) for _, smaller in compared)
     assert len(compared) == (len(effects) == 2)
+
+
+@pytest.mark.parametrize("spread", [True, False])
+def test_an_offset_of_the_clocks_beside_effects_needs_little_only_where_noise_is_left(spread):
+    def model(kinds):
+        return SimpleNamespace(space=SimpleNamespace(effects=tuple(kinds)))
+
+    search = SimpleNamespace(
+        problem=SimpleNamespace(block=SimpleNamespace(twins={ClockOffset: (VISCOUS,)})), fitted={}
+    )
+    late = model((CUBIC, ClockOffset))
+    with patch("reliab.discrepancy.fitting.search.is_spread", return_value=spread) as judged:
+        assert Search._is_shift(search, late, {ClockOffset}) is spread  # noqa: SLF001 - what is tested
+    judged.assert_called_once_with(search.problem, late)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from reliab.discrepancy.fitting.noise_test import structured_share
 from reliab.discrepancy.fitting.problem import real_parts
-from reliab.discrepancy.locating.noise_test import structured_share
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.signals import Periodogram, fit_noise
 

@@ -146,7 +146,7 @@ def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS, *, differe
                 x, residual, accepted = moved, residual_after, True
                 foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
                 value -= gained
-                damping = damping if refused else max(0.1 * damping, 1e-7)
+                damping = max((0.5 if refused else 0.1) * damping, 1e-7)
                 break
             refused = True
             damping *= 8.0

@@ -10,6 +10,7 @@ import numpy as np
 from reliab.discrepancy.fitting.acting import acts, exceeds_rounding, takes_over_delay
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
+from reliab.discrepancy.fitting.noise_test import is_spread
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
@@ -173,9 +174,11 @@ class Search:
         """Whether an offset of the clocks is added to a model with effects, or what looks like one there.
 
         It explains little beside them and still moves their parameters by far more than their deviations.
+        Where what is left is no noise, an error of a coarse converter that follows the motion, likelihood
+        overrates so little: it must then explain as much as any other effect.
         """
         twins = self.problem.block.twins
-        if ClockOffset not in twins or len(added) != 1:
+        if ClockOffset not in twins or len(added) != 1 or not is_spread(self.problem, candidate):
             return False
         rivals = {*candidate.space.effects} - added | {ClockOffset}
         rival = self.fitted.get(frozenset(str(kind.name) for kind in rivals))

@@ -10,18 +10,18 @@ from scipy import stats
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
+from reliab.discrepancy.fitting.noise_test import (
+    LARGEST_STRUCTURED_SHARE,
+    is_noise,
+    noise_like_tests,
+    structured_share,
+)
 from reliab.discrepancy.fitting.prior import COST, cost
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.search import MATERIAL, Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
-from reliab.discrepancy.locating.noise_test import (
-    LARGEST_STRUCTURED_SHARE,
-    is_noise,
-    noise_like_tests,
-    structured_share,
-)
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked

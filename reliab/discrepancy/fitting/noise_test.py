@@ -40,7 +40,12 @@ def is_model_error(problem: Problem, fitted: Fit) -> bool:
 
 def is_noise(problem: Problem, fitted: Fit) -> bool:
     """Whether a model's residual is compatible with noise, or with the error of a converter."""
-    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE or _within_steps(problem, fitted)
+    return is_spread(problem, fitted) or _within_steps(problem, fitted)
+
+
+def is_spread(problem: Problem, fitted: Fit) -> bool:
+    """Whether a model's residual is spread over time and frequency as noise is."""
+    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE
 
 
 def noise_like_tests(problem: Problem, fitted: Fit) -> frozenset[int]:
