@@ -142,19 +142,28 @@ def _on_one_clock(
     A lag τ of the force beside the ground acceleration looks like a damping ratio larger by half of ω₀τ.
     Where the displacement was early in place of the force late, the force is in time with the ground.
     """
-    lags = [
-        estimate.value
-        for diagnosed in diagnoses
-        for effect in diagnosed.effects
-        if isinstance(diagnosed.block, SpecimenBlock) and effect.name == ClockOffset.name
-        for estimate in effect.estimates
-    ]
-    if not lags:
+    lags = map(_possible_lag, (one for one in diagnoses if isinstance(one.block, SpecimenBlock)))
+    lag = next((lag for lag in lags if lag), 0.0)
+    if not lag:
         return block
-    late = block.read_late(lags[0])
+    late = block.read_late(lag)
     searches = [Search(_problem(clock, campaign, campaign.training)) for clock in (block, late)]
     in_time, delayed = (search.score(search.null) for search in searches)
     return late if delayed > in_time else block
+
+
+def _possible_lag(specimen: BlockDiagnosis) -> float:
+    """Time [s] by which the force may be recorded late: that of the most probable model with an offset.
+
+    Zero where no offset of the clocks is named, nor doubted.
+    """
+    effects = {effect.name for effect in (*specimen.effects, *specimen.doubtful)}
+    effects |= {rival.name for effect in specimen.doubtful for rival in effect.rivals}
+    fits = [one.fit for one in specimen.ranked if ClockOffset in one.fit.space.effects]
+    if ClockOffset.name not in effects or not fits:
+        return 0.0
+    model = fits[0].space.model(fits[0].coordinates)
+    return sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
 
 
 def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:

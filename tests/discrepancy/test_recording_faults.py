@@ -1,6 +1,7 @@
 """What was recorded or stated wrongly is told as such, and not as an effect that happens to look like it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import _possible_lag
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.discrepancy.terms import ClockOffset, LeadingReading, StatedDamping, with_clock, with_damping
 from reliab.effects import AddedMass
@@ -165,6 +167,23 @@ def test_a_late_force_is_no_other_damping_ratio_of_the_structure(lag):
     found = diagnose(with_late_force(read_campaign("rig_c"), lag))
     assert [effect.name for effect in found.effects] == ["clock_offset"]
     assert [item.name for block in found.blocks for item in block.misstated] == []
+
+
+@pytest.mark.parametrize(
+    ("effect", "rival", "lag"),
+    [
+        ("clock_offset", "viscous_damping", 0.002),
+        ("viscous_damping", "clock_offset", 0.002),
+        ("viscous_damping", "added_mass", 0.0),
+    ],
+)
+def test_a_force_may_be_as_late_as_a_doubted_offset_says(effect, rival, lag):
+    late = HybridTest(effects=(ClockOffset(lag_s=0.002),))
+    space = SimpleNamespace(effects=(ClockOffset,), model=lambda _coordinates: late)
+    fit = SimpleNamespace(space=space, coordinates=None)
+    doubt = SimpleNamespace(name=effect, rivals=(SimpleNamespace(name=rival),))
+    specimen = SimpleNamespace(effects=(), doubtful=(doubt,), ranked=(SimpleNamespace(fit=fit),))
+    assert _possible_lag(specimen) == lag
 
 
 def test_a_balance_reads_its_force_as_late_as_the_specimen_does():
