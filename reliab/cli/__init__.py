@@ -179,18 +179,23 @@ def _not_installed(error: ModuleNotFoundError) -> InputError | None:
 
 def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: ANN401 - Typer hides its type
     """Write `--option a b` as `--option a --option b` for options that may be repeated."""
-    repeated: set[str] = set()
+    repeated: dict[str, list[str]] = {}  # by option, the words that it takes beside numbers
     current: str | None = None
     first = numeric = False
     for argument in arguments:
         if argument in (commands := getattr(command, "commands", {})):
             command = commands[argument]
-            repeated = {name for option in command.params if option.multiple for name in option.opts}
+            repeated = {
+                name: str(option.metavar).removesuffix("...").split("|")
+                for option in command.params
+                if option.multiple
+                for name in option.opts
+            }
         if argument.startswith("-") and not _is_number(argument) and argument != "-":
             current, first = (argument, True) if argument in repeated else (None, False)
         elif first:
             first, numeric = False, _is_number(argument)
-        elif current is not None and numeric and not _is_number(argument):
+        elif current in repeated and numeric and not (_is_number(argument) or argument in repeated[current]):
             current = None  # a file after numbers is no number
         elif current is not None:
             yield current

@@ -249,6 +249,14 @@ def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
     ]
 
 
+def test_words_that_an_option_takes_beside_numbers_belong_to_it():
+    asked = ["simulate", "--window", "5", "arias", "record", "--f", "1", "2", "arias", "--out", "a"]
+    assert list(spread(asked, typer.main.get_command(application()))) == [
+        *("simulate", "--window", "5", "--window", "arias", "--window", "record"),
+        *("--f", "1", "--f", "2", "arias", "--out", "a"),
+    ]
+
+
 def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
     text = (folder / "good.csv").read_text(encoding="utf-8")
     stated = folder / "stated.csv"

@@ -90,7 +90,9 @@ def transfer(
         raise InputError(
             "A set must be among those of the motions",
             value=unknown[0],
-            remedy=f"Choose among {', '.join(sorted(set(sets.tolist())))}",
+            remedy=f"Choose among {', '.join(choices)}"
+            if (choices := sorted(set(sets.tolist()) - {""}))
+            else "State sets in the column set of a catalogue",
         )
     from_these, these = np.isin(sets, learned), np.isin(sets, judged)
     shared = np.isin(events, events[from_these])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.errors import InputError
-from reliab.validation.cross_validation import folds_of
+from reliab.validation.cross_validation import folds_of, transfer
 
 
 @pytest.mark.parametrize("scheme", ["region", "magnitude", "length"])
@@ -34,3 +34,12 @@ def test_california_is_left_out_whole():
 def test_groups_that_are_not_known_are_refused(scheme, events):
     with pytest.raises(InputError, match=scheme):
         folds_of(scheme, np.array(events))
+
+
+@pytest.mark.parametrize(
+    ("sets", "remedy"),
+    [(["", ""], "State sets in the column set of a catalogue"), (["b", "c"], "Choose among b, c")],
+)
+def test_a_set_that_is_unknown_is_refused_with_those_that_are_there(sets, remedy):
+    with pytest.raises(InputError, match=f"found a. {remedy}"):
+        list(transfer(np.array(sets), np.array(["x", "y"]), learned=["a"], judged=["b"]))
