@@ -11,7 +11,14 @@ from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import _possible_lag
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms import ClockOffset, LeadingReading, StatedDamping, with_clock, with_damping
+from reliab.discrepancy.terms import (
+    ClockOffset,
+    LateGround,
+    LeadingReading,
+    StatedDamping,
+    with_clock,
+    with_damping,
+)
 from reliab.effects import AddedMass
 from reliab.simulation import Actuator
 from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
@@ -166,7 +173,36 @@ def test_a_late_force_is_no_other_damping_ratio_of_the_structure(lag):
     """Beside the ground it looks like half of ω₀τ more damping, which would widen a criterion."""
     found = diagnose(with_late_force(read_campaign("rig_c"), lag))
     assert [effect.name for effect in found.effects] == ["clock_offset"]
-    assert [item.name for block in found.blocks for item in block.misstated] == []
+    assert "structure_damping" not in {item.name for block in found.blocks for item in block.misstated}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lag", [-0.004, 0.004, 0.02])
+def test_a_late_ground_acceleration_is_no_integration_error(lag):
+    campaign = read_campaign("rig_c")
+    late = HybridTest(effects=(ClockOffset(lag_s=lag),))
+    tests = tuple(
+        replace(
+            test,
+            channels={
+                **test.channels,
+                Channel.GROUND: with_clock(late, test.channels[Channel.GROUND], campaign.step),
+            },
+        )
+        for test in campaign.tests
+    )
+    found = diagnose(replace(campaign, tests=tests))
+    (effect,) = found.effects
+    (estimate,) = effect.estimates
+    assert (effect.name, estimate.name) == ("clock_offset", "ground_lag_s")
+    assert estimate.value == pytest.approx(lag, abs=1e-4)
+    assert "structure_damping" not in {item.name for block in found.blocks for item in block.misstated}
+    assert any("The ground acceleration was recorded" in remark for remark in found.remarks)
+
+
+def test_a_late_ground_acceleration_is_that_of_later():
+    acted = LateGround(ground_lag_s=0.0125).applied(np.sin(3.0 * TIME), 1.0 / RATE)
+    assert acted[10:-10] == pytest.approx(np.sin(3.0 * (TIME + 0.0125))[10:-10], abs=1e-7)
 
 
 @pytest.mark.parametrize(

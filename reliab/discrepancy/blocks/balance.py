@@ -30,7 +30,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset, with_clock
+from reliab.discrepancy.terms import ClockOffset, LateGround, with_clock
 from reliab.effects import ForceBias, IntegrationError, Parameter, RecordEffect, Role, Scales, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3
 from reliab.vocabulary import Block
@@ -62,7 +62,7 @@ class BalanceBlock(ObservedBlock):
         self.offsets = ()
         roles = (Role.RECORD, Role.INTEGRATION)
         effects = (effect for effect in library().values() if effect.role in roles)
-        self.candidates = (*effects, ClockOffset)
+        self.candidates = (*effects, ClockOffset, LateGround)
         self.outside = ()
         nominal = self.nominal
         self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0

@@ -21,6 +21,7 @@ from reliab.discrepancy.blocks.balance import curvature_between_samples, motion_
 from reliab.discrepancy.blocks.calibration import force_not_fed_back
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.terms import LateGround
 from reliab.effects import ForceBias, RecordEffect, Role, Scales, library
 from reliab.errors import InputError
 from reliab.simulation.hybrid_test import HybridTest
@@ -116,7 +117,8 @@ class FrameBalanceBlock(ObservedBlock):
         self.nominal = campaign.nominal
         self.calibrations = (curvature_between_samples(), force_not_fed_back())
         self.offsets = ()
-        self.candidates = tuple(effect for effect in library().values() if effect.role is Role.RECORD)
+        records = (effect for effect in library().values() if effect.role is Role.RECORD)
+        self.candidates = (*records, LateGround)
         self.outside = ()
         self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
         self._inner = InnerMotion(campaign.partition, campaign.step)

@@ -27,6 +27,7 @@ SHORT_RECORD = 256
 _UNIT_TOLERANCE = 0.03  # of a calibrated stiffness
 _OTHER_MODELS = 0.8  # of a standard deviation, from which other models make up most of it
 _CLOCK = "clock_offset"
+_LATE_CHANNELS = {"lag_s": ("force", "displacement"), "ground_lag_s": ("ground acceleration", "command")}
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping", "structure_damping"}
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
@@ -200,8 +201,9 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
 def clock_remark(effect: MissingEffect) -> str:
     """Say which channel is ahead of which, and that no model should make up for it."""
     (lag,) = effect.estimates
-    if lag.name == "lag_s":
-        channels = "force", "later" if lag.value > 0.0 else "earlier", "displacement"
+    if lag.name in _LATE_CHANNELS:
+        late, beside = _LATE_CHANNELS[lag.name]
+        channels = late, "later" if lag.value > 0.0 else "earlier", beside
     else:
         channels = "measured displacement", "earlier", "command"
     return (

@@ -1,5 +1,6 @@
 from .clock_offset import (
     ClockOffset as ClockOffset,
+    LateGround as LateGround,
     LeadingReading as LeadingReading,
     lag_of as lag_of,
     recorded_late as recorded_late,

@@ -7,7 +7,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.compiled import compiled
-from reliab.effects import Kernel, Numbers, Parameter, Role, SteppedEffect
+from reliab.effects import Kernel, Numbers, Parameter, RecordEffect, Role, SteppedEffect
 from reliab.signals import CubicPath
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.vocabulary import Block
@@ -67,6 +67,34 @@ class LeadingReading(SteppedEffect):
     kernel = Kernel(function=_nothing)
 
     lead_s: float  # τ [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LateGround(RecordEffect):
+    """The ground acceleration a_g(t + τ) in the place of a_g(t).
+
+    Unless it is told, a record that is 4 ms late looks like an integration with a numerical damping, and one
+    that is 20 ms late like one that was played with another time step.
+    """
+
+    name = "late_ground"
+    reported_name = "clock_offset"
+    block = Block.SENSOR
+    role = Role.RECORD
+    description = "ground acceleration and command were recorded by clocks or filters that differ by a time"
+    parameters = (
+        Parameter(
+            name="ground_lag_s", units="s", meaning="time by which the ground acceleration is recorded later",
+            signed=True, typical=0.005, lower=-0.5, upper=0.5, starts=(0.002, -0.002, 0.02, -0.02),
+        ),
+    )  # fmt: skip
+
+    ground_lag_s: float  # τ [s], negative where the ground acceleration is recorded earlier
+
+    def applied(self, acceleration: Array, step: float) -> Array:
+        """Ground acceleration that acted [m/s²], that of τ later in the record."""
+        path = CubicPath.through(np.arange(acceleration.size, dtype=np.float64), acceleration)
+        return _read_late(path.coefficients, -self.ground_lag_s / step)
 
 
 def with_clock(model: HybridTest, values: Array, step: float) -> Array:
