@@ -28,7 +28,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms import ClockOffset
+from reliab.discrepancy.terms import ClockOffset, LateGround
 from reliab.effects import Role, Scales
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
@@ -44,6 +44,7 @@ _STEPS = 6  # of the search of a block
 _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz
 _FINEST = 0.1  # Hz
+_SLIGHT = 0.0015  # s
 _STATED = "stiffness"  # of the specimen, calibrated within its bounds
 
 
@@ -182,6 +183,11 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     search.whole()
     advance()
     searched = search.again()
+    if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
+        block = block.with_ground_in_time()
+        search = Search(_problem(block, campaign, campaign.training))
+        search.whole()
+        searched = search.again()
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
     advance()
@@ -289,6 +295,12 @@ def _where_informed(block: BalanceBlock, campaign: Campaign, whole: Search) -> S
     search.whole()
     cleared = block.judged_up_to(informed_up_to(wide, search.best))
     return search.on(_problem(cleared, campaign, campaign.training)).again()
+
+
+def _is_slightly_late(fitted: Fit) -> bool:
+    """Whether a ground acceleration is late or early by what an integration with short steps does, too."""
+    effects = fitted.space.model(fitted.coordinates).effects
+    return any(abs(effect.ground_lag_s) < _SLIGHT for effect in effects if isinstance(effect, LateGround))
 
 
 def _samples(fitted: Fit) -> bool:

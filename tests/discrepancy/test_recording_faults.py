@@ -9,7 +9,7 @@ import pytest
 from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.diagnose import _possible_lag
+from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.discrepancy.terms import (
     ClockOffset,
@@ -198,6 +198,13 @@ def test_a_late_ground_acceleration_is_no_integration_error(lag):
     assert estimate.value == pytest.approx(lag, abs=1e-4)
     assert "structure_damping" not in {item.name for block in found.blocks for item in block.misstated}
     assert any("The ground acceleration was recorded" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(("lag", "slight"), [(-0.0007, True), (0.001, True), (-0.002, False), (0.004, False)])
+def test_a_ground_acceleration_that_is_slightly_late_may_be_an_integration(lag, slight):
+    late = HybridTest(effects=(LateGround(ground_lag_s=lag),))
+    fit = SimpleNamespace(space=SimpleNamespace(model=lambda _coordinates: late), coordinates=None)
+    assert _is_slightly_late(fit) is slight
 
 
 def test_a_late_ground_acceleration_is_that_of_later():

@@ -89,6 +89,12 @@ class BalanceBlock(ObservedBlock):
         narrow._informed = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
         return narrow
 
+    def with_ground_in_time(self) -> "BalanceBlock":
+        """Return the same block whose ground acceleration is taken to be recorded in time."""
+        in_time = copy(self)
+        in_time.candidates = tuple(effect for effect in self.candidates if effect is not LateGround)
+        return in_time
+
     def read_late(self, lag: float) -> "BalanceBlock":
         """Return the same block with a force that was recorded so much later than it acted.
 
