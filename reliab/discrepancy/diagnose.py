@@ -143,7 +143,8 @@ def _on_one_clock(
     A lag τ of the force beside the ground acceleration looks like a damping ratio larger by half of ω₀τ.
     Where the displacement was early in place of the force late, the force is in time with the ground.
     """
-    lags = map(_possible_lag, (one for one in diagnoses if isinstance(one.block, SpecimenBlock)))
+    specimens = (diagnosed for diagnosed in diagnoses if isinstance(diagnosed.block, SpecimenBlock))
+    lags = map(_possible_lag, specimens)
     lag = next((lag for lag in lags if lag), 0.0)
     if not lag:
         return block
@@ -160,7 +161,7 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
     """
     effects = {effect.name for effect in (*specimen.effects, *specimen.doubtful)}
     effects |= {rival.name for effect in specimen.doubtful for rival in effect.rivals}
-    fits = [one.fit for one in specimen.ranked if ClockOffset in one.fit.space.effects]
+    fits = [ranked.fit for ranked in specimen.ranked if ClockOffset in ranked.fit.space.effects]
     if ClockOffset.name not in effects or not fits:
         return 0.0
     model = fits[0].space.model(fits[0].coordinates)
