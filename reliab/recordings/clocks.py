@@ -220,7 +220,10 @@ def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
     """Clock of times in a unit of `scale` [s]; they may be rounded or jitter by half a step."""
     if times.size < FEWEST_SAMPLES:
         raise InputError(
-            f"A test must have at least {FEWEST_SAMPLES} samples", value=times.size, where=columns.where
+            f"A test must have at least {FEWEST_SAMPLES} samples",
+            value=times.size,
+            remedy="Give the whole test",
+            where=columns.where,
         )
     steps = np.diff(times)
     usual, mean = float(np.median(steps)), float((times[-1] - times[0]) / steps.size)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _LEAST = 0.02  # of the command's span: another zero below which nothing is said
 _FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
+_SHARED = 0.5  # of another zero: distance between the means of two channels that share it
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
 
 
@@ -32,23 +33,28 @@ def zero_of(command: Array) -> float:
     >>> zero_of(0.1 + 0.003 * np.sin(time) ** 3), zero_of(np.cos(time))
     (0.1, 0.0)
     """
-    motion = _Motion(first=float(command[0]))
+    motion = _begun(command)
     motion.goes_on(command)
     means = np.array([float(piece.mean()) for piece in np.array_split(command, _PIECES)])
     return motion.zero(steady=float(means.std()) < _STEADY * abs(motion.mean))
 
 
 def rows_about_zero(rows: "Iterable[Rows]") -> "Iterator[Rows]":
-    """Pass rows on; refuse them at their end where a command oscillated about another value than zero."""
-    motions: list[_Motion] = []
+    """Pass rows on; refuse them at their end where both channels oscillated about another value than zero.
+
+    A loop that felt an offset of its sensor from before the first row moves the command alone.
+    """
+    motions: list[tuple[_Motion, _Motion]] = []
     for part in rows:
-        commands = np.atleast_2d(part.command)
-        motions = motions or [_Motion(first=float(command[0])) for command in commands]
-        for motion, command in zip(motions, commands, strict=True):
-            motion.goes_on(command)
+        channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
+        motions = motions or [(_begun(command), _begun(measured)) for command, measured in channels]
+        for pair, histories in zip(motions, channels, strict=True):
+            for motion, history in zip(pair, histories, strict=True):
+                motion.goes_on(history)
         yield part
-    for motion in motions:
-        if zero := motion.zero():
+    for commanded, measured in motions:
+        zero = commanded.zero()
+        if zero and abs(measured.mean - commanded.mean) < _SHARED * abs(zero):
             raise InputError(
                 "The channels of a test that is followed must count from the position in which the "
                 "structure rests: over a peak that is counted from elsewhere its error is too small",
@@ -95,3 +101,7 @@ class _Motion:
             oscillates = steady or self.low > 0.0 or self.high < 0.0
             zero = mean
         return zero if oscillates and abs(zero) > _LEAST * span else 0.0
+
+
+def _begun(history: Array) -> _Motion:
+    return _Motion(first=float(history[0]))

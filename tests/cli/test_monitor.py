@@ -481,3 +481,12 @@ def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(g
     *_, end = follow_test(path, f=1.0, xi=0.05, wait=0.1, channels=channels)
     *_, plain = follow_test(good, f=1.0, xi=0.05, wait=0.1)
     assert end.to_dict()["rms"] == pytest.approx(plain.to_dict()["rms"], rel=1e-6)
+
+
+def test_an_offset_that_the_loop_felt_before_the_first_row_is_no_other_zero(good, tmp_path):
+    names, *rows = good.read_text(encoding="utf-8").splitlines()
+    path = tmp_path / "felt.csv"
+    moved = np.loadtxt(rows, delimiter=",") + np.array([0.0, -0.2, 0.0])
+    np.savetxt(path, moved, delimiter=",", header=names, comments="", fmt="%.12g")
+    *_, end = follow_test(path, f=1.0, xi=0.05, wait=0.1)
+    assert end.kind == "end"

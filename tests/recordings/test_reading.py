@@ -175,6 +175,7 @@ def test_ambiguous_columns_are_said(tmp_path, header, message):
         (b"CDF\x01broken", "must be readable"),
         (b"time,command,measured\n0,1,2\n1,2\n", "Every line must have 3 columns"),
         (b"time,command,measured\n0,1,2\n1,x,2\n", "line 3, column command: Every value must be a number"),
+        (b"time,command,measured\n0,1,2\n1," + b"x" * 400 + b",2\n", "found 'x{40} …'. Correct the line"),
         (b"time,command,measured\n0,1,2\n1,2,2\n", "at least 64 samples"),
     ],
 )

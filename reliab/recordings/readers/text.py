@@ -46,6 +46,7 @@ _MISSING = {"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"}
 _FEWEST_COLUMNS = 2
 _LONGEST_PREAMBLE = 5_000_000  # characters
 _HEADER_LINES = 8
+_LONGEST_CELL = 40  # characters that a message repeats
 _DAY = 86400.0
 _HALF = 0.5
 _LETTERS: Final = frozenset("acfk-")  # ampere, degrees and kelvin, or names of columns
@@ -373,7 +374,7 @@ def _numbers(row: Line, names: Sequence[str], texts: set[int], path: Path) -> It
         if number is None:
             raise InputError(
                 "Every value must be a number",
-                value=repr(cell),
+                value=repr(cell if len(cell) <= _LONGEST_CELL else f"{cell[:_LONGEST_CELL]} …"),
                 remedy="Correct the line, or leave out this line and all later ones",
                 where=f"{where}, column {name}",
             )
