@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
 _Answer = TypeVar("_Answer")
+_FEWEST_SHARED = 32  # draws: on a busy computer a thread for fewer is waited for longer than they take
 
 
 ONE_THREAD = dict.fromkeys(
@@ -45,14 +46,14 @@ def one_thread() -> AbstractContextManager[Any]:
 
 
 def in_two_shares(draws: int, sweep: Callable[[slice], _Answer]) -> list[_Answer]:
-    """Sweep two shares of draws at once, on any computer, by a kernel that needs no interpreter.
+    """Sweep two shares of draws at once, on any computer, by a kernel that needs no interpreter; few as one.
 
-    >>> in_two_shares(3, lambda share: list(range(share.start, share.stop)))
-    [[0], [1, 2]]
+    >>> in_two_shares(65, lambda share: (share.start, share.stop)), in_two_shares(7, lambda share: share.stop)
+    ([(0, 32), (32, 65)], [7])
     """
-    half = draws // 2
-    if not half:
+    if draws < _FEWEST_SHARED:
         return [sweep(slice(0, draws))]
+    half = draws // 2
     with ThreadPoolExecutor(1) as pool:
         second = pool.submit(sweep, slice(half, draws))
         return [sweep(slice(0, half)), second.result()]

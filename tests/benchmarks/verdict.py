@@ -4,8 +4,8 @@
 
 The test that ships (10,240 samples), then a simulated one of 40 s at 1024 Hz, without a force, with one, with
 one and the mass, and with one that alone says what the specimen is (`--specimen measured`); six tests with
-a force as one command; the reading of the file alone. The shortest of the calls counts. With a checkout of
-before in FOLDER commands are run in turns with it, and the ratios of medians printed.
+a force as one command; later calls of a process; the reading of the file alone. The shortest of the calls
+counts. With a checkout of before in FOLDER, processes run in turns with it, and ratios of medians follow.
 """
 
 import argparse
@@ -20,7 +20,6 @@ from pathlib import Path
 
 import numpy as np
 
-import reliab
 from reliab.recordings import read_recording
 
 RATE, SECONDS, MASS = 1024.0, 40.0, 1000.0
@@ -28,6 +27,13 @@ ONE_HERTZ = 2.0 * np.pi
 ROOT = Path(__file__).resolve().parents[2]
 IMPORTS = "import reliab.api.assessment, reliab.api.channels, reliab.cli.assess"
 FIRST = "import reliab; reliab.assess('sample_test', f=1, xi=0.02)"
+LATER = """
+import time, reliab
+for _ in range({calls} + 1):
+    begun, passed = time.process_time(), time.perf_counter()
+    reliab.assess({test!r}, f="1±0.01", xi=0.02, **{stated})
+    print(time.process_time() - begun, time.perf_counter() - passed)
+"""
 STRUCTURE = ("--f", "1±0.01", "--xi", "0.02")
 
 
@@ -53,21 +59,37 @@ def write_test(path: Path, seed: int = 1) -> None:
     )
 
 
+def printed(tree: Path, *arguments: str) -> str:
+    """Run Python with the package of a checkout; return what it prints."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"PYTHONPATH": str(tree)}
+    return subprocess.run(  # noqa: S603
+        [sys.executable, *arguments], cwd=tree, env=environment, check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
+
+
 def of_process(tree: Path, *arguments: str) -> tuple[float, float]:
     """Processor time and time on the clock [s] of a Python process with the package of a checkout."""
     before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    environment |= {"PYTHONPATH": str(tree)}
-    subprocess.run(  # noqa: S603
-        [sys.executable, *arguments], cwd=tree, env=environment, check=True, stdout=subprocess.DEVNULL
-    )
+    printed(tree, *arguments)
     passed, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, passed
 
 
-def compare(label: str, trees: list[Path], calls: int, *arguments: str) -> None:
-    """Print the shortest times of a process; beside a checkout of before the ratio of medians, in turns."""
-    rounds = [[of_process(tree, *arguments) for tree in trees] for _ in range(calls + 1)][1:]
+def of_later_calls(
+    tree: Path, calls: int, test: Path | str, stated: dict[str, object]
+) -> tuple[float, float]:
+    """Shortest processor time and time on the clock [s] of verdicts after the first in a process."""
+    lines = printed(tree, "-c", LATER.format(calls=calls, test=str(test), stated=stated)).splitlines()
+    spent, passed = np.array([line.split() for line in lines[1:]], dtype=float).min(axis=0).tolist()
+    return spent, passed
+
+
+def compare(
+    label: str, calls: int, measured: Callable[[Path], tuple[float, float]], trees: list[Path]
+) -> None:
+    """Print shortest times; beside a checkout of before the ratio of medians, in turns."""
+    rounds = [[measured(tree) for tree in trees] for _ in range(calls + 1)][1:]
     taken = np.array(rounds)  # shape (calls, trees, 2)
     spent, passed = taken[:, 0].min(axis=0)
     ratio = ""
@@ -77,11 +99,6 @@ def compare(label: str, trees: list[Path], calls: int, *arguments: str) -> None:
             f"  {now[0] / before[0]:.2f} of the processor time before, {now[1] / before[1]:.2f} on the clock"
         )
     print(f"{label:40} {spent:6.2f} s, {passed:6.2f} s on the clock{ratio}", flush=True)
-
-
-def later(calls: int, test: object, **stated: object) -> float:
-    """Shortest processor time [s] of verdicts after the first."""
-    return shortest(calls, lambda: reliab.assess(test, f="1±0.01", xi=0.02, **stated))
 
 
 def shortest(calls: int, call: Callable[[], object]) -> float:
@@ -119,17 +136,17 @@ def main() -> None:
             "command, with a force and the mass": (*command, str(path), *STRUCTURE, "--mass", str(MASS)),
             "command, six tests with a force": (*command, *six, *STRUCTURE, "--mass", str(MASS)),
         }.items():
-            compare(label, trees, calls, *arguments)
-        print(f"{'later call, the test that ships':40} {later(calls, 'sample_test'):6.2f} s", flush=True)
+            compare(label, calls, lambda tree, given=arguments: of_process(tree, *given), trees)
         print(f"{'reading of 40 s at 1024 Hz':40} {shortest(calls, lambda: read_recording(path)):6.2f} s")
-        cases = {
+        cases: dict[str, tuple[Path | str, dict[str, object]]] = {
+            "later call, the test that ships": ("sample_test", {}),
             "40 s at 1024 Hz": (bare, {}),
             "with a force": (path, {}),
             "with a force and the mass": (path, {"mass": MASS}),
             "the specimen known by its force": (path, {"specimen": "measured", "mass": MASS}),
         }
-        for label, (file, stated) in cases.items():
-            print(f"{label:40} {later(calls, file, **stated):6.2f} s", flush=True)
+        for label, case in cases.items():
+            compare(label, calls, lambda tree, case=case: of_later_calls(tree, calls, *case), trees)
 
 
 if __name__ == "__main__":

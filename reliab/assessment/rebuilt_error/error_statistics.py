@@ -13,7 +13,6 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march, respond
 from reliab.compiled import compiled
-from reliab.threads import in_two_shares
 from reliab.vocabulary import Metric
 
 
@@ -71,7 +70,8 @@ class DrivenDraws:
         Returns mean square of x_m − x_I [m²], its peak and the peak of x_I [m], shape (draws, 3, p); and the
         sums of x_m − x_I over the draws and of its squares, shape (2, p, m).
         """
-        arguments = (
+        band = np.zeros((2, *self.command.shape))
+        answer = _sweep(
             *self.recursion.matrices,
             self.recursion.smooth,
             (0,) * len(self.command),
@@ -83,15 +83,9 @@ class DrivenDraws:
             np.ascontiguousarray(self.late),
             np.ascontiguousarray(self.velocity),
             np.ascontiguousarray(self.lags),
+            band,
         )
-        answer = np.empty((len(self.states), 3, len(self.command)))
-
-        def sweep(share: slice) -> Array:
-            band = np.zeros((2, *self.command.shape))
-            _sweep(*arguments, share.start, share.stop, answer, band)
-            return band
-
-        return answer, np.sum(in_two_shares(len(self.states), sweep), axis=0)
+        return answer, band
 
     def exact(self, differences: Array) -> Iterator[Array]:
         """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
@@ -118,15 +112,12 @@ def _sweep(
     fed_back_late: Array,
     velocity: Array,
     feedback_lag: Array,
-    begin: int,
-    end: int,
-    answer: Array,
     band: Array,
-) -> None:
-    """Statistics and band of the draws from `begin` to before `end`, in place."""
-    channels, size = len(actuators), command.shape[1]
+) -> Array:
+    draws, channels, size = states.shape[0], len(actuators), command.shape[1]
+    answer = np.empty((draws, 3, channels))
     strayed, fed_back = np.empty((channels, size)), np.empty((channels, size))
-    for draw in range(begin, end):
+    for draw in range(draws):
         _read(differences[draw % differences.shape[0]], inputs, shifts[draw], strayed)
         for j in range(channels):
             for i in range(size):
@@ -146,6 +137,7 @@ def _sweep(
         )
         for j in range(channels):
             _count(errors[j], strayed[j], command[j], answer[draw, :, j], band[:, j])
+    return answer
 
 
 @compiled
