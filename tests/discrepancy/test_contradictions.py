@@ -93,6 +93,21 @@ def test_a_ground_acceleration_that_was_not_recorded_is_refused(name):
         require_consistent(spoiled(RIGS[name], GROUND, 0.0))
 
 
+@pytest.mark.parametrize(("share", "told"), [(1e-4, False), (3e-3, True)])
+def test_a_command_that_was_recorded_with_noise_is_told(share, told):
+    """Its noise was named a lag, an added mass and an error of the integration."""
+    rig = RIGS["rig_a"]
+    rng = np.random.default_rng(1)
+    tests = [
+        replace(test, channels={**test.channels, COMMAND: command + share * command.std() * noise})
+        for test in rig.tests
+        for command in [test.channels[COMMAND]]
+        for noise in [rng.standard_normal(command.size)]
+    ]
+    sentences = require_consistent(replace(rig, tests=tuple(tests)))
+    assert ["holds noise of 0." in sentence for sentence in sentences] == [True] * len(tests) * told
+
+
 def test_a_structure_that_is_released_needs_no_ground_acceleration():
     """A free vibration begins where the structure was held."""
     time = np.arange(0.0, 10.0, 1.0 / RIGS["rig_a"].rate)

@@ -13,11 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
-from reliab.assessment import doubts_of_ground, plain_faults, require_plausible, require_restoring_force
+from reliab.assessment import (
+    doubts_of_ground,
+    noise_floor,
+    plain_faults,
+    require_plausible,
+    require_restoring_force,
+)
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
 from reliab.recordings import Recording
-from reliab.significant import significant
+from reliab.significant import percent, significant
 
 Pair = tuple[Channel, Channel]
 
@@ -30,6 +36,7 @@ _BINS_IN_BAND = (
     4.0  # of the shortest test: a band is narrower than a resonance, and noise is not coherent in it
 )
 _COHERENT = 0.8
+_NOISY = 0.001  # of the command's RMS
 _AT_REST = 0.1  # of the largest displacement
 _SHARED, _ALIKE = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
 _STEEPEST = 2.0  # power of the frequency with which a rig answers
@@ -74,6 +81,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             expected = replace(recording, command=campaign.nominal.actuator.gain * command)
             require_plausible(expected, stiffness=stiffness)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
+            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command))
             if campaign.structure is not None and force is not None:
                 shaken = replace(recording, ground=ground)
                 doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
@@ -82,6 +90,18 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
+
+
+def _noise_of_command(command: Array) -> Iterator[str]:
+    """Say that a command holds noise, which a diagnosis takes for motion."""
+    floor, total = noise_floor(command)
+    share = np.sqrt(floor * (command.size // 2) / total)
+    if share > _NOISY:
+        yield (
+            f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is taken "
+            "as exact: a lag of the actuator, an added mass or an error of the integration may be this noise. "
+            "Record the command as the controller computed it."
+        )
 
 
 def _is_still(ground: Array, moved: Array) -> bool:
