@@ -98,9 +98,9 @@ def _noise_of_command(command: Array) -> Iterator[str]:
     share = np.sqrt(floor * (command.size // 2) / total)
     if share > _NOISY:
         yield (
-            f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is taken "
-            "as exact: a lag of the actuator, an added mass or an error of the integration may be this noise. "
-            "Record the command as the controller computed it."
+            f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is "
+            "taken as exact: a lag of the actuator, an added mass or an error of the integration may be this "
+            "noise. Record the command as the controller computed it."
         )
 
 
