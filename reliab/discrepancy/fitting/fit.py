@@ -133,7 +133,7 @@ def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS, *, differe
     for number in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
-        accepted = foreseen = refused = False
+        accepted = foreseen = False
         while damping < _MOST_DAMPING:
             step = bounded_step(curvature, slope, lower - x, upper - x, damping)
             moved = np.clip(x + step, lower, upper)
@@ -146,9 +146,8 @@ def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS, *, differe
                 x, residual, accepted = moved, residual_after, True
                 foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
                 value -= gained
-                damping = max((0.5 if refused else 0.1) * damping, 1e-7)
+                damping = max(0.1 * damping, 1e-7)
                 break
-            refused = True
             damping *= 8.0
         if not accepted or foreseen or (number + 1 == steps and not differentiated):
             break

@@ -318,7 +318,7 @@ class Search:
                 children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
             children.sort(key=self.score, reverse=True)
             reach = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
-            near = [self.keep(refined(self.problem, one)) for one in reach]  # else each extension goes on so
+            near = reach if self.problem.flat else [self.keep(refined(self.problem, one)) for one in reach]
             beam = [*near[:1], *(candidate for candidate in near[1:] if not self._surpassed(candidate))]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
