@@ -4,6 +4,7 @@ import re
 from importlib.metadata import metadata, requires
 
 import pytest
+from packaging.requirements import Requirement
 
 from reliab.study.stages import environment
 
@@ -19,9 +20,11 @@ REASONS: dict[str, str] = {
 
 
 def of_extra(extra):
-    """Packages that an extra of ours names."""
-    named = [line for line in requires("reliab") or () if f'extra == "{extra}"' in line.replace("'", '"')]
-    return sorted({re.split(r"[^\w.-]", line)[0].lower() for line in named})
+    """Packages that an extra of ours brings on this Python."""
+    named = [Requirement(line) for line in requires("reliab") or ()]
+    return sorted(
+        {item.name.lower() for item in named if item.marker and item.marker.evaluate({"extra": extra})}
+    )
 
 
 def stated(name):

@@ -66,7 +66,7 @@ def test_a_report_of_stored_results_says_what_they_hold(stored, tmp_path):
     (row,) = tables["tab:limits"].to_dict(orient="records")
     assert row["delay_least"] == row["delay_most"] == pytest.approx(0.5)
     assert row["gain_least"] == pytest.approx(2.0)
-    assert "100 %" in document.verdict[0]
+    assert "100.0 %" in document.verdict[0]
     assert "not the worst case" in document.verdict[0]
 
 

@@ -272,7 +272,7 @@ def _basis(assessment: Assessment) -> Prose:
             "compared with the threshold."
         )
     if assessment.speaks_for_none:
-        return prose("No share of ground motions is stated for the limits $a$ and $b$.")
+        return prose("No share of motions is stated for the limits $a$ and $b$.")
     return prose(
         "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
         "({meaning}).",
