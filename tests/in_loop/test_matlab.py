@@ -92,10 +92,11 @@ def test_a_diagnosis_is_that_of_python(tmp_path):
 @needs_octave
 @pytest.mark.slow
 def test_an_array_is_judged_as_its_file(tmp_path):
+    """The file's header, a line above its columns, states the skew that the array is given beside it."""
     path = shipped("datasets", "sample_test/test.csv")
     script = (
-        f"x = csvread('{path}', 1, 0); r = reliab.assess(x, 'f', 1, 'xi', 0.02, 'exact', true);"
-        "disp(jsonencode(r))"
+        f"x = csvread('{path}', 2, 0); "
+        "r = reliab.assess(x, 'f', 1, 'xi', 0.02, 'skew', '0±0.41', 'exact', true); disp(jsonencode(r))"
     )
     answer = json.loads(said(script, tmp_path))
     expected = assess(path, f=1, xi=0.02, exact=True)
