@@ -338,15 +338,15 @@ def _times(item: Estimate) -> str:
 
 def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
     """Say what remains of a block whose residual does not pass for noise."""
-    after = significant(gap.after)
-    floor = "unknown" if gap.floor is None else f"{significant(gap.floor)} by the {gap.source}"
+    after = percent(gap.after)
+    floor = "unknown" if gap.floor is None else f"{percent(gap.floor)} by the {gap.source}"
     subject = f"On held-out tests the model of the {name} is off by {after} of the signal's RMS"
     match gap.remainder:
         case Remainder.AT_NOISE:
             size = f", which is the noise floor ({floor})"
         case Remainder.ABOVE_NOISE:
             size = (
-                f", which is more than noise: the model's own error is {significant(gap.model_error)}, above "
+                f", which is more than noise: the model's own error is {percent(gap.model_error)}, above "
                 f"the noise floor of {floor}"
             )
         case Remainder.NOT_KNOWN:
