@@ -119,7 +119,7 @@ def test_a_motion_of_ten_million_samples_is_refused_before_it_is_copied():
 
 
 def test_a_motion_of_as_many_samples_as_allowed_is_accepted(monkeypatch):
-    monkeypatch.setattr(motion_module.require_short, "__defaults__", (64,))
+    monkeypatch.setattr(motion_module, "MOST_SAMPLES", 64)
     assert Motion(name="m", acceleration=np.ones(64), time_step=0.01).duration == pytest.approx(0.63)
     with pytest.raises(InputError, match="64 samples at most; found 65"):
         Motion(name="m", acceleration=np.ones(65), time_step=0.01)

@@ -2,6 +2,7 @@
 
 from functools import cache
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pandas as pd
@@ -66,7 +67,8 @@ def diagnosis_of(blas_threads):
     @cache
     def diagnosed(name):
         campaign = read_campaign(ROOT / "datasets" / "campaigns" / name)
-        with threadpool_limits(2, user_api="blas"):
+        two_threads = patch.dict("os.environ", OMP_NUM_THREADS="2")
+        with two_threads, threadpool_limits(2, user_api="blas"):
             look("before")
             diagnosis = diagnose(
                 campaign, progress=lambda done, total: look("while") if done < total else None
