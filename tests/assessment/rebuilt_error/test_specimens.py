@@ -63,7 +63,10 @@ def test_draws_of_a_model_have_the_stated_deviations():
     perfect = model(effects=(FRICTION,))
     deviations = {"stiffness_n_per_m": 1.5, "coulomb_friction.force_n": 0.01}
     rng = np.random.default_rng(1)
-    drawn = [_drawn(perfect, deviations, *off, rng) for off in rng.standard_normal((400, 2)) * [0.02, 0.1]]
+    drawn = [
+        _drawn(perfect, deviations, frequency, ratio, rng)
+        for frequency, ratio in rng.standard_normal((400, 2)) * [0.02, 0.1]
+    ]
     spread = {
         "frequency": ([one.structure.frequency for one in drawn], 1.0, 0.02),
         "damping": ([one.structure.damping_ratio for one in drawn], 0.04, 0.004),
@@ -80,8 +83,8 @@ def test_draws_stay_positive():
     rng = np.random.default_rng(2)
     wild = {"stiffness_n_per_m": 1e3, "coulomb_friction.regularisation_velocity_m_per_s": 10.0}
     drawn = [
-        _drawn(model(effects=(FRICTION,)), wild, *off, rng)
-        for off in rng.standard_normal((50, 2)) * [30.0, 90.0]
+        _drawn(model(effects=(FRICTION,)), wild, frequency, ratio, rng)
+        for frequency, ratio in rng.standard_normal((50, 2)) * [30.0, 90.0]
     ]
     assert min(one.structure.frequency for one in drawn) == pytest.approx(0.05)
     assert min(one.structure.damping_ratio for one in drawn) == pytest.approx(0.05 * 0.04)
