@@ -139,7 +139,7 @@ def _written(path: Path, family: str, seconds: float) -> tuple[Any, dict[str, An
 @pytest.mark.slow
 def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path) -> None:
     test, stated = _written(tmp_path / "test.csv", "bilinear", 20.0)
-    said = {**stated, "specimen": "measured", "exact": True}
+    said = {**stated, "specimen": "measured"}
     *running, end = (message.to_dict() for message in follow_test(tmp_path / "test.csv", **said, wait=0.05))
     found = assess(tmp_path / "test.csv", **said).error.rebuilt.rms
     assert [end["error"]["rms"][name] for name in ("value", "low", "high")] == [
@@ -155,7 +155,9 @@ def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path)
     for message in known:
         moved, exact = (history[: message["samples"]] for history in (test.moved, test.exact))
         true = np.sqrt(np.mean((moved - exact) ** 2)) / np.abs(exact).max()
-        assert message["error"]["rms"]["value"] == pytest.approx(true, rel=0.15)
+        stated_error = message["error"]["rms"]
+        assert stated_error["low"] < true < stated_error["high"]
+        assert stated_error["value"] == pytest.approx(true, rel=0.2)
 
 
 @pytest.mark.slow
