@@ -185,7 +185,7 @@ def _copy(file: str, original: str) -> Fault:
         line=None,
         rule="Each record should be there once",
         value=f"the same record as {original}, as it is or scaled",
-        remedy="A criterion counts it once",
+        remedy="Keep one: a criterion counts equal copies once, but a scaled one as a record of its own",
     )
 
 
