@@ -126,7 +126,8 @@ class Demand:
         for item in fields(self):
             if item.name not in (*_WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ()), "given", "in_options"):
                 value = getattr(self, item.name)
-                yield from map(Path, filter(_may_name_a_file, value if isinstance(value, list) else [value]))
+                named = value if isinstance(value, list) else [value]
+                yield from (Path(one) for one in named if isinstance(one, str | Path))
 
     def refuse_all_but(self, names: Collection[str], why: str = "") -> None:
         """Refuse what the command line states and nothing would use."""
@@ -152,10 +153,6 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
         return run
 
     return declare
-
-
-def _may_name_a_file(value: object) -> bool:
-    return isinstance(value, str | Path)
 
 
 def _in_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type

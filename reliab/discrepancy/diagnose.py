@@ -181,14 +181,11 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     """Search a block in `_STEPS` steps; `advance` is called after each."""
     search = begun(block, campaign)
     advance()
-    search.whole()
+    searched = _searched(search)
     advance()
-    searched = search.again()
     if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
         block = block.with_ground_in_time()
-        search = Search(_problem(block, campaign, campaign.training))
-        search.whole()
-        searched = search.again()
+        searched = _searched(begun(block, campaign))
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
     advance()
@@ -218,6 +215,12 @@ def begun(block: ObservedBlock, campaign: Campaign) -> Search:
         return search
     opened = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
     return opened if is_noise(opened.problem, opened.null) else search
+
+
+def _searched(search: Search) -> Search:
+    """Search for what is missing, and again with the error of the converter that the best model expects."""
+    search.whole()
+    return search.again()
 
 
 def _beyond_what_is_stated(search: Search) -> bool:
@@ -267,8 +270,7 @@ def _with_open_stiffness(block: SpecimenBlock | LoopBlock, campaign: Campaign, s
     search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
     if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated.null, stated):
         return stated
-    search.whole()
-    opened = _judged(search.again())
+    opened = _judged(_searched(search))
     best, former = opened.best, stated.best
     if opened.error(best).at_most(1.0 - BESIDE, stated.error(former)):
         return opened
