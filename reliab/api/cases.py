@@ -58,17 +58,15 @@ class Case:
         """Whether anything is known of the earthquake."""
         return (self.duration, self.motion, self.suite) != (None, None, None)
 
-    def stating(
-        self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str, confidence: float
-    ) -> xr.Dataset:
-        """Protect all lengths of a population as a share needs it, and weigh its motions.
+    def stating(self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str) -> xr.Dataset:
+        """Protect all lengths of a population, unless its weights state them, and weigh its motions.
 
         `carried`: the population `ellipses` carried to the case; `curve`: the ellipses on which the criterion
         will rest.
         """
         weights = None if self.weights is None else Weights.from_table(ellipses, self.weights)
         if weights is None or "length" not in weights.quantities:
-            carried = protect_over_lengths(carried, metric=metric, curve=curve, confidence=confidence)
+            carried = protect_over_lengths(carried, metric=metric, curve=curve)
         return carried if weights is None else weights.drawn(carried)
 
     def carried(

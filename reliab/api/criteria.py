@@ -1,7 +1,7 @@
 """`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -29,7 +29,6 @@ from reliab.criterion import (
     Criterion,
     Derivation,
     compare_shares,
-    protects,
     published_criterion,
     without_copies,
 )
@@ -274,10 +273,7 @@ class _Question:
             )
 
     def derived(self) -> _Derived:
-        """Derive a criterion for each share of the stiffness, error and confidence.
-
-        What is learned at an error serves all shares of the population's ground motions.
-        """
+        """Derive a criterion for each share of the stiffness, error and confidence."""
         law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
         if self.chains is not None and not method.samples_chains:
             raise InputError(
@@ -286,20 +282,15 @@ class _Question:
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
         confidences = self.confidences or [_NINETY_FIVE]
-        populations = self._populations(method, confidences)
-        dataset = populations[confidences[0]]
+        dataset = self._population(method)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
-        promises = list(itertools.product(errors, confidences))
         self._require_one_share(shares)
-        self._require_one_criterion(len(shares) * len(promises))
-        learned: dict[tuple[float, float, str], Derivation] = {}
-        for share, error, confidence in itertools.product(shares, errors, confidences):
-            key = share, error, _carried_to(populations[confidence])
-            if key in learned:
-                continue
+        self._require_one_criterion(len(shares) * len(errors) * len(confidences))
+        learned = []
+        for share, error in itertools.product(shares, errors):
             with self.show(f"Learning at {error:g}") as progress:
-                learned[key] = Derivation.from_ellipses(
-                    at_share(populations[confidence], share),
+                derivation = Derivation.from_ellipses(
+                    at_share(dataset, share),
                     method=method,
                     law=law,
                     threshold=error,
@@ -307,35 +298,21 @@ class _Question:
                     chains=self.chains,
                     progress=progress,
                 )
+            learned.append(derivation)
         criteria = (
-            learned[share, error, _carried_to(populations[confidence])].criterion(
-                confidence, joint=self.joint
-            )
-            for share in shares
-            for error, confidence in promises
+            derivation.criterion(confidence, joint=self.joint)
+            for derivation in learned
+            for confidence in confidences
         )
-        return tuple(criteria), dataset, tuple(learned.values())
+        return tuple(criteria), dataset, tuple(learned)
 
-    def _populations(self, method: Method, confidences: Sequence[float]) -> dict[float, xr.Dataset]:
-        """Ellipses behind the criterion of each confidence; one dataset where lengths count alike."""
+    def _population(self, method: Method) -> xr.Dataset:
+        """Ellipses behind the criteria."""
         source = self.source()
         population = without_copies(with_room(source.dataset(self.show)))
         carried = self.case.carried(population, source, *self.structures, self.show)
-        found: dict[bool, xr.Dataset] = {}
-        for confidence in confidences:
-            if protects(confidence) not in found:
-                stated = self.case.stating(carried, population, self.metric, method.curve, confidence)
-                if self.law == "table":
-                    stated = at_structures(stated, *self.structures)
-                found[protects(confidence)] = stated
-        if self.chains is not None and len({_carried_to(dataset) for dataset in found.values()}) > 1:
-            raise InputError(
-                "Chains hold either ellipses that protect every length (shares from 0.9 on) or those "
-                "of all lengths together (shares below 0.9)",
-                value=", ".join(f"{confidence:g}" for confidence in confidences),
-                remedy="Ask for shares on one side of 0.9",
-            )
-        return {confidence: found[protects(confidence)] for confidence in confidences}
+        stated = self.case.stating(carried, population, self.metric, method.curve)
+        return at_structures(stated, *self.structures) if self.law == "table" else stated
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -412,11 +389,6 @@ class _Question:
                 tried = errors_of_rig(frame, suite, window=window, progress=progress)
             found["rig"] = summary_of_rig(tried, self.metric, threshold)
         return found
-
-
-def _carried_to(ellipses: xr.Dataset) -> str:
-    """Say what ellipses were carried to; empty where they are as they were recorded."""
-    return str(ellipses.attrs.get("carried_to", ""))
 
 
 def _default_errors(dataset: xr.Dataset) -> list[float]:

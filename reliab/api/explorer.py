@@ -4,9 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reliab.criterion import carry_to_length
 from reliab.explore import Settings, write_page
 from reliab.shipped import or_shipped
 from reliab.sweep import open_windows
+
+_RECORD = "record"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +73,10 @@ def write_explorer(
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
     windows = open_windows(or_shipped(Path(ellipses), "datasets", "ellipses.nc"))
+    whole = windows.get(_RECORD)
+    if whole is not None and "length" in whole.coords:
+        cuts = (float(length) for length in whole["length"])
+        windows = {_RECORD: whole, **{f"{length:g}": carry_to_length(whole, length) for length in cuts}}
     lengths = {label: table for label, table in windows.items() if label != "arias"}
     settings = Settings(
         frequency=f,

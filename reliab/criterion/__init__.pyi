@@ -38,11 +38,7 @@ from .goodness_of_fit import (
 )
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
-from .protection import (
-    PROTECTED_FROM as PROTECTED_FROM,
-    protect_over_lengths as protect_over_lengths,
-    protects as protects,
-)
+from .protection import protect_over_lengths as protect_over_lengths
 from .provenance import (
     Provenance as Provenance,
     installed_versions as installed_versions,

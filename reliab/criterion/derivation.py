@@ -116,9 +116,8 @@ def derive_criterion(
     therefore scaled by one factor, so that on average over the structures as many of the motions are
     contained as by the limits themselves.
 
-    Where at least thirty motions of ten earthquakes show how limits depend on the length of a record, the
-    criterion protects every length of this population from a share of 90 % on; see
-    :func:`protect_over_lengths`.
+    Where the ellipses of at least thirty motions of ten earthquakes say how their records can be cut, the
+    criterion protects short, middle and long records alike; see :func:`protect_over_lengths`.
 
     Parameters
     ----------
@@ -184,12 +183,7 @@ def derive_criterion(
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
-        protect_over_lengths(
-            without_copies(_read(ellipses, f, xi, threshold, str(metric))),
-            metric=str(metric),
-            curve=known_method.curve,
-            confidence=confidence,
-        ),
+        without_copies(_read(ellipses, f, xi, threshold, str(metric))),
         method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,
         frequency=f,
@@ -253,8 +247,12 @@ class Derivation:
         chains: Path | None = None,
         progress: Progress = silent,
     ) -> Self:
-        """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
-        chosen = _only(_only(tabled(ellipses), "f", frequency), "xi", damping_ratio)
+        """Learn from ellipses, of which every length is protected.
+
+        The parameters are those of :func:`derive_criterion`.
+        """
+        population = protect_over_lengths(tabled(ellipses), metric=metric, curve=method.curve)
+        chosen = _only(_only(population, "f", frequency), "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from reliab.criterion import (
     MOST_AT_REST,
-    PROTECTED_FROM,
     REST,
     is_ellipse,
     names_along,
@@ -205,14 +204,10 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     A float32 whose mantissa was rounded to eleven binary digits, as in the ellipses that ship, is its sign,
     eight bits of exponent and eleven of mantissa. The sign is plus, and a as well as b span less than 32
     powers of two: sixteen bits above an offset hold it exactly. Zero stands for a motion without an ellipse.
-    Other ellipses are rounded to the same digits, 2.4e-4 relative. Where lengths are protected, the ellipses
-    of all lengths together follow those of the windows, for smaller shares.
+    Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
     protected = [protect_over_lengths(dataset) for dataset in ellipses.values()]
-    together = [
-        dataset for dataset, own in zip(ellipses.values(), protected, strict=True) if own is not dataset
-    ]
-    tables = [_inscribed(dataset) for dataset in (*protected, *together)]
+    tables = [_inscribed(dataset) for dataset in protected]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -232,8 +227,6 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     planes = codes.astype("<u2").reshape(-1, 1).view(np.uint8).T
     return {
         "windows": list(ellipses),
-        "tables": len(tables),
-        "protectedFrom": PROTECTED_FROM,
         "thresholds": first["threshold"].values.astype(float).tolist(),
         "metrics": first["metric"].values.tolist(),
         "sides": names_along(first, "side"),
@@ -244,6 +237,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "share": share_of(first),
         **_ranges(first),
         "population": population_of(next(iter(ellipses.values()))),
+        "protection": str(first.attrs.get("carried_to", "")),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),

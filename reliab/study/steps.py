@@ -13,11 +13,20 @@ from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.indices import Window
 from reliab.progress import Show
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material
 from reliab.study.stages import Stage, read_result
-from reliab.sweep import open_ellipses, read_netcdf, run_sweep, sweep_request, write_ellipses, write_netcdf
+from reliab.sweep import (
+    measure_cut_records,
+    open_ellipses,
+    read_netcdf,
+    run_sweep,
+    sweep_request,
+    write_ellipses,
+    write_netcdf,
+)
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
@@ -67,6 +76,9 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
             traced = material.results(folder).reliab.ellipses(
                 study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
+        if material.stored is None and study.errors.window == Window().label:
+            structures = study.structures.f, study.structures.xi, study.structures.experimental_fraction
+            traced = traced.merge(measure_cut_records(material.motions, *structures))
         write_ellipses(traced, folder / ELLIPSES)
 
     inputs = {

@@ -1,3 +1,4 @@
+from .cut_records import measure_cut_records as measure_cut_records
 from .ellipse_dataset import CURVES as CURVES, share_at_rest as share_at_rest
 from .ellipse_file import (
     open_ellipses as open_ellipses,
