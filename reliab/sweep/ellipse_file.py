@@ -16,6 +16,7 @@ from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
+_LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
 
 
@@ -167,4 +168,6 @@ def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.
         )
     if Dimension.WINDOW in dataset.dims:
         dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+    if label != Window().label:
+        dataset = dataset.drop_dims(_LENGTH, errors="ignore")  # ratios are those of whole records
     return dataset.assign_attrs(window=label)
