@@ -143,6 +143,7 @@ LABELS: Final = {
     "dt": Label("time step of the record", "s"),
     "pga": Label("peak ground acceleration", "m s-2"),
     "checksum": Label("SHA-256 of the record's time step and samples", "1"),
+    "outline": Label("strongest swing of the record in 256 bits, by which copies are recognised", "1"),
     "threshold": Label("error on the boundary", "1"),
     "metric": Label("relative error of the whole test", "1"),
     "curve": Label("curve that stands for the boundary", "1"),

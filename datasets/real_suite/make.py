@@ -23,6 +23,7 @@ from reliab.sweep import (
     measure_cut_records,
     measure_responses,
     open_results,
+    outlines_of,
     packed,
     write_compact,
     write_ellipses,
@@ -87,8 +88,9 @@ def small(ellipses: xr.Dataset) -> xr.Dataset:
 
 
 def with_cut_records(ellipses: xr.Dataset, motions: Sequence[Motion]) -> xr.Dataset:
-    """Add the ratios of cut records, rounded to 0.8 %."""
+    """Add the ratios of cut records, rounded to 0.8 %, and outlines of the records."""
     ratios = measure_cut_records(motions, FREQUENCIES, DAMPING_RATIOS, 1.0)
+    ellipses = ellipses.assign_coords(outline=outlines_of(motions))
     return ellipses.merge(ratios.map(lambda values: rounded(values, 64.0)))
 
 

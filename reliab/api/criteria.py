@@ -135,7 +135,7 @@ def derive_criteria(
     figures : str or pathlib.Path, optional
         Folder for drawings of the criteria over the motions' ellipses.
     out : str or pathlib.Path, optional
-        File for the criterion, where there is one.
+        File for the criterion, where there is one; none is written of a posterior that has not converged.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -345,7 +345,9 @@ class _Question:
             derivations=derivations,
         )
         beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.narrows else {}
-        if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
+        converged = all(posterior["converged"] for posterior in derived.posteriors)
+        # Rows refuse structures for which a law is not valid.
+        if derived.rows and converged and self.out is not None:
             write_criterion(derived.criteria[0], self.out)
         if self.figures is not None:
             drawn = draw_criteria(

@@ -3,7 +3,7 @@ from .carrying import (
     carry_to_response as carry_to_response,
     carry_to_suite as carry_to_suite,
 )
-from .copies import events_of_originals as events_of_originals, without_copies as without_copies
+from .copies import without_copies as without_copies
 from .criterion import Criterion as Criterion
 from .derivation import (
     MOST_AT_REST as MOST_AT_REST,

@@ -43,7 +43,7 @@ def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
         return EllipseTable(
             **{name: _numbers(file, name, part)[0] for name in ("a", "b")},
             at=at | {name: at[name][part[name]] for name in ("curve", "metric")},
-            of_motions={name: _values(file, name) for name in ("event", "duration", "checksum")},
+            of_motions={name: _values(file, name) for name in ("event", "duration", "checksum", "outline")},
             error_at_rest=file[REST][place["window"]][..., part["metric"]],
             cut_records=_cut_records(file) if window == "record" else None,
             attrs={SHARE_ATTRIBUTE: float(file.attrs[SHARE_ATTRIBUTE][0]), "window": window},

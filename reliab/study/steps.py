@@ -21,6 +21,7 @@ from reliab.study.stages import Stage, read_result
 from reliab.sweep import (
     measure_cut_records,
     open_ellipses,
+    outlines_of,
     read_netcdf,
     run_sweep,
     sweep_request,
@@ -76,6 +77,8 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
             traced = material.results(folder).reliab.ellipses(
                 study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
+        if material.stored is None:
+            traced = traced.assign_coords(outline=outlines_of(material.motions))
         if material.stored is None and study.errors.window == Window().label:
             structures = study.structures.f, study.structures.xi, study.structures.experimental_fraction
             traced = traced.merge(measure_cut_records(material.motions, *structures))
@@ -135,6 +138,8 @@ def _derive(traced: xr.Dataset, threshold: float, metric: str, table: CriterionT
     except InputError as refusal:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
     learned.warn_unless_converged()
+    if not learned.converged:
+        return DerivedCriteria(criteria=(), refusals=(f"{error}: its posterior has not converged.",))
     criteria, refusals = [], []
     for confidence in table.confidences:
         try:
@@ -164,7 +169,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
     def work(folder: Path) -> None:
-        traced = open_ellipses(folder / ELLIPSES)
+        traced = without_copies(open_ellipses(folder / ELLIPSES))
         refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
             try:
@@ -177,7 +182,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
                         confidences=study.validation.confidences,
                         threshold=threshold,
                         metric=metric,
-                        truth=material.truth(folder),
+                        truth=material.truth(folder, traced["motion"].values.tolist()),
                         trials=study.validation.trials,
                         progress=progress,
                     )

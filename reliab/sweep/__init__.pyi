@@ -18,6 +18,7 @@ from .frame_table import (
     trace_frame_ellipses as trace_frame_ellipses,
 )
 from .grid import ExplicitGrid as ExplicitGrid, ScaledGrid as ScaledGrid
+from .labels import outlines_of as outlines_of
 from .netcdf import packed as packed, read_netcdf as read_netcdf, write_netcdf as write_netcdf
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,

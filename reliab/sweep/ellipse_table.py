@@ -17,7 +17,7 @@ from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Structure
 from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import join_coordinates, motion_coordinates
+from reliab.sweep.labels import join_coordinates, motion_coordinates, outlines_of
 from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
 from reliab.sweep.shares import for_each_share
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
@@ -125,6 +125,7 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
 
 def _with_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
     """Add how a and b of whole records change when these are cut; a model's effects are not linear."""
+    traced = traced.assign_coords(outline=outlines_of(motions))
     if request.window != Window() or request.model is not None:
         return traced
     structures = request.frequencies, request.damping_ratios, request.experimental_fractions[0]
