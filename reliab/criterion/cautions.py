@@ -30,7 +30,7 @@ def cautions_of(
         _unstated_earthquakes(ellipses),
         "" if empty else _beyond_the_earthquakes(grid, method, confidence),
         "" if empty else _shortfall(grid, method, confidence),
-        *_not_lognormal(grid, method),
+        *not_lognormal(grid, method),
     )
     return tuple(sentence for sentence in sentences if sentence)
 
@@ -153,13 +153,12 @@ def _unstated_earthquakes(ellipses: EllipseTable) -> str:
     )
 
 
-def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
+def not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
+    """Say where motions are not lognormal, if the promise of a method needs them to be."""
     cells = grid.cells
     if not method.assumes_lognormality:
         return []
     objections = [(objection(sample.a, "a"), objection(sample.b, "b")) for sample in cells]
-    if len(cells) == 1:
-        return list(objections[0])
     rejected = sum(any(pair) for pair in objections)
     if not rejected:
         return []
@@ -168,4 +167,7 @@ def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
         "lognormal quantile does not keep the stated confidence there; the methods dirichlet, "
         "order_statistic and conformal do not need it."
     )
-    return [sentence]
+    sentences = [text for text in objections[0] if text] if len(cells) == 1 else [sentence]
+    if method.settings.get("assurance") is not None:
+        sentences.append("No assurance is stated: it would need lognormal motions.")
+    return sentences

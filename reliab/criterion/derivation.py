@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.criterion.cautions import cautions_of, few_leads
+from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import position, position_of_name
@@ -335,7 +335,11 @@ class Derivation:
         )
 
     def _provenance(self, confidence: float, empty: int, source: str) -> Provenance:
-        carried = self.method.carried_confidence(self.lag.grid.fewest_motions, self.lag.grid.fewest_events)
+        grid, method = self.lag.grid, self.method
+        carried = method.carried_confidence(grid.fewest_motions, grid.fewest_events)
+        settings = method.settings
+        if settings.get("assurance") is not None and not_lognormal(grid, method):
+            settings["assurance"] = None
         return Provenance(
             source=source,
             motions=kind_of_motions(self.ellipses.events.tolist()),
@@ -350,7 +354,7 @@ class Derivation:
             position=self.ellipses.attrs.get("position", "inside"),
             promised_from=float(self.ellipses.attrs.get("promised_from", 0.0)),
             settings={
-                **self.method.settings,
+                **settings,
                 **self.lag.learned.settings,
                 "carried_confidence": carried,
                 **({"converged": self.converged} if self.diagnostics else {}),

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
+from reliab.criterion import room
 from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
 from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
 from reliab.report.figures.parameter_distributions import (
@@ -61,9 +62,11 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
             drawing=ellipses_and_criterion(reported.sample, _named_limits(reported)),
             caption=prose(
                 "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
-                "late actuators) and the criterion: where the coloured ellipse crosses a grey one, a test on "
-                "its edge would exceed the error under that motion, as far as the ellipse represents "
-                "the boundary.",
+                "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
+                "coloured ellipse crosses a grey one, a test on its edge would exceed the error under that "
+                "motion, as far as the ellipse represents the boundary.",
+                inside=int((room(reported.sample, *reported.limits) >= 1.0).sum()),
+                drawn=reported.sample.n_motions,
                 how="inscribed in" if reported.inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,
