@@ -93,8 +93,8 @@ def test_python_recipe_runs(block, capsys):
 
 @pytest.mark.of_studies
 def test_each_shipped_folder_says_where_it_came_from():
-    for room in ("datasets", "studies", "reports"):
-        assert (ROOT / room / "README.md").exists()
+    for folder in ("datasets", "studies", "reports"):
+        assert (ROOT / folder / "README.md").exists()
 
 
 def test_every_report_of_the_folder_is_listed_with_what_makes_it():

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from reliab import sweep
 from reliab.api.cases import POPULATION, Case
 from reliab.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
 from reliab.api.sources import (
@@ -39,16 +40,8 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation.frames import read_structure
-from reliab.sweep import (
-    Names,
-    Numbers,
-    at_share,
-    errors_of_rig,
-    limits_of_coupling,
-    shares_of,
-    summary_of_rig,
-)
+from reliab.simulation import frames
+from reliab.sweep import Names, Numbers, at_share, shares_of
 from reliab.vocabulary import Metric
 
 _NINETY_FIVE = 0.95
@@ -160,7 +153,8 @@ def derive_criteria(
     case = Case(duration=duration, motion=motion, suite=suite, weights=weights)
     if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
         ellipses = POPULATION
-    traced_alone = motions or (law == "table" and results)
+    # What is fitted over structures needs all of them; nothing else does.
+    asked_alone = motions or (law == "table" and motion is None)
     of_records = {"sets": sets, "model": model, "window": window, "alpha": alpha}
     question = _Question(
         case=case,
@@ -178,8 +172,8 @@ def derive_criteria(
             model=model,
             structure=structure,
             actuator=actuator,
-            f=f if traced_alone else None,
-            xi=xi if traced_alone else None,
+            f=f if asked_alone else None,
+            xi=xi if asked_alone else None,
         ),
         of_source={**of_records, "structure": structure, "actuator": actuator},
         has_source=any((motions, results, ellipses)),
@@ -371,13 +365,13 @@ class _Question:
         structure = self.of_source["structure"]
         if structure is None:
             return {}
-        frame, source, found = read_structure(structure), self.source(), {}
+        frame, source, found = frames.read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
         if frame.several and self.of_source["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
-                limits = limits_of_coupling(
+                limits = sweep.limits_of_coupling(
                     frame,
                     suite,
                     threshold=threshold,
@@ -388,8 +382,8 @@ class _Question:
             found["cross_coupling"] = _coupling(limits, threshold, (self.confidences or [_NINETY_FIVE])[0])
         if frame.transfer_system is not None:
             with self.show("Testing the rig") as progress:
-                tried = errors_of_rig(frame, suite, window=window, progress=progress)
-            found["rig"] = summary_of_rig(tried, self.metric, threshold)
+                tried = sweep.errors_of_rig(frame, suite, window=window, progress=progress)
+            found["rig"] = sweep.summary_of_rig(tried, self.metric, threshold)
         return found
 
 

@@ -102,13 +102,13 @@ class DerivedCriteria:
     refusals: tuple[str, ...]  # A sentence for each error and confidence for which they are too few
 
 
-def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
+def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> Stage:
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
         traced = without_copies(open_ellipses(folder / ELLIPSES))
         derived = [
-            _derive(traced, threshold, metric, criterion)
+            _derive(traced, threshold, metric, criterion, show)
             for metric in errors.metrics
             for threshold in errors.thresholds
         ]
@@ -124,17 +124,21 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def _derive(traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable) -> DerivedCriteria:
+def _derive(
+    traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
+) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
     error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
     try:
-        learned = Derivation.from_ellipses(
-            traced,
-            method=method_of(table.method),
-            law=known(FITTED, table.law),
-            threshold=threshold,
-            metric=metric,
-        )
+        with show(f"Learning at {threshold:g} {metric.upper()}") as progress:
+            learned = Derivation.from_ellipses(
+                traced,
+                method=method_of(table.method),
+                law=known(FITTED, table.law),
+                threshold=threshold,
+                metric=metric,
+                progress=progress,
+            )
     except InputError as refusal:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
     learned.warn_unless_converged()

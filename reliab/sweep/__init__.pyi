@@ -23,11 +23,8 @@ from .netcdf import packed as packed, read_netcdf as read_netcdf, write_netcdf a
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,
     Motions as Motions,
-    Names as Names,
-    Numbers as Numbers,
     StatedStructures as StatedStructures,
     one_of as one_of,
-    several as several,
     suite_of as suite_of,
     sweep_request as sweep_request,
 )
@@ -44,6 +41,7 @@ from .results import (
     write_compact as write_compact,
 )
 from .run import run_sweep as run_sweep
+from .several import Names as Names, Numbers as Numbers, several as several
 from .shares import (
     at_share as at_share,
     for_each_share as for_each_share,

@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +82,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If the file is not a file of ellipses, or does not hold the window.
     """
-    return _in_window(_read(path), window, path)
+    return _in_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
 
 
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
@@ -95,8 +95,17 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _read(path: str | Path) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY)
+def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
+    """Take the windows of a file up to the one that is asked for; all where it is not among them."""
+    windows = _windows(stored)
+    asked = window or Window().label
+    if Dimension.WINDOW not in stored.dims or asked not in windows:
+        return stored
+    return stored.isel({Dimension.WINDOW: slice(windows.index(asked) + 1)})
+
+
+def _read(path: str | Path, part: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, part)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
