@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.criterion import carry_to_length
-from reliab.explore import Settings, write_page
+from reliab.explore import Settings, by_length, write_page
 from reliab.shipped import or_shipped
 from reliab.sweep import open_windows
-
-_RECORD = "record"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,11 +70,7 @@ def write_explorer(
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
     windows = open_windows(or_shipped(Path(ellipses), "datasets", "ellipses.nc"))
-    whole = windows.get(_RECORD)
-    if whole is not None and "length" in whole.coords:
-        cuts = (float(length) for length in whole["length"])
-        windows = {_RECORD: whole, **{f"{length:g}": carry_to_length(whole, length) for length in cuts}}
-    lengths = {label: table for label, table in windows.items() if label != "arias"}
+    lengths = by_length(windows)
     settings = Settings(
         frequency=f,
         damping_ratio=xi,
@@ -87,5 +80,5 @@ def write_explorer(
         metric=metric,
     )
     name = Path(ellipses).name
-    write_page(out, lengths or windows, settings, source=f"the ellipses of {name}")
-    return ExplorerPage(page=Path(out), ellipses=name, windows=tuple(lengths or windows))
+    write_page(out, lengths, settings, source=f"the ellipses of {name}")
+    return ExplorerPage(page=Path(out), ellipses=name, windows=tuple(lengths))

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from reliab.criterion import (
     MOST_AT_REST,
     REST,
+    carry_to_length,
     is_ellipse,
     names_along,
     population_of,
@@ -41,6 +42,7 @@ from reliab.vocabulary import CurveName
 
 _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"
+_RECORD, _ARIAS = "record", "arias"
 _ROUNDING = 1e-9
 _IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:function\*?|class|const) (\w+))", re.MULTILINE)
@@ -76,6 +78,19 @@ class Settings:
     threshold: float | None = None
     confidence: float = 0.95
     metric: str | None = None
+
+
+def by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """Choose the ellipses of a page among those of a file, by window.
+
+    Those of whole records are carried to each length to which the records can be cut; where nothing is known
+    of that, the windows of the first seconds stand for lengths.
+    """
+    whole = windows.get(_RECORD)
+    if whole is not None and "length" in whole.coords:
+        cuts = (float(length) for length in whole["length"])
+        return {_RECORD: whole, **{f"{length:g}": carry_to_length(whole, length) for length in cuts}}
+    return {label: table for label, table in windows.items() if label != _ARIAS} or dict(windows)
 
 
 def write_page(

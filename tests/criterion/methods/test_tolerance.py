@@ -35,7 +35,7 @@ def test_clusters_that_are_not_alike_leave_the_bound_of_independent_motions(conf
     values = np.random.default_rng(6).normal(size=4000)
     pairs, alone = np.repeat(np.arange(2000), 2).astype(str), np.arange(4000).astype(str)
     bounds = [Tolerance().lower_bound(values, events, confidence) for events in (pairs, alone)]
-    assert bounds[0] == pytest.approx(bounds[1], abs=0.01)
+    assert bounds[0] == pytest.approx(bounds[1], abs=0.03)
 
 
 def test_copies_of_each_motion_are_worth_no_more_than_the_motions():
