@@ -42,7 +42,7 @@ Labels = dict[str, Any]
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
-# `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed"
+# `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed" and "What `criterion_lengths.py` printed"
 _BY_RESPONSE_ELSEWHERE: Final = (
     "Of simulated motions of other kinds (small earthquakes, large and far ones, pulses, soft soil) 96 to "
     "98 % keep limits that state 95 %, 91 to 97 % those that state 90 % and 77 to 90 % those that state "
@@ -51,9 +51,9 @@ _BY_RESPONSE_ELSEWHERE: Final = (
     "the threshold by up to 7 % of it."
 )
 _BY_LENGTH_ELSEWHERE: Final = (
-    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep limits that state 95 % and "
-    "82 to 97 % those that state 90 %, but 72 to 90 % those that state 80 % and 38 to 79 % those that state "
-    "50 %: rely on 95 %."
+    "Of simulated motions of other kinds, whole and cut to their shaking or to 20 s, 93 to 100 % keep limits "
+    "that state 95 % and 81 to 100 % those that state 90 %, but 62 to 100 % those that state 80 % and 32 to "
+    "97 % those that state 50 %: rely on 95 %."
 )
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
