@@ -21,13 +21,13 @@ from reliab.criterion import (
     carry_to_length,
     carry_to_response,
     derive_criterion,
-    protect_over_lengths,
     range_of,
     shipped_ellipses,
     shipped_measures,
 )
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, CurveName, Metric, Side
 
@@ -87,8 +87,14 @@ def _derived(
     if metric not in tuple(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     places = {"f": frequency, "xi": damping_ratio}
-    population = _population(duration, without, metric)
-    around = population.take(**{name: _neighbours(population.at[name], at) for name, at in places.items()})
+    ellipses = _shipped_ellipses(metric)
+    around = ellipses.take(
+        **{name: _neighbours(ellipses.at[name], value) for name, value in places.items()},
+        motion=ellipses.events != without,
+    )
+    if duration is not None:
+        carried = carry_to_length(around, duration)
+        around = carried.stating(window=f"{significant(duration)} s", caution="")
     criterion = derive_criterion(
         _at_threshold(around, threshold),
         method=method_of(RECOMMENDED),
@@ -189,17 +195,6 @@ def shipped_frequencies() -> list[float]:
 
 def _shipped_ellipses(metric: str = Metric.RMS) -> EllipseTable:
     return shipped_ellipses(CurveName.INSCRIBED, "record", metric)
-
-
-@lru_cache(maxsize=8)
-def _population(duration: float | None, without: str | None, metric: str) -> EllipseTable:
-    """Ellipses without an earthquake, for records of a length [s], or of all lengths."""
-    ellipses = _shipped_ellipses(metric)
-    if without is not None:
-        ellipses = ellipses.take(motion=ellipses.events != without)
-    if duration is None:
-        return protect_over_lengths(ellipses, metric=metric)
-    return carry_to_length(ellipses, duration)
 
 
 def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:

@@ -29,6 +29,7 @@ from reliab.criterion.laws.table import tents
 from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scope import Position, compare_with_scope, scope_of
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
@@ -208,7 +209,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     ratios = table.cut_records.at(duration)[:, :, :, None, None, None, None, :]
     factors = np.where(of_rms[:, None, None, None], ratios, 1.0)
     carried = replace(table, a=table.a * factors[..., 0], b=table.b * factors[..., 1], cut_records=None)
-    words = f"for records of {duration:g} s"
+    words = f"for records of {significant(duration)} s"
     stated = _stating(carried, words, scope_of(table), {"length": duration}, _BY_LENGTH_ELSEWHERE)
     return _as_given(ellipses, stated)
 

@@ -67,11 +67,12 @@ def _have_same_boundary(ellipses: Ellipses) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore", divide="ignore"):
         logarithms = np.log(np.where(rows > 0.0, rows, np.nan))
     alike = np.eye(len(rows), dtype=bool)
-    for place, own in enumerate(logarithms):
-        known = np.isfinite(own)
-        if known.any():  # motions without an ellipse have nothing in common
-            near = np.abs(logarithms[:, known] - own[known]) <= _SAME
-            alike[place] |= near.all(axis=1) & (np.isfinite(logarithms) == known).all(axis=1)
+    finite = np.isfinite(logarithms)
+    for place, row in enumerate(logarithms):
+        cells = finite[place]
+        if cells.any():  # motions without an ellipse have nothing in common
+            near = np.abs(logarithms[:, cells] - row[cells]) <= _SAME
+            alike[place] |= near.all(axis=1) & (finite == cells).all(axis=1)
     return alike
 
 

@@ -108,7 +108,7 @@ class EllipseTable:
         if self.cut_records is not None:
             coordinates["length"] = self.cut_records.lengths
             ratios = np.moveaxis(self.cut_records.ratios, -1, 0)
-            variables |= {name: (_OF_CUT, part) for name, part in zip(CUT, ratios, strict=True)}
+            variables |= {name: (_OF_CUT, ratio) for name, ratio in zip(CUT, ratios, strict=True)}
         if self.error_at_rest is not None:
             variables[REST] = (_OF_REST, self.error_at_rest)
         whole = xr.Dataset(variables, coords={**self.at, **coordinates}, attrs=dict(self.attrs))
@@ -162,8 +162,8 @@ class EllipseTable:
 def _cut_records(ellipses: "xr.Dataset") -> CutRecords | None:
     if any(name not in ellipses for name in CUT):
         return None
-    parts = [ellipses[name].transpose(*_OF_CUT).values.astype(np.float64) for name in CUT]
-    return CutRecords(lengths=ellipses["length"].values.astype(np.float64), ratios=np.stack(parts, axis=-1))
+    ratios = [ellipses[name].transpose(*_OF_CUT).values.astype(np.float64) for name in CUT]
+    return CutRecords(lengths=ellipses["length"].values.astype(np.float64), ratios=np.stack(ratios, axis=-1))
 
 
 def tabled(ellipses: Ellipses) -> EllipseTable:

@@ -46,7 +46,7 @@ def event_components(values: Array, events: NDArray[np.str_]) -> EventComponents
     >>> float(components.event_share.round(3)), float(components.effective_number.round(1))
     (0.995, 3.0)
     """
-    squares = SumsOfSquares.of(values, events)
+    squares = SumsOfSquares.from_values(values, events)
     n = values.shape[0]
     if not squares.separate:
         within = np.asarray(squares.total / (n - 1))
@@ -77,7 +77,7 @@ class SumsOfSquares:
     concentration: float  # Part of the variance between earthquakes in that of the mean of all motions
 
     @classmethod
-    def of(cls, values: Array, events: NDArray[np.str_]) -> Self:
+    def from_values(cls, values: Array, events: NDArray[np.str_]) -> Self:
         """Divide the squares of values by the earthquakes of their motions."""
         _, group, sizes = np.unique(events, return_inverse=True, return_counts=True)
         n, k = values.shape[0], sizes.size

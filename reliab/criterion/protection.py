@@ -70,8 +70,8 @@ def _protected(table: EllipseTable) -> EllipseTable:
     words = f"each structure at the least favourable of {first}, {second} and {third} s"
     return replace(
         table,
-        a=_least_favourable(np.stack([part.a for part in carried])),
-        b=_least_favourable(np.stack([part.b for part in carried])),
+        a=_least_favourable(np.stack([table.a for table in carried])),
+        b=_least_favourable(np.stack([table.b for table in carried])),
         cut_records=None,
     ).stating(carried_to=words)
 
@@ -87,10 +87,10 @@ def _least_favourable(values: Array) -> Array:
 def _shows_lengths(ellipses: Ellipses) -> bool:
     """Whether records can be cut, and are enough for their lengths to be those of others."""
     if isinstance(ellipses, EllipseTable):
-        known = ellipses.cut_records is not None
+        can_be_cut = ellipses.cut_records is not None
     else:
-        known = "a_cut" in ellipses and "alpha" not in ellipses.dims
-    if not known or Metric.RMS not in names_along(ellipses, "metric"):
+        can_be_cut = "a_cut" in ellipses and "alpha" not in ellipses.dims
+    if not can_be_cut or Metric.RMS not in names_along(ellipses, "metric"):
         return False
     table = tabled(ellipses)
     return table.n_motions >= _LEAST_MOTIONS and np.unique(table.events).size >= _LEAST_EARTHQUAKES

@@ -50,11 +50,11 @@ def outline_of(motion: Motion) -> str:
 
 def are_copies(outlines: Iterable[str], others: Iterable[str]) -> NDArray[np.bool_]:
     """Whether records are copies of others by their outlines, shape (records, others)."""
-    own, their = (
+    signs, others_signs = (
         np.array([2.0 * np.unpackbits(np.frombuffer(bytes.fromhex(text), np.uint8)) - 1.0 for text in texts])
         for texts in (outlines, others)
     )
-    return np.asarray(0.5 * (_BITS - own @ their.T) <= _ALIKE)
+    return np.asarray(0.5 * (_BITS - signs @ others_signs.T) <= _ALIKE)
 
 
 @cache

@@ -59,11 +59,10 @@ def with_known_cut_records(ellipses: xr.Dataset) -> xr.Dataset:
         return ellipses
     with opened_hdf5(shipped("datasets", _SHIPPED), ships=True) as file:
         records, *axes = (file[name][()] for name in ("checksum", "f", "xi"))
-        asked = (ellipses["checksum"].values.tolist(), ellipses["f"].values, ellipses["xi"].values)
         rows = {text.decode(): row for row, text in enumerate(records.tolist())}
-        places = [[rows.get(text) for text in asked[0]]]
-        for stored, values in zip(axes, asked[1:], strict=True):
-            near = np.isclose(values[:, None], stored, rtol=1e-9)
+        places = [[rows.get(text) for text in ellipses["checksum"].values.tolist()]]
+        for stored, name in zip(axes, ("f", "xi"), strict=True):
+            near = np.isclose(ellipses[name].values[:, None], stored, rtol=1e-9)
             places.append([int(row.argmax()) if row.any() else None for row in near])
         if any(None in along for along in places):
             return ellipses

@@ -98,14 +98,14 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
 def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
     """Take the windows of a file up to the one that is asked for; all where it is not among them."""
     windows = _windows(stored)
-    asked = window or Window().label
-    if Dimension.WINDOW not in stored.dims or asked not in windows:
+    label = window or Window().label
+    if Dimension.WINDOW not in stored.dims or label not in windows:
         return stored
-    return stored.isel({Dimension.WINDOW: slice(windows.index(asked) + 1)})
+    return stored.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
 
 
-def _read(path: str | Path, part: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY, part)
+def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, select)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(

@@ -69,12 +69,12 @@ _MOST_EXPANSION = 1032
 
 
 def read_netcdf(
-    path: str | Path, rule: str, remedy: str, part: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy
+    path: str | Path, rule: str, remedy: str, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy
 ) -> xr.Dataset:
     """Read a NetCDF file.
 
     `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message;
-    `part`: takes what is needed of the file, from the first on along dimensions of differences.
+    `select`: takes what is needed of the file, from the first on along dimensions of differences.
     Returns contents of the file, in memory; of what is stored in steps of the logarithm the numbers. Raises
     InputError if it cannot be read.
     """
@@ -82,7 +82,7 @@ def read_netcdf(
         with opened_hdf5(path) as file:
             _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
         with xr.open_dataset(path, engine="h5netcdf") as file:
-            return unpacked(part(file).load())
+            return unpacked(select(file).load())
 
 
 def write_netcdf(

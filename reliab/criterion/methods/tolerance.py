@@ -65,7 +65,7 @@ class Tolerance(AssuredBound):
     lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
-        squares = SumsOfSquares.of(logarithms, events)
+        squares = SumsOfSquares.from_values(logarithms, events)
         if not squares.separate:
             factor = tolerance_factor(logarithms.size, confidence, self.assurance)
             return float(logarithms.mean() - factor * logarithms.std(ddof=1))
