@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.api import derive_criteria
+from reliab.api import derive_criteria, validate_criteria
 from reliab.criterion import derive_criterion, read_ellipses, without_copies
 from reliab.criterion.ellipse_table import tabled
 from reliab.motions import arias_times, load_motions
@@ -61,7 +61,7 @@ def test_a_scaled_copy_is_known_by_its_boundary(ellipses):
 
 def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
     """Under other names, other earthquakes and with other boundaries."""
-    motions = load_motions("synthetic")[:24]
+    motions = load_motions("synthetic")[:8]
     for motion in motions:
         write_record(tmp_path / "own", motion, motion.name.replace("/", "_"))
         write_record(tmp_path / "with", motion, motion.name.replace("/", "_"))
@@ -72,9 +72,21 @@ def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
     for folder in ("own", "with"):
         found = derive_criteria(motions=tmp_path / folder, f=1.0, xi=0.05).to_dict()["criteria"][0]
         limits.append((found["a"], found["b"], found["n_motions"]))
-    assert limits[1][2] == limits[0][2] == 24
+    assert limits[1][2] == limits[0][2] == 8
     # Which of two is the original is not known; the trimmed ones have a and b of shorter records.
     assert limits[1][0] <= 1.02 * limits[0][0]
+
+
+def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
+    for number, motion in enumerate(load_motions("synthetic")[:4]):
+        write_record(tmp_path, motion, f"M{number}")
+        write_record(
+            tmp_path, replace(motion, acceleration=-0.6 * motion.acceleration), f"REVERSED_M{number}"
+        )
+    asked = {"f": 1.0, "xi": 0.05, "confidence": 0.5, "law": "table", "trials": 8}
+    found = validate_criteria(motions=tmp_path, **asked).to_dict()
+    assert found["n_motions"] == 4
+    assert "each record counts once" in found["sentences"][0]
 
 
 @pytest.mark.parametrize("form", [tabled, lambda given: given], ids=["table", "dataset"])
