@@ -372,8 +372,8 @@ def _assembled(
         index: Any = (..., *at)
         pair = (values[index].astype(np.float64) for values in (table.a, table.b))
         a[index], b[index] = carried(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
-    at = {**table.at, "f": f, "xi": xi}
-    return replace(table, a=a, b=b, at=at, error_at_rest=None, cut_records=None)
+    grid = {**table.at, "f": f, "xi": xi}
+    return replace(table, a=a, b=b, at=grid, error_at_rest=None, cut_records=None)
 
 
 def _each(
