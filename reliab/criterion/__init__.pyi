@@ -36,7 +36,6 @@ from .goodness_of_fit import (
     lognormality as lognormality,
     quantile_plot as quantile_plot,
 )
-from .learned_side import room as room
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
 from .protection import protect_over_lengths as protect_over_lengths

@@ -208,7 +208,12 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     of_rms = np.array(names_along(table, "metric")) == Metric.RMS
     ratios = table.cut_records.at(duration)[:, :, :, None, None, None, None, :]
     factors = np.where(of_rms[:, None, None, None], ratios, 1.0)
-    carried = replace(table, a=table.a * factors[..., 0], b=table.b * factors[..., 1], cut_records=None)
+    at_rest = table.error_at_rest
+    if at_rest is not None:  # of the whole record: not known where that is cut
+        whole = table.of_motions["duration"][:, None, None, None] <= duration
+        at_rest = np.where(whole, at_rest, np.nan)
+    a, b = table.a * factors[..., 0], table.b * factors[..., 1]
+    carried = replace(table, a=a, b=b, error_at_rest=at_rest, cut_records=None)
     words = f"for records of {significant(duration)} s"
     stated = _stating(carried, words, scope_of(table), {"length": duration}, _BY_LENGTH_ELSEWHERE)
     return _as_given(ellipses, stated)

@@ -87,9 +87,9 @@ def _least_favourable(values: Array) -> Array:
 def _shows_lengths(ellipses: Ellipses) -> bool:
     """Whether records can be cut, and are enough for their lengths to be those of others."""
     if isinstance(ellipses, EllipseTable):
-        can_be_cut = ellipses.cut_records is not None
+        can_be_cut = ellipses.cut_records is not None and "duration" in ellipses.of_motions
     else:
-        can_be_cut = "a_cut" in ellipses and "alpha" not in ellipses.dims
+        can_be_cut = {"a_cut", "duration"} <= set(ellipses.variables) and "alpha" not in ellipses.dims
     if not can_be_cut or Metric.RMS not in names_along(ellipses, "metric"):
         return False
     table = tabled(ellipses)

@@ -54,6 +54,12 @@ def test_an_actuator_at_rest_is_still_known(population, form, kind):
     np.testing.assert_array_equal(tabled(protected).error_at_rest, tabled(population).error_at_rest)
 
 
+def test_an_error_at_rest_is_known_of_whole_records_only(population):
+    short = carry_to_length(population, 30.0)
+    whole = population["duration"].values <= 30.0
+    np.testing.assert_array_equal(np.isfinite(tabled(short).error_at_rest[:, 0, 0, 0]), whole)
+
+
 def test_motions_of_left_out_earthquakes_keep_the_share_at_every_length(population):
     """Whole and cut: by the ellipses that are inscribed in their boundaries, those of cut records carried."""
     events = population["event"].values

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
-from reliab.criterion import room
 from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
 from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
 from reliab.report.figures.parameter_distributions import (
@@ -65,7 +64,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
                 "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
                 "coloured ellipse crosses a grey one, a test on its edge would exceed the error under that "
                 "motion, as far as the ellipse represents the boundary.",
-                inside=int((room(reported.sample, *reported.limits) >= 1.0).sum()),
+                inside=_containing(reported),
                 drawn=reported.sample.n_motions,
                 how="inscribed in" if reported.inscribed else "fitted by least squares to",
                 f=f,
@@ -83,6 +82,12 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
+
+
+def _containing(reported: ReportedCriteria) -> int:
+    """Count the motions whose ellipse at the structure contains that of the criterion."""
+    a, b = reported.limits
+    return int(((reported.sample.a >= a) & (reported.sample.b >= b)).sum())
 
 
 def _without_promise(reported: ReportedCriteria) -> str:
