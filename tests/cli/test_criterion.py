@@ -191,7 +191,7 @@ def test_rejected_lognormality_is_said():
         (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from exactly one source.*found 2"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
         (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
-        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "lie where the law is valid"),
+        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "holds only for the f with which"),
         (("--ellipses", "none.csv"), "readable CSV file"),
     ],
 )

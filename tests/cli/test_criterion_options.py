@@ -263,7 +263,7 @@ def numbers(found):
 
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
-    from reliab.api import sources as source_of_ellipses
+    from reliab.api import boundaries as source_of_ellipses
     from reliab.sweep import open_ellipses
 
     asked = {}
