@@ -1,5 +1,7 @@
 """The criterion that ships with the package."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,10 @@ from reliab.api import derive_criteria
 from reliab.assessment import default_criterion, tolerable_errors
 from reliab.assessment.default_criterion import _between
 from reliab.assessment.design import chart_frequencies
-from reliab.criterion import EllipseTable, derive_criterion
+from reliab.assessment.placement import place
+from reliab.criterion import Criterion, EllipseTable, derive_criterion
 from reliab.errors import InputError
+from reliab.structures import Structure
 from reliab.sweep import open_results, real_results
 
 
@@ -99,3 +103,15 @@ def test_an_earthquake_is_left_out_of_a_length():
     everything = default_criterion(1.0, 0.05, duration=12.0)
     without = default_criterion(1.0, 0.05, duration=12.0, without="NORTHR")
     assert without.provenance.n_events == everything.provenance.n_events - 1
+
+
+def test_a_posterior_that_has_not_converged_decides_nothing():
+    """Neither before a test nor after it; read from its file it says so, too."""
+    sound = default_criterion(1.0, 0.02)
+    settings = {**sound.provenance.settings, "converged": False}
+    criterion = replace(sound, provenance=replace(sound.provenance, settings=settings))
+    for given in (criterion, Criterion.from_json(criterion.to_json())):
+        with pytest.raises(InputError, match="has converged"):
+            tolerable_errors([1.0], 0.02, criterion=given)
+        with pytest.raises(InputError, match="has converged"):
+            place(given, Structure(frequency=1.0, damping_ratio=0.02), 1.0, 1e-4, np.zeros((2, 4)))
