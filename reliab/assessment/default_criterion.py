@@ -1,11 +1,11 @@
 """The criterion that ships with the package: real ground motions, the recommended method.
 
-Its window is chosen for the length of a test: RMS^R falls with every quiet second, so that limits grow with
-the window.
+RMS^R falls with every quiet second, so that limits grow with the length of a record: the motions are carried
+to the length of a test.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -18,14 +18,12 @@ from reliab.criterion import (
     EllipseTable,
     Population,
     ResponseMeasures,
+    carry_to_length,
     carry_to_response,
-    compared_by_ellipse,
     derive_criterion,
-    protect_over_lengths,
     range_of,
     shipped_ellipses,
     shipped_measures,
-    shipped_windows,
 )
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
@@ -33,62 +31,7 @@ from reliab.significant import significant
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, CurveName, Metric, Side
 
-RECORD = "record"
-"""Window of ellipses whose errors were computed over whole records."""
-
-_SAME = 0.01  # share of a window's length by which a test may differ from it
-
 SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
-_OF_FINITE_ERRORS = 1.03  # ellipses of the smallest shipped error, 1 %, over those of small errors
-_FEWEST_ALIKE = 10
-
-
-@dataclass(frozen=True, kw_only=True)
-class CriterionWindow:
-    """Two windows between which ellipses are interpolated, ln a and ln b over the logarithm of the length."""
-
-    below: str  # below, above: The windows; the same where one suits
-    above: str
-    weight: float  # Weight of the second
-    label: str  # The choice in words
-
-
-def window_for(duration: float | None, stored: Iterable[str]) -> CriterionWindow:
-    """Choose windows for tests of a length.
-
-    `duration` [s].
-    Returns one window, or two between which the length lies. A test longer than the longest is judged by the
-    longest, which is on the safe side; one shorter than the shortest by the shortest, which is not.
-
-    >>> window_for(25.0, ["record", "20", "30"]).label
-    '25 s, between those of 20 s and 30 s'
-    >>> window_for(90.0, ["record", "20", "30"]).label
-    '30 s, the longest that ships'
-    """
-    lengths = sorted(float(label) for label in stored if _is_length(label))
-    if duration is None or not lengths:
-        return CriterionWindow(below=RECORD, above=RECORD, weight=0.0, label=RECORD)
-    above = min((length for length in lengths if length >= duration), default=lengths[-1])
-    below = max((length for length in lengths if length <= duration), default=lengths[0])
-    near = min((below, above), key=lambda length: abs(np.log(duration / length)))
-    if below != above and abs(duration / near - 1.0) > _SAME:
-        return CriterionWindow(
-            below=f"{below:g}",
-            above=f"{above:g}",
-            weight=float(np.log(duration / below) / np.log(above / below)),
-            label=f"{significant(duration)} s, between those of {below:g} s and {above:g} s",
-        )
-    note = ""
-    if abs(duration / near - 1.0) > _SAME:
-        note = ", the longest that ships" if duration > near else ", the shortest that ships"
-    return CriterionWindow(below=f"{near:g}", above=f"{near:g}", weight=0.0, label=f"{near:g} s{note}")
-
-
-def _is_length(label: str) -> bool:
-    try:
-        return float(label) > 0.0
-    except ValueError:
-        return False
 
 
 def default_criterion(
@@ -116,7 +59,7 @@ def default_criterion(
     without : str, optional
         Earthquake to leave out of the derivation, because its motions are to be judged.
     duration : float, optional
-        Length of the tests that are to be judged [s]; by default errors are those over whole records.
+        Length of the tests that are to be judged [s]; by default every length of the population is protected.
 
     Returns
     -------
@@ -141,10 +84,17 @@ def _derived(
     without: str | None,
     duration: float | None,
 ) -> Criterion:
-    window = window_for(duration, shipped_windows())
     if metric not in tuple(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
-    around = _around(frequency, damping_ratio, _population(window, without, metric, confidence))
+    places = {"f": frequency, "xi": damping_ratio}
+    ellipses = _shipped_ellipses(metric)
+    around = ellipses.take(
+        **{name: _neighbours(ellipses.at[name], value) for name, value in places.items()},
+        motion=ellipses.events != without,
+    )
+    if duration is not None:
+        carried = carry_to_length(around, duration)
+        around = carried.stating(window=f"{significant(duration)} s", caution="")
     criterion = derive_criterion(
         _at_threshold(around, threshold),
         method=method_of(RECOMMENDED),
@@ -154,55 +104,9 @@ def _derived(
         confidence=confidence,
         source=SOURCE,
     )
-    if window.label != RECORD:
-        of_rms = _population(window, without, Metric.RMS, confidence)
-        alike = _are_alike(_around(frequency, damping_ratio, of_rms))
-        criterion = replace(
-            criterion,
-            population=_of_motions(criterion.population, alike),
-            lead_population=_of_motions(criterion.lead_population, alike),
-        )
     of_responses = _of_nearest(frequency, damping_ratio).compared
     scope = criterion.provenance.scope | {name: range_of(values) for name, values in of_responses.items()}
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
-
-
-def _around(frequency: float, damping_ratio: float, ellipses: EllipseTable) -> EllipseTable:
-    """Ellipses of the structures between which one lies."""
-    places = {"f": frequency, "xi": damping_ratio}
-    return ellipses.take(**{name: _neighbours(ellipses.at[name], value) for name, value in places.items()})
-
-
-def _are_alike(ellipses: EllipseTable) -> NDArray[np.bool_]:
-    """Whether responses in a window are like those to whole records, shape (motions, f, ξ).
-
-    By the ellipses of the smallest RMS^R. Motions with hardly any response in the first seconds made the
-    probabilities of tests of 10 s a fifth too high. All motions count where fewer than ten would be left.
-    """
-    smallest = ellipses.take(
-        threshold=[int(np.argmin(ellipses.at["threshold"]))],
-        side=ellipses.at["side"] == str(Side.LAG),
-    )
-    unit = float(smallest.at["threshold"][0]) ** 2
-    a, b = (values.reshape(values.shape[:3]) / unit for values in (smallest.a, smallest.b))
-    f, xi = (smallest.at[name].astype(np.float64) for name in ("f", "xi"))
-    measures = shipped_measures()
-    whole = measures.at(*measures.nearest(f, xi)).compared
-    alike = np.ones(a.shape, dtype=bool)
-    for name, values in compared_by_ellipse(a, b, f[:, None], xi[None, :]).items():
-        low, high = whole[name].min(axis=0) / _OF_FINITE_ERRORS, whole[name].max(axis=0) * _OF_FINITE_ERRORS
-        alike &= (values >= low) & (values <= high)
-    return np.asarray(alike | (alike.sum(axis=0) < _FEWEST_ALIKE))
-
-
-def _of_motions(population: Population | None, chosen: NDArray[np.bool_]) -> Population | None:
-    """Take some of the motions at each structure."""
-    if population is None:
-        return None
-    alpha, beta = (
-        np.where(chosen, logarithms, np.nan) for logarithms in (population.log_alpha, population.log_beta)
-    )
-    return replace(population, log_alpha=alpha, log_beta=beta)
 
 
 def criterion_of_response(
@@ -289,19 +193,8 @@ def shipped_frequencies() -> list[float]:
     return [float(frequency) for frequency in np.sort(_shipped_ellipses().at["f"])]
 
 
-def _shipped_ellipses(window: str = RECORD, metric: str = Metric.RMS) -> EllipseTable:
-    return shipped_ellipses(CurveName.INSCRIBED, window, metric)
-
-
-@lru_cache(maxsize=8)
-def _population(window: CriterionWindow, without: str | None, metric: str, confidence: float) -> EllipseTable:
-    """Ellipses of a window, without an earthquake; of whole records as shares of this size are stated."""
-    ellipses = _shipped_ellipses(window.below, metric)
-    if window.weight > 0.0:
-        ellipses = _between(ellipses, _shipped_ellipses(window.above, metric), window.weight)
-    if without is not None:
-        ellipses = ellipses.take(motion=ellipses.events != without)
-    return protect_over_lengths(ellipses.stating(window=window.label), metric=metric, confidence=confidence)
+def _shipped_ellipses(metric: str = Metric.RMS) -> EllipseTable:
+    return shipped_ellipses(CurveName.INSCRIBED, "record", metric)
 
 
 def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:

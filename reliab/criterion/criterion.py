@@ -228,6 +228,15 @@ class Criterion:
         }
         return table_of_criterion(promise, self.law, self.provenance)
 
+    def require_converged(self) -> None:
+        """Refuse to decide by a posterior that has not converged."""
+        if not self.provenance.settings.get("converged", True):
+            raise InputError(
+                "A criterion decides only where the posterior behind it has converged",
+                value=f"one by {self.method} that has not",
+                remedy="Derive it again with more `steps`",
+            )
+
     @property
     def knows_leads(self) -> bool:
         """Whether there are limits for tests that lead, or leads are counted as lags as the paper does."""

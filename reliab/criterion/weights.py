@@ -27,6 +27,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.criterion.ellipse_table import CUT
 from reliab.criterion.scope import magnitudes_of
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
@@ -85,7 +86,7 @@ class Weights:
         order = np.argsort(np.nan_to_num(log_a.mean(others).values, nan=np.inf), kind="stable")
         upper = np.cumsum(self.values[order])
         places = order[np.searchsorted(upper, (np.arange(count) + 0.5) / count * upper[-1])]
-        drawn = ellipses.isel(motion=places)
+        drawn = ellipses.isel(motion=places).drop_vars(CUT, errors="ignore")
         names = [f"{name}#{number}" for number, name in enumerate(drawn["motion"].values, start=1)]
         words = f"weighted: {ellipses.sizes['motion']} motions are worth {count}"
         before = ellipses.attrs.get("carried_to")

@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
+_LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
 
 
@@ -81,7 +82,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If the file is not a file of ellipses, or does not hold the window.
     """
-    return _in_window(_read(path), window, path)
+    return _in_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
 
 
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
@@ -94,8 +95,17 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _read(path: str | Path) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY)
+def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
+    """Take the windows of a file up to the one that is asked for; all where it is not among them."""
+    windows = _windows(stored)
+    label = window or Window().label
+    if Dimension.WINDOW not in stored.dims or label not in windows:
+        return stored
+    return stored.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
+
+
+def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, select)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
@@ -167,4 +177,6 @@ def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.
         )
     if Dimension.WINDOW in dataset.dims:
         dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+    if label != Window().label:
+        dataset = dataset.drop_dims(_LENGTH, errors="ignore")  # ratios are those of whole records
     return dataset.assign_attrs(window=label)

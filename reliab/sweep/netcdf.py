@@ -3,7 +3,7 @@
 Variables of files that ship stand there in whole steps of their logarithm.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 
 import h5py
@@ -68,10 +68,13 @@ _MOST_EXPANSION = 1032
 """Bytes that one byte of a file can stand for: the limit of DEFLATE, by which NetCDF files are compressed."""
 
 
-def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
+def read_netcdf(
+    path: str | Path, rule: str, remedy: str, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy
+) -> xr.Dataset:
     """Read a NetCDF file.
 
-    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message.
+    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message;
+    `select`: takes what is needed of the file, from the first on along dimensions of differences.
     Returns contents of the file, in memory; of what is stored in steps of the logarithm the numbers. Raises
     InputError if it cannot be read.
     """
@@ -79,7 +82,7 @@ def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
         with opened_hdf5(path) as file:
             _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
         with xr.open_dataset(path, engine="h5netcdf") as file:
-            return unpacked(file.load())
+            return unpacked(select(file).load())
 
 
 def write_netcdf(

@@ -58,7 +58,7 @@ def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
         _measuring(material, show),
         *simulation(study, material, show),
         tracing(study, material, show),
-        derivation(study.errors, study.criterion),
+        derivation(study.errors, study.criterion, show),
         _transfer(study, show),
     )
 

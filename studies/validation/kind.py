@@ -61,11 +61,11 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
     """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
     material = Material(study, results=study.motions.results)
     held_out = _held_out(study)
-    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
+    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out, show)]
     return (
         *simulation(study, material, show),
         tracing(study, material, show),
-        derivation(study.errors, study.criterion),
+        derivation(study.errors, study.criterion, show),
         judgement(study, material, show),
         _beyond(study, material, show),
         *_rebuilt(study, material, show),
