@@ -26,6 +26,16 @@ class Fault:
         return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=where)
 
 
+def fault_of(error: InputError, file: str) -> Fault:
+    """Make an error about a file a fault of it.
+
+    >>> fault_of(InputError("It must be so", value="not so"), "a.AT2").value
+    'not so'
+    """
+    value = "" if error.value is None else str(error.value)
+    return Fault(file=file, line=None, rule=error.rule, value=value, remedy=error.remedy)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Report:
     """The faults of one file, in the order in which they were found."""
