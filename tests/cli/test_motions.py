@@ -43,7 +43,7 @@ def faulty(folder: Path) -> Path:
 def test_list_shows_every_motion_with_its_event(folder: Path) -> None:
     result = run("list", folder)
     assert result.exit_code == 0
-    assert "2 motions from 1 events" in result.stdout
+    assert "2 motions from 1 event" in result.stdout
     assert "N90" in result.stdout
     assert "0.5000" in result.stdout
 
@@ -126,7 +126,7 @@ def test_check_takes_several_sources_and_built_in_suites(folder: Path) -> None:
 def test_import_writes_a_suite_that_reads_back(folder: Path, tmp_path: Path) -> None:
     result = run("import", folder, "--out", tmp_path / "suite")
     assert result.exit_code == 0
-    assert "2 motions from 1 events" in result.stdout
+    assert "2 motions from 1 event" in result.stdout
     assert list(load_motions(tmp_path / "suite")) == list(load_motions(folder))
 
 
@@ -140,6 +140,7 @@ def test_import_declares_units_step_and_event(tmp_path: Path) -> None:
         "catalogue": str(tmp_path / "suite/catalog.csv"),
         "motions": ["a"],
         "events": 1,
+        "skipped": [],
     }
     (motion,) = load_motions(tmp_path / "suite")
     assert (motion.event, motion.time_step, motion.peak_acceleration) == ("KOBE", 0.02, 0.2)
