@@ -87,7 +87,7 @@ def list_motions(
         try:
             rows.append(_describe(entry.load()))
         except InputError as error:
-            faults.append(fault_of(error, error.where or entry.name))
+            faults.append(fault_of(error, entry.name))
     if not rows:
         raise faults[0].error()
     skipped = [note for source in named for note in skipped_files(source)]

@@ -26,14 +26,21 @@ class Fault:
         return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=where)
 
 
-def fault_of(error: InputError, file: str) -> Fault:
-    """Make an error about a file a fault of it.
+def fault_of(error: InputError, name: str) -> Fault:
+    """Make an error about a record a fault of its file, or of its name where the error tells no file.
 
-    >>> fault_of(InputError("It must be so", value="not so"), "a.AT2").value
-    'not so'
+    >>> fault_of(InputError("It must be so", where="a.AT2, line 3"), "a").line
+    3
     """
-    value = "" if error.value is None else str(error.value)
-    return Fault(file=file, line=None, rule=error.rule, value=value, remedy=error.remedy)
+    file, _, line = error.where.rpartition(", line ")
+    has_line = line.isdecimal()
+    return Fault(
+        file=(file if has_line else error.where) or name,
+        line=int(line) if has_line else None,
+        rule=error.rule,
+        value="" if error.value is None else str(error.value),
+        remedy=error.remedy,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -242,7 +242,7 @@ def read_motion(
     Parameters
     ----------
     path : str or Path
-        A PEER AT2, K-NET, KiK-net, COSMOS or CSMIP file, or text in one or two columns.
+        A file of one of the formats of `reliab.motions.readers`, or text in columns.
     name : str, optional
         Name of the motion; the file's name by default.
     event : str, optional

@@ -95,7 +95,7 @@ class ClockUnit:
 
 
 CLOCK_UNIT = (
-    r"(?:(?:milli|micro|[muµμ])?[ -]?(?:seconds?|secs?|s)|(?:kilo|[km])?(?:hertz|hz)"
+    r"(?:(?:milli|micro|[muµμ])?[ -]?(?:seconds?|secs?|s)|min(?:ute)?s?|(?:kilo|[km])?(?:hertz|hz)"
     r"|sps|samples?\s*(?:/|per)\s*s(?:ec(?:ond)?)?)(?![a-z0-9])"
 )
 """Pattern of a unit of time or frequency, with `re.IGNORECASE`."""
@@ -104,6 +104,7 @@ _CLOCK_UNITS = {
     "s": ClockUnit(size=1.0),
     "ms": ClockUnit(size=1e-3),
     "us": ClockUnit(size=1e-6),
+    "min": ClockUnit(size=60.0),
     "hz": ClockUnit(size=1.0, is_frequency=True),
     "khz": ClockUnit(size=1e3, is_frequency=True),
     "mhz": ClockUnit(size=1e6, is_frequency=True),
@@ -112,6 +113,7 @@ _EQUIVALENT_CLOCKS = (
     (re.compile(r"[\s-]"), ""),
     (re.compile(r"sps|samples?(?:/|per)s.*"), "hz"),
     (re.compile(r"sec(?:ond)?s?"), "s"),
+    (re.compile(r"min(?:ute)?s?"), "min"),
     (re.compile(r"hertz"), "hz"),
     (re.compile(r"milli"), "m"),
     (re.compile(r"micro|[µμ]"), "u"),

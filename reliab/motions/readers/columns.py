@@ -8,7 +8,7 @@ a line follow one another if there are as many as the header states.
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,20 +18,18 @@ from reliab.motions.readers import statements
 from reliab.motions.readers.header import Header, Statement, number
 from reliab.motions.readers.samples import count_rows, find_delimiter, separated, split_line
 from reliab.motions.readers.source import Line, Source
-from reliab.motions.readers.statements import state_units
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE
 _LABEL = re.compile(r"^[A-Za-z ]*:\s*")
 _WORDS = re.compile(r"[^\s;,\[(]+(?:\s*[\[(][^\])]*[\])])?")
 _UNIT = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
-_OTHER_UNIT = re.compile(r"/\s*s|count|volt|bit|^[mµ]?v$", _FLAGS)  # of what is no acceleration
 _ROWS = 20  # lines in which times are looked for
 _ROUNDED = 0.5  # largest spread of steps between times, as a share of their mean
 _KINDS = {
     "time": rf"(?:rel\w*[ _]?)?(?:time|tiempo|zeit)(?:[ _]*(?:in )?{CLOCK_UNIT})?|t(?:_{CLOCK_UNIT})?",
     "sample number": r"no\.?|nr\.?|#|index|samples?|points?|count|row",
-    "acceleration": r"a(?:cc[\w /^*.-]*|[ _]?\w{1,2})?",
+    "acceleration": r"a(?:cc[\w /^*.-]*|\w|[ _]\w{1,5})?",
     "another": r"(?:vel|dis|pressure|temp|force|strain|load)[\w .-]*",
     "component": r"[nsewudzxyrlthv]{1,2}|n-?s|e-?w|u-?d|up|down|vert\w*|north\w*|east\w*|long\w*|tran\w*"
     r"|rad\w*|hor\w*[ _]?\d?|h\d|[hbe][ng][nez\d]|(?:ch|chan|channel|canal|comp|component)[ _.-]?\w{1,2}"
@@ -60,10 +58,9 @@ def name_columns(lines: list[Line], count: int) -> list[Column]:
     """Find the names of a number of columns, in the lowest line that has as many; empty where none has."""
     for line in reversed(lines):
         for cells in _split(line.text):
-            columns = [_column(cell, place, line.number) for place, cell in enumerate(cells)]
-            named = [column for column in columns if column]
-            if len(columns) == len(named) == count and {column.kind for column in named} != {"sample number"}:
-                return named
+            columns = [column for cell in cells if (column := _column(cell, line.number))]
+            if len(columns) == len(cells) == count:
+                return _tell_time_from_transverse(columns)
     return []
 
 
@@ -73,30 +70,57 @@ def _split(text: str) -> Iterator[list[str]]:
     yield _WORDS.findall(text)
 
 
-def _column(cell: str, place: int, line: int) -> Column | None:
+def _column(cell: str, line: int) -> Column | None:
     unit = _UNIT.search(cell)
     name = _UNIT.sub("", cell).strip()
     in_brackets = unit[1].strip() if unit else ""
-    for kind, pattern in _KIND_PATTERNS.items() if in_brackets != "-" else ():  # nobody says what minus means
-        if pattern.fullmatch(name) and not (kind == "time" and name.lower() == "t" and place):
+    if in_brackets == "-":  # nobody says what minus means
+        return None
+    for kind, pattern in _KIND_PATTERNS.items():
+        if pattern.fullmatch(name):
             return Column(name=cell, kind=kind, unit=in_brackets.strip("+"), line=line)
     return None
 
 
+def _tell_time_from_transverse(columns: list[Column]) -> list[Column]:
+    """Take a column T for the transverse component if it is not the first and none is named acceleration."""
+    if any(column.kind == "acceleration" for column in columns):
+        return columns
+    transverse = [column.name.lower() == "t" and place > 0 for place, column in enumerate(columns)]
+    return [
+        replace(column, kind="component") if is_transverse else column
+        for column, is_transverse in zip(columns, transverse, strict=True)
+    ]
+
+
 def arrange(
-    source: Source, header: Header, lines: list[Line], report: Report, *, holds_components: bool = False
+    source: Source,
+    header: Header,
+    lines: list[Line],
+    offsets: Mapping[str, Statement[float]],
+    report: Report,
+    *,
+    holds_components: bool = False,
 ) -> Iterator[Header]:
     """Find the columns of the samples, and yield a header for each component.
 
-    `holds_components`: whether every column is a component by definition of the layout.
+    `offsets`: what stands for no acceleration in a column, by its name; `holds_components`: whether every
+    column is a component by definition of the layout.
     """
     first = next(line for line in source.lines(header.start, header.stop) if line.text.strip())
     header = replace(header, delimiter=find_delimiter(first))
     count = len(split_line(first, header))
     has_times = _begins_with_times(source, header)
     columns = _columns(lines, count, has_times=has_times)
+    for name in offsets.keys() - {column.name for column in columns}:
+        report.add(
+            "An offset in a header must be removed from the samples",
+            line=offsets[name].line,
+            value=f"{offsets[name].value:g}",
+            remedy="Subtract or add it, and remove the line",
+        )
     if columns or holds_components:
-        yield from _components(replace(header, columns=count), columns, lines, report)
+        yield from _components(replace(header, columns=count), columns, offsets, report)
     elif count == 1 or (not has_times and _follows_count(source, header, count)):
         yield replace(header, columns=1 if count == 1 else None)
     elif count == 2:  # noqa: PLR2004 - times and samples
@@ -127,8 +151,12 @@ def _columns(lines: list[Line], count: int, *, has_times: bool) -> list[Column]:
     columns = name_columns(lines, count)
     if not has_times or {column.kind for column in columns} & {"time", "sample number"}:
         return columns
-    named = name_columns(lines, count - 1)
-    return [Column(name="time", kind="time", unit="", line=named[0].line), *named] if named else []
+    components = name_columns(lines, count - 1)
+    return (
+        [Column(name="time", kind="time", unit="", line=components[0].line), *components]
+        if components
+        else []
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -139,7 +167,9 @@ def _begins_with_times(source: Source, header: Header) -> bool:
     return bool(len(steps) > 1 and (steps > 0).all() and np.ptp(steps) <= _ROUNDED * steps.mean())
 
 
-def _components(header: Header, columns: list[Column], lines: list[Line], report: Report) -> Iterator[Header]:
+def _components(
+    header: Header, columns: list[Column], offsets: Mapping[str, Statement[float]], report: Report
+) -> Iterator[Header]:
     kinds = [column.kind for column in columns] or ["component"] * (header.columns or 0)
     clocks = [place for place, kind in enumerate(kinds) if kind in {"time", "sample number"}]
     samples = [place for place, kind in enumerate(kinds) if kind == "acceleration"] or [
@@ -153,10 +183,9 @@ def _components(header: Header, columns: list[Column], lines: list[Line], report
             value=f"columns {', '.join(column.name for column in columns)}",
             remedy="Obtain the file of acceleration, or name its column acceleration",
         )
-    offsets = statements.offsets(lines, report)
     for place in samples:
         column = columns[place] if columns else None
-        offset = offsets.get(column.name, 0.0) if column else 0.0
+        offset = offsets[column.name].value if column and column.name in offsets else 0.0
         clock = columns[clocks[-1]].clock if clocks and columns else None
         applied = [*header.applied, *(f"column {name} left out" for name in unread)]
         yield replace(
@@ -175,8 +204,8 @@ def _units(header: Header, column: Column, report: Report) -> Statement[Accelera
     """Units of a column, which must not contradict those of the file."""
     unit = find_unit(column.unit)
     if unit is None:
-        is_unit = _OTHER_UNIT.search(column.unit) is not None
-        return state_units(column.unit, column.line, report) if is_unit else header.units
+        is_unit = statements.is_another_unit(column.unit)
+        return statements.state_units(column.unit, column.line, report) if is_unit else header.units
     if header.units and header.units.value is not unit:
         report.add(
             "A file must state one kind of units",

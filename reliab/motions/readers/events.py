@@ -15,7 +15,7 @@ _EVENT = re.compile(r"^\W*event\s*[=:]\s*(.+?)\s*$", _FLAGS)
 _EARTHQUAKE = r"^\W*(?:event|earthquake)"
 _IDENTITY = re.compile(rf"{_EARTHQUAKE}[ _]id\s*[=:]\s*(\S+)", _FLAGS)
 _NAME = re.compile(rf"{_EARTHQUAKE}(?:[ _]name)?\s*[=:]\s*(\S.*?)\s*$", _FLAGS)
-_DATE = r"(\d{4}[/-]?\d{2}[/-]?\d{2}|\d{1,4}[/-]\d{1,2}[/-]\d{1,4})"
+_DATE = r"(\d{8}|\d{4}[/-]\d{1,2}[/-]\d{1,2}|\d{1,2}[/-]\d{1,2}[/-](?:\d{4}|\d{2}))(?!\d)"
 _TIME = r"(\d{1,2}:\d{2}(?::[\d.]*\d)?|\d{6}(?:\.\d+)?)(?!\d)"
 _DAY = re.compile(
     rf"(?:{_EARTHQUAKE}[ _]date\w*|^\W*fecha\s+del\s+sismo[^:]*|\borigin(?:[ _]?time)?(?:\s*\([^)]*\))*)"
@@ -81,7 +81,7 @@ def _identify(lines: list[Line], *, month_first: bool = False) -> str:
     name = _capitals(_first(_NAME, lines))
     if date == _NEVER_SET or not (name or (date and time)):
         return ""
-    return " ".join(part for part in (name, date, time) if part)
+    return " ".join(filter(None, (name, date, time)))
 
 
 def _first(pattern: re.Pattern[str], lines: list[Line]) -> str:
@@ -94,7 +94,7 @@ def _capitals(text: str) -> str:
 
 def _iso(date: str, *, month_first: bool) -> str:
     """Write a date as ``1989-10-18``."""
-    parts = re.findall(r"^\d{4}|\d+", date) if re.search(r"\D", date) else [date[:4], date[4:6], date[6:]]
+    parts = [date[:4], date[4:6], date[6:]] if date.isdecimal() else re.split(r"[/-]", date)
     if len(parts[0]) == 4:  # noqa: PLR2004 - a year
         year, month, day = map(int, parts)
     else:

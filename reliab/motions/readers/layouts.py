@@ -65,6 +65,7 @@ _SIZES = _pattern(
 _ACCELERATION_POINTS = _pattern(
     r"^[ \t]*\S*[ \t]+points[ \t]+of[ \t]+accel\w*[ \t]+data[ \t]+equally[ \t]+spaced[ \t]+at\b[^\n]*$"
 )
+_ACCELEROGRAM = r"[^\n]*\b(?:un)?corrected accelerogram\b[^\n]*"
 _END = r"/&|[^\n]*\bend[ \t-]+of[ \t-]+data\b"
 
 LAYOUTS = (
@@ -132,25 +133,24 @@ LAYOUTS = (
     Layout(
         name="GeoNet",
         endings=(".v1a", ".v2a"),
-        mark=_pattern(
-            r"\A[^\n]*\b(?:un)?corrected accelerogram\b(?:[^\n]*\bGNS\b|(?:[^\n]*\n){1,25}?[^\n]*mm/s/s)"
-        ),
-        first=_pattern(r"^[^\n]*\b(?:un)?corrected accelerogram\b[^\n]*$"),
+        mark=_pattern(rf"\A{_ACCELEROGRAM}\bGNS\b"),
+        first=_pattern(rf"^{_ACCELEROGRAM}$"),
         end=_pattern(r"^[^\n]*[a-z]{3}"),
+        states="state its number of points",
         wraps=True,
-        complete=numeric_headers.read_geonet,
+        complete=numeric_headers.read_volume,
         default_units=AccelerationUnit.MILLIMETRE,
         find_event=events.find_event_in_words,
     ),
     Layout(  # of CSMIP, USC, RENADIC and BHRC
-        name="Volume 1",
+        name="Volume 1 or 2",
         endings=(".v1",),
-        mark=_pattern(r"\A(?:\*[ \t]*VOL1|[^\n]*\buncorrected accelerogram\b)"),
-        first=_pattern(r"^(?:\*[ \t]*VOL1|[^\n]*\buncorrected accelerogram\b)[^\n]*$"),
+        mark=_pattern(rf"\A(?:\*[ \t]*VOL[12]|{_ACCELEROGRAM})|\bUNCOR ACCEL\b|\bRENADIC\b"),
+        first=_pattern(rf"^(?:\*[ \t]*VOL[12][^\n]*|{_ACCELEROGRAM})$"),
         end=_pattern(rf"^(?:{_END}|[^\n]*[a-z]{{3}}|\*)"),
         states="state its number of points",
         wraps=True,
-        complete=numeric_headers.read_volume_1,
+        complete=numeric_headers.read_volume,
         has_duration=True,
         find_event=events.find_american_event,
     ),

@@ -26,31 +26,27 @@ def leave_as_it_is(source: Source, begin: int, header: Header, report: Report) -
     return header
 
 
-def read_geonet(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001
-    """Leave out the numeric header, and velocity and displacement after the acceleration."""
-    header = _skip(source, header)
-    numbers = 0
-    for line in source.lines(header.start, header.stop):
-        numbers += len(split_line(line, header))
-        if header.count and numbers >= header.count.value:
-            return replace(header, stop=line.stop)
-    return header
-
-
-def read_volume_1(source: Source, begin: int, header: Header, report: Report) -> Header:
-    """Leave out the numeric header, and find out whether times stand before the samples, pair by pair."""
+def read_volume(source: Source, begin: int, header: Header, report: Report) -> Header:
+    """Leave out the numeric header; find times before the samples, and velocity after them."""
     header = _skip(source, header)
     if header.count is None:
         report.add(
-            "A Volume 1 file must state its number of points",
+            "The number of points must be stated",
             line=source.line_number(begin),
-            remedy="Obtain the corrected record, or write its samples as text below # dt: … and # units: …",
+            value="none in the header",
+            remedy="Obtain the file again, or write its samples as text below # dt: … and # units: …",
         )
         return header
-    lines = itertools.islice(source.lines(header.start, header.stop), _PAIRS)
-    numbers = [number(token) for line in lines for token in split_line(line, header)][: 2 * _PAIRS : 2]
-    times = [math.nan if time is None else time for time in numbers]
-    if len(times) < _FEWEST_PAIRS or not (np.diff(times) > 0).all():
+    stops = [line.stop for line in source.lines(header.start, header.stop)]
+    tokens = [split_line(line, header) for line in source.lines(header.start, header.stop)]
+    values = [number(token) for line in tokens[:_PAIRS] for token in line]
+    times = [math.nan if time is None else time for time in values[: 2 * _PAIRS : 2]]
+    is_paired = len(times) >= _FEWEST_PAIRS and bool((np.diff(times) > 0).all())
+    numbers = np.cumsum([len(line) for line in tokens])
+    expected = header.count.value * (2 if is_paired else 1)
+    if numbers.size and numbers[-1] >= 2 * expected:  # velocity and displacement follow
+        header = replace(header, stop=stops[int(np.searchsorted(numbers, expected))])
+    if not is_paired:
         return header
     return replace(header, columns=2, column=1, time_column=0, has_rows=False)
 
@@ -112,7 +108,7 @@ def read_smc(source: Source, begin: int, header: Header, report: Report) -> Head
         report.add(
             "An SMC file must have six lines of integers and ten of reals",
             line=source.line_number(begin),
-            remedy="Obtain the file again",
+            remedy="Obtain the file again, or write its samples as text below # dt: … and # units: …",
         )
         return header
     comments, count, _, rate = (value or 0.0 for value in values)

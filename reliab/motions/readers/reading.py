@@ -241,16 +241,14 @@ _VARIED = 10  # fewest different numbers of a record
 
 def _usual_marks(values: Array) -> list[float]:
     """Find a number that marks gaps although no header says so: -999 and such, or a repeated outlier."""
-    numbers, repeats = np.unique(values, return_counts=True)
-    deviations = np.abs(numbers - np.median(values))
-    order = np.argsort(deviations)
-    if numbers.size < _VARIED:
+    deviations = np.abs(values - np.median(values))
+    mark = float(values[deviations.argmax()])
+    others = deviations[values != mark]
+    if not others.size or deviations.max() <= _STANDING_OUT * others.max():
         return []
-    farthest, excess = order[-1], deviations[order[-1]] / (deviations[order[-2]] or 1.0)
-    mark = float(numbers[farthest])
     is_usual = abs(mark) in _USUAL_MARKS or abs(mark) >= _LARGEST_NUMBER
-    is_repeated = repeats[farthest] >= _REPEATED and excess > _FAR_OUT
-    return [mark] if is_repeated or (is_usual and excess > _STANDING_OUT) else []
+    is_repeated = values.size - others.size >= _REPEATED and deviations.max() > _FAR_OUT * others.max()
+    return [mark] if (is_usual or is_repeated) and np.unique(values).size >= _VARIED else []
 
 
 _EXACT = 1e-9  # relative rounding of a step in double precision
@@ -294,7 +292,7 @@ def split_times(
     if header.time_unit is None and (np.diff(times) == 1).all():
         applied = (*header.applied, "column of sample numbers left out")
         return samples, replace(header, time_column=None, applied=applied)
-    place = _rounding(source, header)
+    place = _rounding(source, header, times.size)
     step = float(f"{(times[-1] - times[0]) / (times.size - 1):.{_DIGITS}g}")
     faulty = _first_unequal(times, step, place)
     unit = header.time_unit.size if header.time_unit else 1.0
@@ -325,13 +323,16 @@ def _first_unequal(times: Array, step: float, place: float) -> int | None:
     return int(np.abs(steps - np.median(steps)).argmax()) + 1
 
 
-def _rounding(source: Source, header: Header) -> float:
+def _rounding(source: Source, header: Header, count: int) -> float:
     """One unit in the last printed place of the times."""
-    tokens = separated(source, header).split()[header.time_column :: header.columns]
-    last = tokens[-1].decode("latin-1")
-    if "E" in last.upper():
-        return last_place(last)
-    return min(10.0 ** -len(token.partition(b".")[2]) for token in tokens)
+    tokens = separated(source, header).decode("latin-1").split()
+    if len(tokens) < count * (header.columns or 1):  # some follow each other without a blank
+        lines = source.lines(header.start, header.stop)
+        tokens = [token for line in lines for token in split_line(line, header)]
+    times = tokens[header.time_column :: header.columns][:count]
+    if "E" in times[-1].upper():
+        return last_place(times[-1])
+    return min(10.0 ** -len(token.partition(".")[2]) for token in times)
 
 
 def _with_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:

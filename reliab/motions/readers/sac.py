@@ -10,6 +10,7 @@ IRIS. *SAC data file format*, header versions 6 and 7.
 
 import datetime as dt
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -48,43 +49,9 @@ def headers(source: Source, report: Report) -> list[Header]:
     text = source.content[sum(_SIZES[:2]) : sum(_SIZES)].decode("latin-1")
     count = max(int(integers[_COUNT]), 0)
     values = source.content[sum(_SIZES) :][: 4 * count]
-    scale, channel = float(reals[_SCALE]), _label(text[_CHANNEL])
-    quantity = _QUANTITIES.get(int(integers[_QUANTITY]))
-    if quantity is None and integers[_QUANTITY] != _ACCELERATION and is_of_seismometer(channel):
-        quantity = f"channel {channel} of a seismometer, which is velocity"
-    objections = (
-        (
-            integers[_TYPE] != _TIME_SERIES or not integers[_EVEN],
-            (
-                "A SAC file must be a time series at equal steps",
-                "another kind",
-                "Interpolate it at equal steps",
-            ),
-        ),
-        (
-            quantity,
-            (
-                "A record must be of acceleration",
-                quantity,
-                "Obtain the file of acceleration, or set IDEP to IACC",
-            ),
-        ),
-        (
-            scale not in {1, _UNDEFINED},
-            ("A SAC file must have the scale 1", scale, "Multiply the samples by it, and set it to 1"),
-        ),
-        (
-            len(values) < 4 * count,
-            (
-                "A record must hold as many samples as its header states",
-                f"the end after {len(values) // 4} of {count} samples",
-                "The file is cut short; obtain it again",
-            ),
-        ),
-    )
-    for is_true, (rule, value, remedy) in objections:
-        if is_true:
-            report.add(rule, value=value, remedy=remedy)
+    channel = _label(text[_CHANNEL])
+    for rule, value, remedy in _objections(reals, integers, channel, len(values) // 4):
+        report.add(rule, value=value, remedy=remedy)
     if report.faults:
         return []
     step = float(f"{float(reals[_DELTA]):.7g}")  # as it was before single precision
@@ -100,6 +67,30 @@ def headers(source: Source, report: Report) -> list[Header]:
     ]
 
 
+def _objections(reals: Any, integers: Any, channel: str, samples: int) -> Iterator[tuple[str, str, str]]:  # noqa: ANN401
+    """Yield what forbids to take the samples as acceleration: the rule, what the file has, what to do."""
+    scale, quantity = float(reals[_SCALE]), int(integers[_QUANTITY])
+    if integers[_TYPE] != _TIME_SERIES or not integers[_EVEN]:
+        yield (
+            "A SAC file must be a time series at equal steps",
+            "another kind",
+            "Interpolate it at equal steps",
+        )
+    if quantity in _QUANTITIES or (quantity != _ACCELERATION and is_of_seismometer(channel)):
+        value = _QUANTITIES.get(quantity, f"channel {channel} of a seismometer, which is velocity")
+        yield (
+            "A record must be of acceleration",
+            value,
+            "Obtain acceleration, or set IDEP to IACC if this is it",
+        )
+    if scale not in {1, _UNDEFINED}:
+        yield "A SAC file must have the scale 1", f"{scale:g}", "Multiply the samples by it, and set it to 1"
+    if samples < integers[_COUNT]:
+        value = f"the end after {samples} of {integers[_COUNT]} samples"
+        rule = "A record must hold as many samples as its header states"
+        yield rule, value, "The file is cut short; obtain it again"
+
+
 def _byte_order(content: bytes) -> str | None:
     if len(content) < sum(_SIZES):
         return None
@@ -111,17 +102,17 @@ def _byte_order(content: bytes) -> str | None:
 
 def _event(reals: Any, integers: Any, text: str) -> str:  # noqa: ANN401 - arrays of one precision each
     """Name and origin time of the earthquake, or else the station and the begin of its record."""
-    year, day, hour, minute, second, millisecond = (int(part) for part in integers[_TIME])
+    year, day, hour, minute, second, millisecond = integers[_TIME].tolist()
     has_origin = reals[_ORIGIN] != _UNDEFINED
-    after = float(reals[_ORIGIN] if has_origin else reals[_BEGIN])
+    seconds = second + float(reals[_ORIGIN] if has_origin else reals[_BEGIN])
     try:
         clock = dt.timedelta(
-            days=day - 1, hours=hour, minutes=minute, seconds=second + after, milliseconds=millisecond
+            days=day - 1, hours=hour, minutes=minute, seconds=seconds, milliseconds=millisecond
         )
         moment = dt.datetime(year, 1, 1, tzinfo=dt.UTC) + clock
     except (ValueError, OverflowError):  # of which some are undefined
         return ""
-    name = _label(text[_EVENT]).upper() if has_origin else ".".join(_label(text[part]) for part in _STATION)
+    name = _label(text[_EVENT]).upper() if has_origin else ".".join(_label(text[place]) for place in _STATION)
     return f"{name} {moment:%Y-%m-%d %H:%M:%S}".strip()
 
 

@@ -48,13 +48,13 @@ _CLOCKS = (  # patterns of a step or a rate, and whether a number without unit i
     (re.compile(rf"\bat\s+(?P<value>{NUMBER})\s*(?P<after>sps|samples?\s*(?:/|per)\s*s\w*)", _FLAGS), True),
 )
 _COUNT = re.compile(
-    r"(?<![a-z])(?:npts|ndata|nsamp|n?samples(?!\s*(?:/|per\b))"
+    r"(?<![a-z])(?<!missing )(?:npts|ndata|nsamp|n?samples(?!\s*(?:/|per\b))"
     r"|n(?:o|um(?:ber)?)?\.?(?:\s+total)?[ _]of[ _](?:data[ _])?(?:points|samples|data)"
     rf"|num\.?\s+total\s+de\s+muestras)(?![a-z]){_CHANNELS}{_SIGN}{_VALUE}",
     _FLAGS,
 )
 _COUNT_FIRST = re.compile(
-    r"^\s*(?P<value>\S+)\s+(?:points\s+of\b|accel\w*\s+(?:data\s+)?(?:pts|points)\b)", _FLAGS
+    r"^\W*(?P<value>\S+)\s+(?:points\s+of\b|accel\w*\s+(?:data\s+)?(?:pts|points)\b)", _FLAGS
 )
 _BOTH = (  # count and step in the orders that old records print, made into one
     (re.compile(rf"^\s*({NUMBER})[\s,]+({NUMBER})[\s,]+NPTS[\s,]+DT\b", _FLAGS), r"NPTS= \1, DT= \2"),
@@ -70,14 +70,19 @@ _UNITS = re.compile(
 _PIECES = re.compile(r"[,;:=]|\s{2,}|\b(?:and|in|are|is|of|max)\b", _FLAGS)
 _FIRST_WORD = re.compile(r"[^\s.,;:]+(?:\s?/\s?[^\s.,;:]+)*")
 _CODE = re.compile(r"\(\d+\)")  # COSMOS numbers its units
-_PER_SECOND = re.compile(r"[a-z]\s*/\s*s", _FLAGS)
+_ANOTHER_UNIT = re.compile(r"[a-z]\s*/\s*s|count|volt|^[mµ]?v$", _FLAGS)
+_MULTIPLE = re.compile(rf"^\s*{NUMBER}\s*[*x×]?\s*", _FLAGS)
 _SLASHED = r"[cm]?m/s(?:/s|(?:\^|\*\*)?[2²])"
 _NAMED_UNITS = (
     re.compile(r"\b(?:acc\w*|a_?g?)\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
-    re.compile(rf"(?<![a-z])acc[a-z]*(?:_[a-z])?_(g|gal|[cm]?mps2|[cm]?m_s2|{_SLASHED})(?!\w)", _FLAGS),
+    re.compile(
+        rf"(?<![a-z])(?:acc[a-z]*(?:_[a-z])?_(?=g\b)|a(?:cc[a-z]*)?(?:_[a-z])?_(?!g\b))"
+        rf"(g|gal|[cm]?mps2|[cm]?m_s2|{_SLASHED})(?!\w)",
+        _FLAGS,
+    ),
     re.compile(r"\bacc\w*\s+in\s+(\S+)", _FLAGS),
 )
-_ANNOUNCED_UNITS = re.compile(r"\bspaced\s+at\b.*\bsec\w*\.?\s*,?\s*in\s+([^\n(]*[^\s(.])", _FLAGS)
+_ANNOUNCED_UNITS = re.compile(r"\bspaced\s+at\b.*sec\w*\.?\s*,?\s*in\s+([^\n(]*[^\s(.])", _FLAGS)
 _PEAK_UNITS = re.compile(
     rf"\b(?:peak\s+accel\w*|accel\w*\s*:\s*peak)\s*=?\s*{NUMBER}\s+([^\s,;]+)|\bpga\b[^=:(]*\(([^)]+)\)",
     _FLAGS,
@@ -86,15 +91,21 @@ _TIME_UNIT = re.compile(rf"(?:^|[,;\t])\W*(?:relative)?time\s*(?:in\s+)?[\[(_ ]*
 
 _FACTOR = re.compile(
     r"(?<![a-z])(?<!full )(?<!full-)(?:(?P<scale>(?:scal(?:e|ing)|amplitude)[ _]factor"
-    r"|scale(?=\s*[=:]\s*[-+.0-9]))|(?:conversion|calibration)[ _]factor|multipl(?:ier|y)\b[^=:0-9\n]{0,40})"
-    rf"\s*(?:is|of|by)?\s*[=:]?\s*(?P<value>{NUMBER}|[^\s,;]+)?\s*(?P<unit>\([^)]*\)|[a-z][\w/^*²]*)?\s*(?:/\s*(?P<divisor>{NUMBER}))?",
+    r"|scale(?=\s*[=:]\s*[-+.0-9]))|\bcounts?(?=\s*=)|(?:conversion|calibration)[ _]factor"
+    rf"|multipl(?:ier|y)\b[^=:0-9\n]{{0,40}})\s*(?:is|of|by)?\s*[=:]?\s*(?P<value>{NUMBER}|[^\s,;]+)?"
+    rf"\s*(?P<unit>\([^)]*\)|[a-z][\w/^*²]*)?\s*(?:/\s*(?P<divisor>{NUMBER}))?",
     _FLAGS,
 )
 _APPLIED = re.compile(r"(?<!be )(?<!not )(?<!yet )\bapplied\b", _FLAGS)
 _COUNTS = re.compile(r"/\s*(?:counts?|cts?|digits?|lsb|bits?)\b", _FLAGS)
 _OFFSET = re.compile(rf"\boffset\b(?P<column>[^=:\n]*?)\s*[=:]\s*(?P<value>{NUMBER})\b", _FLAGS)
-_MISSING = re.compile(rf"(?:missing|no[ _-]?data|fill[ _-]?value|unspecified)\b.*?({NUMBER})\s*$", _FLAGS)
-_LEAST_MARK = 50.0  # a smaller number after such a label counts gaps and marks none
+_REMOVED = re.compile(r"\b(?:removed|subtracted|corrected)\b", _FLAGS)
+_MISSING = re.compile(
+    rf"(?:(?:missing|no[ _-]?data|fill)[ _-]*(?:data\s+)?(?P<mark>value|mark|flag)|missing|no[ _-]?data"
+    rf"|unspecified)\b.*?(?P<value>{NUMBER})\s*$",
+    _FLAGS,
+)
+_LEAST_MARK = 50.0  # a smaller number after no more than "missing" counts gaps
 
 _ANOTHER_QUANTITY = re.compile(
     r"^\W*(?:\d\s+)?(?:[\w ]{1,24}[:=])?\s*"
@@ -122,7 +133,10 @@ def readable(lines: list[Line]) -> list[Line]:
         cells = [cell.strip() for cell in text.split(",")]
         if _are_values(cells) and len(cells) == len(labels):
             pairs = zip(labels, cells, strict=True)
-            prepared.extend(replace(line, text=f"{title} {label}: {value}") for label, value in pairs)
+            prepared.extend(
+                replace(line, text=f"{title if label != title else ''} {label}: {value}")
+                for label, value in pairs
+            )
             continue
         for pattern, canonical in _BOTH:
             text = pattern.sub(canonical, text)
@@ -196,8 +210,8 @@ def durations(lines: list[Line]) -> Iterator[Statement[str]]:
 def stated_units(lines: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
     """Read the units of the samples that lines state, and report what is no unit of acceleration."""
     for line in lines:
-        named = _named_unit(line.text)
-        if named and (units := state_units(named, line.number, report)):
+        name = _named_unit(line.text)
+        if name and (units := state_units(name, line.number, report)):
             yield units
 
 
@@ -207,17 +221,23 @@ def _named_unit(text: str) -> str | None:
         return match[1]
     if match := _UNITS.search(text):
         return _unit_among(_CODE.sub("", match[1]))
-    names = (match[1] for pattern in _NAMED_UNITS if (match := pattern.search(text)))
-    return next((name for name in names if find_unit(name) or _PER_SECOND.search(name)), None)
+    matches = (match[1] for pattern in _NAMED_UNITS if (match := pattern.search(text)))
+    names = (_unit_among(name) or "" for name in matches)
+    return next((name for name in names if find_unit(name) or is_another_unit(name)), None)
+
+
+def is_another_unit(text: str) -> bool:
+    """Tell whether a text in brackets is a unit that is not read, as ``in/s2`` or ``0.1 g``."""
+    return _ANOTHER_UNIT.search(text) is not None or find_unit(_MULTIPLE.sub("", text)) is not None
 
 
 def _unit_among(text: str) -> str | None:
     """Return the part of ``s, m/s2`` or ``SEC AND G/10.   MAX = 1 G`` that is a unit, or else all of it."""
     pieces = [piece for piece in _PIECES.split(text) if piece.strip()]
     for piece in pieces:
-        word = _FIRST_WORD.search(piece)
-        if find_unit(piece) or (word and find_unit(word[0])):
-            return piece if find_unit(piece) or not word else word[0]
+        words: list[str] = [piece, piece.partition("(")[0], *_FIRST_WORD.findall(piece)[:1]]
+        if unit := next((word for word in words if find_unit(word)), None):
+            return unit
     of_time = all(find_clock_unit(piece.strip(" .)]")) for piece in pieces)
     return None if pieces and of_time else text.partition(",")[0]
 
@@ -233,9 +253,8 @@ def peak_units(lines: list[Line]) -> Iterator[Statement[AccelerationUnit]]:
 def time_unit(lines: list[Line]) -> ClockUnit | None:
     """Read the unit of a column of times."""
     for line in lines:
-        pieces = _PIECES.split(match[1]) if (match := _UNITS.search(line.text)) else []
-        named = _TIME_UNIT.search(line.text)
-        for piece in [*pieces[:1], *([named[1]] if named else [])]:
+        pieces = _PIECES.split(match[1])[:1] if (match := _UNITS.search(line.text)) else []
+        for piece in [*pieces, *_TIME_UNIT.findall(line.text)]:
             unit = find_clock_unit(piece.strip())
             if unit and not unit.is_frequency:
                 return unit
@@ -274,55 +293,47 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
             )
 
 
-def offsets(lines: list[Line], report: Report) -> dict[str, float]:
-    """Read the offsets of named columns; an offset of which nobody knows how to apply it is reported."""
-    by_column: dict[str, float] = {}
+def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
+    """Read the numbers that stand for no acceleration, by the columns that lines name, if any."""
+    by_column: dict[str, Statement[float]] = {}
     for line in lines:
         match = _OFFSET.search(line.text)
         value = number(match["value"]) if match else None
-        if match is None or not value:
-            continue
-        if column := match["column"].strip():
-            by_column[column] = value
-        else:
-            report.add(
-                "An offset in a header must be removed from the samples",
-                line=line.number,
-                value=line.text.strip(),
-                remedy="Subtract or add it, and remove the line",
-            )
+        if match and value and not _REMOVED.search(line.text):
+            by_column[match["column"].strip()] = Statement(value=value, line=line.number)
     return by_column
 
 
 def missing_marks(lines: list[Line]) -> tuple[float, ...]:
     """Read the numbers that mark missing samples."""
-    matches = (match for line in lines if (match := _MISSING.search(line.text)))
-    marks = (number(match[1]) for match in matches)
-    return tuple(mark for mark in marks if mark is not None and abs(mark) >= _LEAST_MARK)
+    marks = []
+    for line in lines:
+        match = _MISSING.search(line.text)
+        mark = number(match["value"]) if match else None
+        if match and mark is not None and (match["mark"] or abs(mark) >= _LEAST_MARK):
+            marks.append(mark)
+    return tuple(marks)
 
 
 def refuse_another_quantity(lines: list[Line], report: Report) -> list[Line]:
     """Report lines that announce velocity, displacement or a spectrum, and return the others."""
-    kept = []
-    for line in lines:
-        match = _ANOTHER_QUANTITY.match(line.text)
-        if match is None and not _SPECTRUM.match(line.text):
-            kept.append(line)
-            continue
-        kind = (
-            "velocity"
-            if match and match["quantity"][0] in "vV"
-            else "displacement"
-            if match
-            else "a spectrum"
-        )
-        report.add(
-            "A record must be of acceleration",
-            line=line.number,
-            value=kind,
-            remedy="Obtain the file of acceleration",
-        )
-    return kept
+    quantities = [_another_quantity(line.text) for line in lines]
+    for line, quantity in zip(lines, quantities, strict=True):
+        if quantity:
+            report.add(
+                "A record must be of acceleration",
+                line=line.number,
+                value=quantity,
+                remedy="Obtain the file of acceleration",
+            )
+    return [line for line, quantity in zip(lines, quantities, strict=True) if not quantity]
+
+
+def _another_quantity(text: str) -> str:
+    """Name the quantity that a line announces in place of acceleration; empty where it does not."""
+    if match := _ANOTHER_QUANTITY.match(text):
+        return "velocity" if match["quantity"][0] in "vV" else "displacement"
+    return "a spectrum" if _SPECTRUM.match(text) else ""
 
 
 def state_count(text: str, line: int, report: Report) -> Statement[int] | None:

@@ -25,7 +25,13 @@ from reliab.motions.readers import statements
 from reliab.motions.readers.columns import arrange
 from reliab.motions.readers.header import Header, Statement, may_round, number
 from reliab.motions.readers.layouts import PLAIN, Layout
-from reliab.motions.readers.samples import clocks_in_seconds, count_rows, separated, split_line
+from reliab.motions.readers.samples import (
+    clocks_in_seconds,
+    count_rows,
+    find_delimiter,
+    separated,
+    split_line,
+)
 from reliab.motions.readers.source import HEAD, Line, Source
 
 T = TypeVar("T")
@@ -36,7 +42,9 @@ _CHANNEL = re.compile(
     r"\b(?:chan(?:nel)?\s*\S*?:|comp(?:onent)?\b[:\s])\s*([^(\n]*?)\s*(?:\bfrom)?\s*(?:\(|$)", re.IGNORECASE
 )
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+|\d+:\d+")
+_WHOLE = re.compile(r"[0-9]{1,9}\.?")
 _WORD = re.compile(r"[A-Za-z]{3}")
+_ROUNDED = 0.1  # largest relative difference between two statements of which one is rounded
 _LONGEST = 1e6  # s, eleven days; no accelerogram is as long
 
 
@@ -75,7 +83,8 @@ def _records(source: Source, layout: Layout) -> Iterator[tuple[int, int, int]]:
             if not layout.is_announced:
                 return
         return
-    begins = [match.start() for match in layout.first.finditer(source.content)] if layout.first else [0]
+    firsts = layout.first.finditer(source.content) if layout.first else ()
+    begins = [match.start() for match in firsts] or [0]
     for begin, stop in zip(begins, [*begins[1:], len(source.content)], strict=True):
         start = _first_sample(source, layout, begin, stop)
         if start is not None:
@@ -113,9 +122,9 @@ def _read_record(
 ) -> list[Header]:
     top = list(source.lines(begin, start))
     lines = statements.readable(top)
-    said = lines[-1:] if layout.is_announced else statements.refuse_another_quantity(lines, report)
+    statement_lines = lines[-1:] if layout.is_announced else statements.refuse_another_quantity(lines, report)
     header = replace(
-        _state(said, lines, layout, report),
+        _state(statement_lines, lines, layout, report),
         start=start,
         stop=stop,
         width=_width(top) if layout.is_announced else None,
@@ -127,48 +136,49 @@ def _read_record(
     if layout.wraps:
         return [header]
     if header.count is None:
-        header = _read_leading_sizes(source, header)
-    return list(arrange(source, header, lines, report, holds_components=layout.holds_components))
+        header = _read_leading_sizes(source, header, report)
+    offsets = statements.offsets(statement_lines)
+    return list(arrange(source, header, lines, offsets, report, holds_components=layout.holds_components))
 
 
-def _state(said: list[Line], lines: list[Line], layout: Layout, report: Report) -> Header:
+def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, report: Report) -> Header:
     """Read what the lines of a header state."""
-    scales = list(statements.scales(said, report))
+    scales = list(statements.scales(statement_lines, report))
     factors = [Statement(value=scale.factor, line=scale.line) for scale in scales]
     factor = _agreeing(factors, "scale factor", report)
     peaks = list(statements.peak_units(lines))
     units = [
         *(peaks if layout.is_announced else ()),
-        *statements.stated_units(said, report),
+        *statements.stated_units(statement_lines, report),
         *(Statement(value=scale.units, line=scale.line) for scale in scales if scale.units),
     ]
     applied = (
         f"scale factor {factor.value:g} of line {factor.line}" if factor and not layout.remove_mean else ""
     )
     header = Header(
-        count=next(statements.counts(said, report), None),
-        time_step=_agreeing(list(statements.time_steps(said, report)), "time step", report),
+        count=next(statements.counts(statement_lines, report), None),
+        time_step=_agreeing(list(statements.time_steps(statement_lines, report)), "time step", report),
         units=_agreeing(units or peaks[:1], "kind of units", report),
         default_units=layout.default_units,
         scale=factor.value if factor else 1.0,
         remove_mean=layout.remove_mean,
-        time_unit=statements.time_unit(said),
+        time_unit=statements.time_unit(statement_lines),
         applied=(applied,) if applied else (),
     )
     return _complete_by_duration(header, lines, report) if layout.has_duration else header
 
 
-def _agreeing(stated: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
+def _agreeing(claims: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
     """Return the most precise of several statements, and report the one that contradicts the first."""
-    for later in stated[1:]:
-        if not _agree(*sorted((later, stated[0]), key=_tolerance)):
+    for later in claims[1:]:
+        if not _agree(*sorted((later, claims[0]), key=_tolerance)):
             report.add(
                 f"A file must state one {what}",
                 line=later.line,
-                value=f"{later.value} after {stated[0].value} in line {stated[0].line}",
+                value=f"{later.value} after {claims[0].value} in line {claims[0].line}",
                 remedy="Correct whichever is wrong",
             )
-    return min(stated, key=_tolerance, default=None)
+    return min(claims, key=_tolerance, default=None)
 
 
 def _tolerance(statement: Statement[T]) -> float:
@@ -178,32 +188,32 @@ def _tolerance(statement: Statement[T]) -> float:
 def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
     if not isinstance(precise.value, float):
         return bool(precise.value == coarse.value)
-    may_differ = precise.tolerance < coarse.tolerance and may_round(precise.value, coarse)
-    return may_differ or math.isclose(precise.value, coarse.value, rel_tol=1e-9)
+    rounded = precise.tolerance < coarse.tolerance and may_round(precise.value, coarse)
+    return math.isclose(precise.value, coarse.value, rel_tol=_ROUNDED if rounded else 1e-9)
 
 
 def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
-    durations = list(statements.durations(lines))
-    stated = next((each for each in durations if number(each.value)), durations[0] if durations else None)
-    if stated is None or (header.count and header.time_step):
+    durations = sorted(statements.durations(lines), key=lambda printed: number(printed.value) is None)
+    if not durations or (header.count and header.time_step):
         return header
-    duration = number(stated.value) or 0.0
+    printed = durations[0]
+    duration = number(printed.value) or 0.0
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
             "The duration in a header must be a positive number of seconds",
-            line=stated.line,
-            value=stated.value or "nothing",
+            line=printed.line,
+            value=printed.value or "nothing",
             remedy="Obtain the file again",
         )
     elif header.time_step:
-        return replace(header, count=Statement(value=count, line=stated.line))
+        return replace(header, count=Statement(value=count, line=printed.line))
     elif header.count:
         steps = [duration / header.count.value, duration / (header.count.value - 1)]
         steps.sort(key=lambda step: abs(1 / step - round(1 / step)) * step)  # rates are whole numbers
         tolerance = abs(steps[1] - steps[0])
-        return replace(header, time_step=Statement(value=steps[0], line=stated.line, tolerance=tolerance))
+        return replace(header, time_step=Statement(value=steps[0], line=printed.line, tolerance=tolerance))
     return header
 
 
@@ -218,28 +228,32 @@ def _channel(lines: list[Line]) -> str:
     return labels[-1].strip() if labels else ""
 
 
-def _read_leading_sizes(source: Source, header: Header) -> Header:
+def _read_leading_sizes(source: Source, header: Header, report: Report) -> Header:
     """Take lines of count and step before the samples from them: ``3000`` and ``0.01``, or ``3000 0.01``."""
     lines = list(itertools.islice(source.lines(header.start, header.stop), 3))
-    tokens = [split_line(line, header) for line in lines]
+    tokens = [split_line(line, replace(header, delimiter=find_delimiter(line))) for line in lines]
     if len(lines) < 3:  # noqa: PLR2004 - two lines of sizes and one of samples
         return header
-    single = len(tokens[0]) == 1
-    pairs = [(tokens[0] + tokens[1], lines[1])] if single and len(tokens[1]) == 1 else [(tokens[0], lines[0])]
-    for sizes, last in [*pairs, *([(tokens[0], lines[0])] if single else [])]:
-        count = next((int(text) for text in sizes if text.isdecimal() and int(text) > 1), 0)
-        steps = [value for text in sizes if not text.isdecimal() and (value := number(text))]
-        if count and len(sizes) == 1 + len(steps) <= 2 and _holds(source, last.stop, header, count):  # noqa: PLR2004
+    for last, sizes in ((lines[1], tokens[0] + tokens[1]), (lines[0], tokens[0])):
+        counts = [int(text.rstrip(".")) for text in sizes if _WHOLE.fullmatch(text)]
+        steps = [value for text in sizes if not _WHOLE.fullmatch(text) and (value := number(text))]
+        is_count = len(counts) == 1 and len(sizes) == 1 + len(steps) <= 2  # noqa: PLR2004 - count and step
+        if is_count and counts[0] > 1 and _holds(source, last.stop, header, counts[0]):
+            step = [Statement(value=step, line=last.number) for step in steps]
+            known = [header.time_step] if header.time_step else []
             return replace(
                 header,
                 start=last.stop,
-                count=Statement(value=count, line=lines[0].number),
-                time_step=header.time_step
-                or (Statement(value=steps[0], line=last.number, tolerance=0.0) if steps else None),
+                count=Statement(value=counts[0], line=lines[0].number),
+                time_step=_agreeing([*known, *step], "time step", report),
             )
-    if single and tokens[0][0].isdecimal() and all("." in token for token in tokens[1] + tokens[2]):
-        count_stated = Statement(value=int(tokens[0][0]), line=lines[0].number)
-        return replace(header, start=lines[0].stop, count=count_stated)
+    if (
+        len(tokens[0]) == 1
+        and tokens[0][0].isdecimal()
+        and all("." in text for text in tokens[1] + tokens[2])
+    ):
+        count = Statement(value=int(tokens[0][0]), line=lines[0].number)
+        return replace(header, start=lines[0].stop, count=count)
     return header
 
 
