@@ -5,7 +5,9 @@ of them has two equal samples at a peak, a velocity that ends above 3 % of its p
 times as sharp as what surrounds it, or four equal samples in its strong part.
 """
 
+from bisect import bisect_left, insort
 from collections.abc import Iterator
+from operator import itemgetter
 
 import numpy as np
 
@@ -56,10 +58,8 @@ def find_flaws(acceleration: Array, time_step: float) -> Iterator[tuple[str, str
     if held:
         start, stop = max(held, key=lambda run: run[1] - run[0])
         value = f"{significant(float(acceleration[start]))} m/s² held from {start * time_step:.2f} s"
-        yield (
-            f"{value} for {stop - start} samples: a gap that was filled?",
-            "Compare it with the original record",
-        )
+        remedy = "Compare it with the original record"
+        yield f"{value} for {stop - start} samples: a gap that was filled?", remedy
 
 
 def _equal_runs(acceleration: Array, tolerance: float) -> list[tuple[int, int]]:
@@ -92,14 +92,13 @@ def _find_drift(acceleration: Array, time_step: float) -> Iterator[tuple[str, st
 
 def _find_spikes(acceleration: Array, time_step: float, peak: float) -> Iterator[tuple[str, str]]:
     """Find samples that stand alone, far from those before and after, which are much alike."""
-    sharpness = np.abs(acceleration[1:-1] - 0.5 * (acceleration[:-2] + acceleration[2:]))
-    padded = np.pad(
-        sharpness, _SURROUNDINGS + 1
-    )  # the next samples on both sides are sharp by the spike itself
+    at_rest = np.pad(acceleration, 1)
+    sharpness = np.abs(acceleration - 0.5 * (at_rest[:-2] + at_rest[2:]))
+    padded = np.pad(sharpness, _SURROUNDINGS + 1)  # a spike makes the samples beside it sharp, too
     windows = np.lib.stride_tricks.sliding_window_view(padded, _SURROUNDINGS).max(axis=1)
     around = np.maximum(windows[: sharpness.size], windows[_SURROUNDINGS + 3 :])
-    returns = np.abs(acceleration[2:] - acceleration[:-2]) < _RETURN * sharpness
-    spikes = np.flatnonzero(returns & (sharpness > np.maximum(_SHARPNESS * around, _LEAST_SPIKE * peak))) + 1
+    returns = np.abs(at_rest[2:] - at_rest[:-2]) < _RETURN * sharpness
+    spikes = np.flatnonzero(returns & (sharpness > np.maximum(_SHARPNESS * around, _LEAST_SPIKE * peak)))
     if spikes.size:
         sample = int(spikes[np.abs(acceleration[spikes]).argmax()])
         more = f" and {spikes.size - 1} more" if spikes.size > 1 else ""
@@ -117,16 +116,20 @@ class Copies:
     """
 
     def __init__(self) -> None:
-        self._seen: dict[float, list[tuple[str, float, Array]]] = {}
+        self._seen: dict[float, list[tuple[float, str, float, Array]]] = {}
 
     def find(self, name: str, acceleration: Array, time_step: float) -> tuple[str, float] | None:
         """Return an earlier record of which this is a copy, and the factor between them; else remember it."""
         largest = int(np.abs(acceleration).argmax())
         peak = float(acceleration[largest])
-        around = np.pad(acceleration, _WINDOW)[largest : largest + 2 * _WINDOW + 1] / (peak or 1.0)
-        earlier = self._seen.setdefault(round(time_step, 9), [])
-        for original, its_peak, shape in earlier:
-            if np.abs(shape - around).max() <= _ROUNDING:
+        shape = np.pad(acceleration, _WINDOW)[largest : largest + 2 * _WINDOW + 1] / (peak or 1.0)
+        after = float(shape[_WINDOW + 1])
+        records = self._seen.setdefault(round(time_step, 9), [])  # sorted by the sample after the peak
+        first = bisect_left(records, after - _ROUNDING, key=itemgetter(0))
+        for its_after, original, its_peak, its_shape in records[first:]:
+            if its_after > after + _ROUNDING:
+                break
+            if np.abs(its_shape - shape).max() <= _ROUNDING:
                 return original, peak / its_peak
-        earlier.append((name, peak, around))
+        insort(records, (after, name, peak, shape), key=itemgetter(0))
         return None

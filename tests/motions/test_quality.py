@@ -51,7 +51,7 @@ def test_constant_offset_is_noted_by_the_velocity_to_which_it_leads(
     assert f"ends at {'-' if offset < 0 else ''}{abs(offset) * TIMES[-1]:.3g}" in flaw
 
 
-@pytest.mark.parametrize("samples", [[900], [900, 1300], [2, 700]])
+@pytest.mark.parametrize("samples", [[900], [900, 1300], [2, 700], [0], [1999]])
 def test_single_spikes_are_noted(samples: list[int], record: np.ndarray) -> None:
     spoiled = record.copy()
     spoiled[samples] += 1.5 * np.abs(record).max()
