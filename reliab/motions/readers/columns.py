@@ -16,6 +16,7 @@ import numpy as np
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
 from reliab.motions.readers.header import Header, Statement, number
+from reliab.motions.readers.layouts import Layout
 from reliab.motions.readers.samples import count_rows, find_delimiter, separated, split_line
 from reliab.motions.readers.source import Line, Source
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
@@ -98,14 +99,12 @@ def arrange(
     header: Header,
     lines: list[Line],
     offsets: Mapping[str, Statement[float]],
+    layout: Layout,
     report: Report,
-    *,
-    holds_components: bool = False,
 ) -> Iterator[Header]:
     """Find the columns of the samples, and yield a header for each component.
 
-    `offsets`: what stands for no acceleration in a column, by its name; `holds_components`: whether every
-    column is a component by definition of the layout.
+    `offsets`: what stands for no acceleration in a column, by its name.
     """
     first = next(line for line in source.lines(header.start, header.stop) if line.text.strip())
     header = replace(header, delimiter=find_delimiter(first))
@@ -119,7 +118,7 @@ def arrange(
             value=f"{offsets[name].value:g}",
             remedy="Subtract or add it, and remove the line",
         )
-    if columns or holds_components:
+    if columns or layout.holds_components:
         yield from _components(replace(header, columns=count), columns, offsets, report)
     elif count == 1 or (not has_times and _follows_count(source, header, count)):
         yield replace(header, columns=1 if count == 1 else None)
@@ -127,7 +126,7 @@ def arrange(
         yield replace(header, columns=2, column=1, time_column=0)
     else:
         report.add(
-            "A text record must have one column, times and samples, or columns with names",
+            f"{layout.subject} must have one column, times and samples, or columns with names",
             line=first.number,
             value=f"{count} columns",
             remedy="Name them in a line above, as in # time [s], N-S [gal], E-W [gal]; "

@@ -35,7 +35,7 @@ class Layout:
     end: re.Pattern[bytes] | None = None  # First line after the samples
     states: str = "hold samples"  # What such a file must do, for messages
     is_announced: bool = False  # Whether the last line of the header alone states count, step and units
-    wraps: bool = False  # Whether samples follow one another through the lines
+    wraps: bool = False  # Whether samples follow one another through the lines, as many as are stated
     holds_components: bool = False  # Whether each column is a component of acceleration
     has_duration: bool = False  # Whether the duration tells the count or the step
     default_units: AccelerationUnit | None = None  # Units where the header states none
@@ -47,7 +47,7 @@ class Layout:
     @property
     def subject(self) -> str:
         """The file, as the beginning of a rule."""
-        return "A record" if self.mark is None else f"A {self.name} file"
+        return "A text record" if self.mark is None else f"A {self.name} file"
 
     @property
     def holds_one(self) -> bool:
@@ -65,7 +65,7 @@ _SIZES = _pattern(
 _ACCELERATION_POINTS = _pattern(
     r"^[ \t]*\S*[ \t]+points[ \t]+of[ \t]+accel\w*[ \t]+data[ \t]+equally[ \t]+spaced[ \t]+at\b[^\n]*$"
 )
-_ACCELEROGRAM = r"[^\n]*\b(?:un)?corrected accelerogram\b[^\n]*"
+_ACCELEROGRAM = r"(?![#%!])[^\n]*\b(?:un)?corrected accelerogram\b[^\n]*"
 _END = r"/&|[^\n]*\bend[ \t-]+of[ \t-]+data\b"
 
 LAYOUTS = (
@@ -145,7 +145,7 @@ LAYOUTS = (
     Layout(  # of CSMIP, USC, RENADIC and BHRC
         name="Volume 1 or 2",
         endings=(".v1",),
-        mark=_pattern(rf"\A(?:\*[ \t]*VOL[12]|{_ACCELEROGRAM})|\bUNCOR ACCEL\b|\bRENADIC\b"),
+        mark=_pattern(rf"\A(?:\*[ \t]*VOL[12]|{_ACCELEROGRAM})|\bUNCOR ACCEL\b"),
         first=_pattern(rf"^(?:\*[ \t]*VOL[12][^\n]*|{_ACCELEROGRAM})$"),
         end=_pattern(rf"^(?:{_END}|[^\n]*[a-z]{{3}}|\*)"),
         states="state its number of points",

@@ -26,16 +26,10 @@ def leave_as_it_is(source: Source, begin: int, header: Header, report: Report) -
     return header
 
 
-def read_volume(source: Source, begin: int, header: Header, report: Report) -> Header:
+def read_volume(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001
     """Leave out the numeric header; find times before the samples, and velocity after them."""
     header = _skip(source, header)
     if header.count is None:
-        report.add(
-            "The number of points must be stated",
-            line=source.line_number(begin),
-            value="none in the header",
-            remedy="Obtain the file again, or write its samples as text below # dt: … and # units: …",
-        )
         return header
     stops = [line.stop for line in source.lines(header.start, header.stop)]
     tokens = [split_line(line, header) for line in source.lines(header.start, header.stop)]

@@ -45,16 +45,20 @@ _CLOCKS = (  # patterns of a step or a rate, and whether a number without unit i
         for labels, is_rate in _CLOCK_LABELS.items()
     ),
     (re.compile(rf"\bat\s+(?P<value>{NUMBER})\s*(?P<after>{CLOCK_UNIT})\.?\s+intervals?", _FLAGS), False),
-    (re.compile(rf"\bat\s+(?P<value>{NUMBER})\s*(?P<after>sps|samples?\s*(?:/|per)\s*s\w*)", _FLAGS), True),
+    (
+        re.compile(rf"(?<![\w.])(?P<value>{NUMBER})\s*(?P<after>sps|samples?\s*(?:/|per)\s*s\w*)", _FLAGS),
+        True,
+    ),
 )
-_COUNT = re.compile(
-    r"(?<![a-z])(?<!missing )(?:npts|ndata|nsamp|n?samples(?!\s*(?:/|per\b))"
-    r"|n(?:o|um(?:ber)?)?\.?(?:\s+total)?[ _]of[ _](?:data[ _])?(?:points|samples|data)"
-    rf"|num\.?\s+total\s+de\s+muestras)(?![a-z]){_CHANNELS}{_SIGN}{_VALUE}",
-    _FLAGS,
-)
-_COUNT_FIRST = re.compile(
-    r"^\W*(?P<value>\S+)\s+(?:points\s+of\b|accel\w*\s+(?:data\s+)?(?:pts|points)\b)", _FLAGS
+_COUNTS_OF_SAMPLES = (
+    re.compile(r"^\W*(?P<value>\S+)\s+(?:points\s+of\b|accel\w*\s+(?:data\s+)?(?:pts|points)\b)", _FLAGS),
+    re.compile(r"^\W*(?P<value>[0-9]+)\s+samples\b(?!\s*(?:/|per\b))", _FLAGS),
+    re.compile(
+        r"(?<![a-z])(?<!missing )(?:npts|ndata|nsamp|n?samples(?!\s*(?:/|per\b))"
+        r"|n(?:o|um(?:ber)?)?\.?(?:\s+total)?[ _]of[ _](?:data[ _])?(?:points|samples|data)"
+        rf"|num\.?\s+total\s+de\s+muestras)(?![a-z]){_CHANNELS}{_SIGN}{_VALUE}",
+        _FLAGS,
+    ),
 )
 _BOTH = (  # count and step in the orders that old records print, made into one
     (re.compile(rf"^\s*({NUMBER})[\s,]+({NUMBER})[\s,]+NPTS[\s,]+DT\b", _FLAGS), r"NPTS= \1, DT= \2"),
@@ -152,7 +156,8 @@ def _are_values(cells: list[str]) -> bool:
 def counts(lines: list[Line], report: Report) -> Iterator[Statement[int]]:
     """Read the numbers of samples that lines state."""
     for line in lines:
-        match = _COUNT_FIRST.search(line.text) or _COUNT.search(line.text)
+        matches = (match for pattern in _COUNTS_OF_SAMPLES if (match := pattern.search(line.text)))
+        match = next(matches, None)
         if match and _has_value(match) and (count := state_count(match["value"] or "", line.number, report)):
             yield count
 

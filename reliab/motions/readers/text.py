@@ -133,12 +133,12 @@ def _read_record(
         channel=_channel(lines),
     )
     header = layout.complete(source, begin, header, report)
-    if layout.wraps:
+    if layout.wraps and (layout.last or header.count):  # other titles stand above plain columns, too
         return [header]
     if header.count is None:
         header = _read_leading_sizes(source, header, report)
     offsets = statements.offsets(statement_lines)
-    return list(arrange(source, header, lines, offsets, report, holds_components=layout.holds_components))
+    return list(arrange(source, header, lines, offsets, layout, report))
 
 
 def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, report: Report) -> Header:

@@ -232,8 +232,15 @@ def test_uneven_times_are_refused_with_what_to_do(write: Write) -> None:
 
 def test_layout_without_its_count_is_named(write: Write) -> None:
     text = volume_1(layout="renadic").replace("NO. OF POINTS", "POINTS")
-    with pytest.raises(InputError, match="number of points must be stated"):
+    with pytest.raises(InputError, match=r"A Volume 1 or 2 file must have one column.*# samples: N"):
         load_motions(write("a.v1", text))
+
+
+@pytest.mark.parametrize("title", ["# Corrected accelerogram of Somewhere", "Corrected accelerogram"])
+def test_title_of_a_layout_above_plain_columns_is_no_obstacle(title: str, write: Write) -> None:
+    rows = "".join(f"{t:.2f} {a:.6f}\n" for t, a in zip(TIMES, ONE, strict=True))
+    (motion,) = load_motions(write("a.txt", f"{title}\n# units: gal\n{rows}"))
+    np.testing.assert_allclose(motion.acceleration * 100, ONE, atol=1e-6)
 
 
 def test_clock_that_was_never_set_is_no_earthquake(write: Write) -> None:

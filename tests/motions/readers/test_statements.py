@@ -25,6 +25,7 @@ ONE = "".join(f"{value}\n" for value in SAMPLES)
             "sampling rate: 0.01 s",
             "Sampling rate (s): 0.01",
             "AT 100 SAMPLES/SEC",
+            "4 samples, 100 sps",
             "Samples per second: 100",
         ),
         *("dt\n# 0.01", "SamplingFrequency(Hz)\n# 100"),
