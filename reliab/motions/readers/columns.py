@@ -106,7 +106,10 @@ def arrange(
 
     `offsets`: what stands for no acceleration in a column, by its name.
     """
-    first = next(line for line in source.lines(header.start, header.stop) if line.text.strip())
+    first = next((line for line in source.lines(header.start, header.stop) if line.text.strip()), None)
+    if first is None:  # the samples end before they begin, as their count will tell
+        yield header
+        return
     header = replace(header, delimiter=find_delimiter(first))
     count = len(split_line(first, header))
     has_times = _begins_with_times(source, header)

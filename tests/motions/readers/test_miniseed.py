@@ -12,13 +12,6 @@ from reliab.motions import load_motions, read_motion
 SAMPLES = np.random.default_rng(5).normal(size=3000)
 
 
-@pytest.fixture(scope="module")
-def obspy() -> Any:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return pytest.importorskip("obspy")
-
-
 @pytest.fixture
 def write(obspy: Any, tmp_path: Path) -> Any:
     """Write traces as miniSEED; each is a channel, a first second and samples."""

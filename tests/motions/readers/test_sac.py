@@ -1,6 +1,7 @@
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,8 +66,7 @@ def test_what_cannot_be_taken_as_acceleration_is_refused(content: bytes, rule: s
         read_motion(write("a.sac", content), units=None if "units" in rule else "m/s2")
 
 
-def test_file_of_obspy_is_read(tmp_path: Path) -> None:
-    obspy = pytest.importorskip("obspy")
+def test_file_of_obspy_is_read(obspy: Any, tmp_path: Path) -> None:
     trace = obspy.Trace(SAMPLES.copy(), header={"delta": 0.005, "channel": "HNE", "station": "STA1"})
     trace.stats.starttime = obspy.UTCDateTime(2026, 5, 5, 10)
     trace.write(str(tmp_path / "a.sac"), format="SAC")
