@@ -58,6 +58,8 @@ def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
     assert (
         "Left out: slow.txt, line 1: The time step of a record must lie from 0.0005 to 0.1 s" in result.stdout
     )
+    assert "confirm it by --time-step" in result.stdout
+    assert "confirm it by --time-step" in " ".join(run("check", faulty / "slow.txt").stdout.split())
     assert "Left out: cut[1].AT2, line 6: A record must hold as many samples" in result.stdout
     assert "strange.v9: a format that is not known" in result.stdout
     content = json.loads(run("list", faulty, "--json", "-").stdout)
