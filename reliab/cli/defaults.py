@@ -119,8 +119,9 @@ def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, A
         for flag in option.opts
         if flag.startswith("--") and flag != "--help"
     }
+    allowed = sorted(key for key, option in options.items() if option.name not in COMMAND_LINE_ONLY)
     for key in table:
-        if key in options and options[key].name in COMMAND_LINE_ONLY:
+        if key in options and key not in allowed:
             raise InputError(
                 "A file of defaults states no outputs, and nothing that decides a verdict",
                 value=f"{key} of [{name}]",
@@ -131,8 +132,7 @@ def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, A
             raise InputError(
                 f"Defaults of {name} are its options, without the dashes",
                 value=key,
-                remedy="Choose among "
-                + ", ".join(sorted(k for k, option in options.items() if option.name not in COMMAND_LINE_ONLY)),
+                remedy=f"Choose among {', '.join(allowed)}",
                 where=str(path),
             )
     return {str(options[key].name): _as_stated(value, options[key], path) for key, value in table.items()}

@@ -1,4 +1,4 @@
-"""A laboratory's own defaults: from the user's folder or a named file, and never what decides or is written."""
+"""A laboratory's own defaults: from the user's folder or a named file; never what decides or is written."""
 
 import json
 
@@ -39,7 +39,8 @@ def test_a_named_file_holds_unless_the_command_line_says_otherwise(folder, capsy
     assert stated(capsys, "--config=lab.toml", "--alpha", "0.8")[0]["alpha"] == 0.8
 
 
-def test_the_file_of_the_users_folder_is_named_on_the_screen(folder, capsys):
+@pytest.mark.usefixtures("folder")
+def test_the_file_of_the_users_folder_is_named_on_the_screen(capsys):
     user_file().parent.mkdir(parents=True)
     user_file().write_text(LABORATORY, encoding="utf-8")
     answer, said = stated(capsys)
@@ -96,8 +97,9 @@ def test_what_does_not_exist_is_refused(folder, capsys, text):
     assert "lab.toml" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("named", [["--config"], ["--config", "missing.toml"]])
-def test_a_config_without_a_file_is_refused(folder, capsys, named):
+def test_a_config_without_a_file_is_refused(capsys, named):
     assert run(["info", *named]) == 2
     assert capsys.readouterr().err.startswith("Error: ")
 
