@@ -67,9 +67,11 @@ def require_positive(stated: Mapping[str, StatedValue]) -> None:
 def stated_threshold(threshold: float | None) -> float:
     """Read the error that a test may have, 0.05 by default."""
     limit = 0.05 if threshold is None else float(threshold)
-    if not 0.0 < limit < float("inf"):
+    if not 0.0 < limit <= 1.0:
         raise InputError(
-            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
+            "The value of `threshold` must be positive and at most 1",
+            value=f"{limit:g}",
+            remedy="Give 0.05 for 5 %",
         )
     return limit
 

@@ -14,6 +14,7 @@ from reliab.api.arguments import (
     require_known_specimen,
     require_positive,
     stated_filters,
+    stated_threshold,
     stated_values,
     unused,
 )
@@ -183,7 +184,8 @@ def follow_test(
     >>> end.kind, end.to_dict()["above_threshold"]
     ('end', False)
     """
-    positive = {"threshold": threshold, "every": every, "wait": wait, "start_within": start_within}
+    threshold = stated_threshold(threshold)
+    positive = {"every": every, "wait": wait, "start_within": start_within}
     for name, number in (positive if rate is None else {**positive, "rate": rate}).items():
         if not 0.0 < number < float("inf"):
             raise InputError(f"`{name}` must be positive", value=number)

@@ -12,7 +12,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.api.sources import EllipseSource, listed, paths
-from reliab.criterion import Position, compare_with_scope, events_of_originals, magnitudes_of, scope_of
+from reliab.criterion import (
+    Position,
+    compare_with_scope,
+    events_of_originals,
+    magnitudes_of,
+    scope_of,
+    with_threshold,
+)
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
@@ -62,6 +69,8 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
+    for error in listed(source.threshold) or []:
+        dataset = with_threshold(dataset, error)
     return dataset.assign_coords(event=("motion", events_of_originals(dataset)))
 
 

@@ -16,7 +16,7 @@ from reliab.assessment.contradictions import (
     of_specimen,
     of_stability,
 )
-from reliab.assessment.default_criterion import default_criterion
+from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.doubts import doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
@@ -122,7 +122,7 @@ def assess(
     """
     _require_judgeable(recording, structure, stated or {})
     named = structure.frequency, structure.damping_ratio, threshold, confidence
-    chosen = criterion or default_criterion(*named, metric=metric, duration=recording.duration)
+    chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
     question = Question(
         structure=structure,
         stated=dict(stated or {}),

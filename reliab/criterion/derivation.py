@@ -68,11 +68,10 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     InputError
         If an actuator at rest would pass; the message names the structure where it does most often.
     """
-    table = tabled(ellipses)
+    table = tabled(ellipses).at_threshold(threshold)
     if table.error_at_rest is None:
         return
     errors = table.error_at_rest[..., position_of_name(table, "metric", metric)]
-    position(table, "threshold", threshold)
     shares = share_at_rest(errors.astype(np.float64), threshold)
     if shares.max() <= MOST_AT_REST:
         return
@@ -143,7 +142,7 @@ def derive_criterion(
     law : type of Law or str, optional
         How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
-        Error on the boundaries [-], one of the dataset's.
+        Error on the boundaries [-], as :meth:`EllipseTable.at_threshold` takes it.
     metric : str, optional
         Which error.
     confidence : float, optional
@@ -254,7 +253,8 @@ class Derivation:
         progress: Progress = silent,
     ) -> Self:
         """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
-        chosen = _only(_only(tabled(ellipses), "f", frequency), "xi", damping_ratio)
+        whole = tabled(ellipses).at_threshold(threshold)
+        chosen = _only(_only(whole, "f", frequency), "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {
