@@ -25,6 +25,7 @@ from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import Explanation, OwnEquation, error_under, examine_equation
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
+from reliab.assessment.recorded_force import stated_stiffness
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
@@ -120,7 +121,8 @@ def assess(
         If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
-    _require_judgeable(recording, structure, stated or {})
+    linear = model is None and not measured_specimen
+    _require_judgeable(recording, structure, stated or {}, linear=linear)
     named = structure.frequency, structure.damping_ratio, threshold, confidence
     chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
     question = Question(
@@ -185,10 +187,12 @@ def _examined(
     return _with_contradictions(assessment, clean, question)
 
 
-def _require_judgeable(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> None:
+def _require_judgeable(
+    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue], *, linear: bool
+) -> None:
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
-    require_plausible(recording, stiffness=_stated_stiffness(structure, stated))
+    require_plausible(recording, stiffness=stated_stiffness(structure, stated), linear=linear)
 
 
 def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
@@ -201,6 +205,7 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
         ),
         *of_stability(assessment.stability_margin),
         *of_motion(assessment.placement),
+        *assessment.equation.doubts,
         *of_specimen(assessment.error.specimen),
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
     )
@@ -216,13 +221,6 @@ def _depends_on_columns(assessment: Assessment, clean: Recording, question: Ques
     shown = replace(question, structure=assessment.equation.structure(question.structure))
     swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), shown)
     return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
-
-
-def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
-    """Stiffness of the specimen [N/m]; None where no mass is stated."""
-    if "mass" not in stated:
-        return None
-    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
 
 
 def _placed(

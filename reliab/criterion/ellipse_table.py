@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,7 @@ metric)."""
 _OF_FIRST_ORDER = 0.01
 """Error below which a and b of the ellipses that ship are proportional to its square, within 3 % (median)."""
 
+_Table = TypeVar("_Table", bound="EllipseTable")
 DIMENSIONS = tuple(str(name) for name in ELLIPSE_DIMENSIONS)
 _OF_REST = ("motion", "f", "xi", "metric")
 _OF_OLDER_FILES = {"curve": str(CurveName.ELLIPSE), "side": str(Side.LAG)}
@@ -175,7 +176,7 @@ def neighbours(values: NDArray[Any], wanted: float) -> NDArray[np.int64]:
     return order[place - 1 : place + 1]
 
 
-def between_tables(below: EllipseTable, above: EllipseTable, weight: float) -> EllipseTable:
+def between_tables(below: _Table, above: _Table, weight: float) -> _Table:
     """Ellipses between two tables, ln a and ln b being linear in the weight of the second."""
     (a_low, b_low), (a_high, b_high) = _logarithms(below), _logarithms(above)
     share = 1.0 - weight

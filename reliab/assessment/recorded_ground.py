@@ -1,0 +1,178 @@
+"""Recorded ground accelerations as the motion of the test shows them.
+
+The loop's equation of motion is fitted with the channel as it is recorded; where that does not explain the
+motion, with the channel reversed, in other units, and as the absolute acceleration of the structure.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from reliab.assessment.contradictions import Contradiction
+from reliab.assessment.rebuilt_error.identification import Identification, identify
+from reliab.errors import InputError
+from reliab.recordings import CoupledRecording, Part, Recording
+from reliab.significant import percent, significant
+from reliab.structures import Structure
+from reliab.vocabulary import STANDARD_GRAVITY
+
+UNITS_OF_GROUND: Final = {
+    "g": STANDARD_GRAVITY,
+    "gal": 1e-2,
+    "mm/s2": 1e-3,
+    "ft/s2": 0.3048,
+    "in/s2": 0.0254,
+}
+"""Units of an acceleration [m/s²] beside m/s², as the names of columns hold them."""
+
+_LARGEST_MISFIT = 0.3
+"""Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
+
+_FARTHEST = 0.25  # of the stated frequency, by which an identified one may differ
+_UNIT_TOLERANCE = 0.25
+_FEWEST_PERIODS = 5.0
+_TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
+_REVERSED = "The ground acceleration has the opposite sign."
+_ABSOLUTE = (
+    "The channel of the ground acceleration is not this test's ground acceleration: it moves as the absolute "
+    "acceleration of the structure does, that of ground and response together. Nothing was learned from it. "
+    "Record the acceleration of the ground."
+)
+_REMEDY = "Check channel, unit and range of the ground acceleration, and the description of the structure."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShownGround:
+    """What a recorded ground acceleration shows."""
+
+    identified: Identification | None = None  # The structure; None where the channel does not show it
+    notes: tuple[str, ...] = ()  # What was found about the channel, in sentences
+    doubts: tuple[Contradiction, ...] = ()  # Where it contradicts the test
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Reading:
+    """A way to read the channel."""
+
+    factor: float  # To m/s², with its sign [-]
+    absolute: bool = False  # Whether it is the absolute acceleration
+    unit: str = ""  # In which unit it would be recorded; empty as stated
+
+
+def examine_ground(
+    recording: Recording, structure: Structure, *, mass: float | None, feedback_lag: float
+) -> ShownGround:
+    """Identify the structure from the recorded ground acceleration, or say why it cannot be this test's.
+
+    `mass` of the structure [kg], with which a recorded force is used too; `feedback_lag` [s].
+    Raises InputError where the channel explains the motion in another unit only.
+    """
+    if recording.ground is None:
+        return ShownGround()
+    if recording.duration * structure.frequency < _FEWEST_PERIODS:
+        return ShownGround(notes=(_TOO_SHORT,))
+    force = recording.force / mass if recording.force is not None and mass is not None else None
+    ground = recording.ground
+
+    def read(reading: _Reading) -> Identification:
+        return identify(
+            recording.command,
+            recording.measured,
+            np.asarray(reading.factor * ground),
+            recording.time_step,
+            structure,
+            force=force,
+            feedback_lag=feedback_lag,
+            absolute=reading.absolute,
+        )
+
+    signs = {_Reading(factor=1.0): (), _Reading(factor=-1.0): (_REVERSED,)}
+    found = {reading: read(reading) for reading in signs}
+    best = min(found, key=lambda reading: found[reading].misfit)
+    if _is_explained(found[best], structure):
+        return ShownGround(identified=found[best], notes=signs[best])
+    others = {reading: read(reading) for reading in _other_readings()}
+    explained = [reading for reading in others if _is_explained(others[reading], structure)]
+    if not explained:
+        doubt = _other_ground(found[best], structure, with_force=force is not None)
+        return ShownGround(notes=(doubt.finding,), doubts=(doubt,))
+    likely = min(explained, key=lambda reading: others[reading].misfit)
+    if likely.absolute:
+        return ShownGround(notes=(_ABSOLUTE,))
+    raise other_unit_of_ground(recording, likely.unit)
+
+
+def other_unit_of_ground(recording: Recording | CoupledRecording, unit: str) -> InputError:
+    """Ask for the unit of a ground acceleration that explains the motion of its test in another one."""
+    channels = (channel for channel in recording.channels if channel.part is Part.GROUND)
+    stated = next((channel.unit for channel in channels if channel.unit), "m/s²")
+    return InputError(
+        "The ground acceleration must be in the stated unit",
+        value=f"{stated}, while the motion of the test is that of a ground acceleration in {unit}",
+        remedy=f"Is it in {unit}? State that in the column's name, ground_acceleration [{unit}], or in a "
+        "file `channels.toml`",
+        where=recording.name,
+    )
+
+
+def require_unit_of_ground(recording: Recording | CoupledRecording, factor: float | None) -> None:
+    """Refuse a ground acceleration whose response is that of the test in another unit.
+
+    `factor`: by which it explains the test; None where it does as it is, or not at all.
+    """
+    for size, unit in units_like():
+        if factor is not None and abs(abs(factor) / size - 1.0) < _UNIT_TOLERANCE:
+            raise other_unit_of_ground(recording, unit)
+
+
+def units_like() -> Iterator[tuple[float, str]]:
+    """Give factors to m/s² of channels whose unit is another one than stated, each with that unit."""
+    for unit, size in UNITS_OF_GROUND.items():
+        yield size, unit
+        yield 1.0 / size, "m/s2"
+
+
+def _other_readings() -> Iterator[_Reading]:
+    for sign in (1.0, -1.0):
+        yield _Reading(factor=sign, absolute=True)
+        for factor, unit in units_like():
+            yield _Reading(factor=sign * factor, unit=unit)
+            yield _Reading(factor=sign * factor, unit=unit, absolute=True)
+
+
+def _is_explained(identified: Identification, structure: Structure) -> bool:
+    """Whether a reading explains the motion by a structure like the stated one."""
+    apart = abs(identified.frequency.value / structure.frequency - 1.0)
+    return identified.misfit <= _LARGEST_MISFIT and apart <= _FARTHEST
+
+
+def _other_ground(best: Identification, structure: Structure, *, with_force: bool) -> Contradiction:
+    """Say that the channel does not belong to the test."""
+    if best.misfit <= _LARGEST_MISFIT:
+        why = (
+            f"with it the structure would have {significant(best.frequency.value)} Hz, and "
+            f"{significant(structure.frequency)} Hz was stated"
+        )
+    else:
+        share = percent(best.misfit, decimals=0)
+        why = f"the equation of motion leaves {share} of it unexplained"
+    where = ", or the recorded force is not what acted" if with_force else ""
+    return Contradiction(
+        finding=f"The recorded ground acceleration does not belong to this test{where}, or the structure is "
+        f"not as stated: {why}. Nothing was learned from it.",
+        remedy=_REMEDY,
+    )
+
+
+def doubts_of_ground(recording: Recording, structure: Structure, mass: float) -> tuple[str, ...]:
+    """Say whether the recorded ground acceleration is reversed, in another unit, or not this test's.
+
+    `mass` [kg].
+    """
+    too_short = recording.duration * structure.frequency < _FEWEST_PERIODS
+    try:
+        return () if too_short else examine_ground(recording, structure, mass=mass, feedback_lag=0.0).notes
+    except InputError as error:
+        return (f"{error.rule}; found {error.value}. {error.remedy}.",)
