@@ -31,6 +31,7 @@ _SIGNIFICANT = 3.0  # standard errors
 _FEWEST_PERIODS = 5.0
 _AGREES = 2.0  # stated standard deviations
 _LEAST = 0.02  # of the damping ratio, below which nothing is said of it; it moves the error by about 0.5 %
+_BY_DEFAULT = {"experimental_fraction": 1.0, "feedback_lag": 0.0}  # what is taken where nobody states it
 _QUANTITIES = {
     "frequency": ("f", "a natural frequency", " Hz", 1.0),
     "damping_ratio": ("xi", "a damping ratio", "", 1.0),
@@ -305,7 +306,7 @@ def _sentence(name: str, estimate: Identified) -> str:
     return (
         f"The test's own equation of motion shows {words} of {value:.4g} ± "
         f"{significant(deviation, 1)}{unit}; "
-        f"{stated:.4g}{unit} was stated."
+        f"{stated:.4g}{unit} was {'taken' if stated == _BY_DEFAULT.get(name) else 'stated'}."
     )
 
 

@@ -19,19 +19,21 @@ from reliab.structures import Structure
 from reliab.vocabulary import STANDARD_GRAVITY
 
 UNITS_OF_GROUND: Final = {
+    "m/s2": 1.0,
     "g": STANDARD_GRAVITY,
     "gal": 1e-2,
     "mm/s2": 1e-3,
     "ft/s2": 0.3048,
     "in/s2": 0.0254,
 }
-"""Units of an acceleration [m/s²] beside m/s², as the names of columns hold them."""
+"""Units of an acceleration [m/s²], as the names of columns hold them."""
 
 _LARGEST_MISFIT = 0.3
 """Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
 
 _FARTHEST = 0.25  # of the stated frequency, by which an identified one may differ
 _UNIT_TOLERANCE = 0.25
+_SAME_UNIT = 0.05  # of a unit, by which a calibrated channel may differ from it
 _FEWEST_PERIODS = 5.0
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
 _REVERSED = "The ground acceleration has the opposite sign."
@@ -58,7 +60,6 @@ class _Reading:
 
     factor: float  # To m/s², with its sign [-]
     absolute: bool = False  # Whether it is the absolute acceleration
-    unit: str = ""  # In which unit it would be recorded; empty as stated
 
 
 def examine_ground(
@@ -101,18 +102,22 @@ def examine_ground(
     likely = min(explained, key=lambda reading: others[reading].misfit)
     if likely.absolute:
         return ShownGround(notes=(_ABSOLUTE,))
-    raise other_unit_of_ground(recording, likely.unit)
+    raise other_unit_of_ground(recording, abs(likely.factor))
 
 
-def other_unit_of_ground(recording: Recording | CoupledRecording, unit: str) -> InputError:
-    """Ask for the unit of a ground acceleration that explains the motion of its test in another one."""
-    channels = (channel for channel in recording.channels if channel.part is Part.GROUND)
-    stated = next((channel.unit for channel in channels if channel.unit), "m/s²")
+def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float) -> InputError:
+    """Ask for the unit of a ground acceleration that explains the motion times a factor."""
+    channel = next((one for one in recording.channels if one.part is Part.GROUND and one.unit), None)
+    stated, size = ("m/s2", 1.0) if channel is None else (channel.unit, abs(channel.factor))
+    alike = (unit for unit, known in UNITS_OF_GROUND.items() if abs(factor * size / known - 1.0) < _SAME_UNIT)
+    unit = next(alike, None)
+    found = f"one in {unit}" if unit else f"one that is {significant(factor, 4)} times as large"
+    ask = f"Is it in {unit}? State that in" if unit else "State its unit in"
     return InputError(
         "The ground acceleration must be in the stated unit",
-        value=f"{stated}, while the motion of the test is that of a ground acceleration in {unit}",
-        remedy=f"Is it in {unit}? State that in the column's name, ground_acceleration [{unit}], or in a "
-        "file `channels.toml`",
+        value=f"{stated}, while the motion of the test is that of {found}",
+        remedy=f"{ask} the column's name, ground_acceleration [{unit or 'm/s2'}], or in a file "
+        "`channels.toml`",
         where=recording.name,
     )
 
@@ -122,24 +127,23 @@ def require_unit_of_ground(recording: Recording | CoupledRecording, factor: floa
 
     `factor`: by which it explains the test; None where it does as it is, or not at all.
     """
-    for size, unit in units_like():
+    for size in _factors_of_units():
         if factor is not None and abs(abs(factor) / size - 1.0) < _UNIT_TOLERANCE:
-            raise other_unit_of_ground(recording, unit)
+            raise other_unit_of_ground(recording, size)
 
 
-def units_like() -> Iterator[tuple[float, str]]:
-    """Give factors to m/s² of channels whose unit is another one than stated, each with that unit."""
-    for unit, size in UNITS_OF_GROUND.items():
-        yield size, unit
-        yield 1.0 / size, "m/s2"
+def _factors_of_units() -> Iterator[float]:
+    """Give factors of channels whose unit is another one than stated."""
+    for size in UNITS_OF_GROUND.values():
+        yield from (size, 1.0 / size) if size != 1.0 else ()
 
 
 def _other_readings() -> Iterator[_Reading]:
     for sign in (1.0, -1.0):
         yield _Reading(factor=sign, absolute=True)
-        for factor, unit in units_like():
-            yield _Reading(factor=sign * factor, unit=unit)
-            yield _Reading(factor=sign * factor, unit=unit, absolute=True)
+        for factor in _factors_of_units():
+            yield _Reading(factor=sign * factor)
+            yield _Reading(factor=sign * factor, absolute=True)
 
 
 def _is_explained(identified: Identification, structure: Structure) -> bool:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment import assess
+from reliab.assessment.budget import ordinary_equipment
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -56,6 +57,20 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
     assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
 
 
+@pytest.mark.parametrize("assumed", [0.02, 0.05])
+def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(judged, assumed):
+    """Simulated with 0.02; as uncertain as the skew of the channels leaves it."""
+    said = ("No damping ratio was stated.",)
+    test, found = judged(damping_ratio=assumed, assumed=said, equipment=ordinary_equipment())
+    stated = found.stated["xi"]
+    assert stated.value == pytest.approx(0.02, rel=0.02)
+    assert 0.001 < stated.deviation < 0.01
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+    assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in found.warnings)
+    of_ratio = next(item for item in found.error.budget if item.name == "damping_ratio")
+    assert of_ratio.source == "learned from this test"
+
+
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     ("sign", "words"),
@@ -74,10 +89,10 @@ UNITS = {"g": 9.80665, "gal": 0.01, "mm/s2": 0.001, "ft/s2": 0.3048, "in/s2": 0.
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(judged, unit, sign, power):
-    asked = unit if power > 0.0 else "m/s2"
     with pytest.raises(InputError, match="must be in the stated unit") as refusal:
         judged(sign=sign * UNITS[unit] ** -power)
-    assert f"Is it in {asked}?" in str(refusal.value)
+    assert (f"Is it in {unit}?" in str(refusal.value)) is (power > 0.0)
+    assert ("times as large" in str(refusal.value)) is (power < 0.0)
 
 
 @pytest.mark.default_cases(3)
