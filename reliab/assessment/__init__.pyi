@@ -22,7 +22,6 @@ from .design import (
     chart_frequencies as chart_frequencies,
     tolerable_errors as tolerable_errors,
 )
-from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_text
 from .error_of_test import (
     CANCELLING as CANCELLING,
     PART_NAMES as PART_NAMES,
@@ -51,4 +50,11 @@ from .recorded_force import require_restoring_force as require_restoring_force, 
 from .recorded_ground import doubts_of_ground as doubts_of_ground
 from .several import Assessments as Assessments, verdict_table as verdict_table
 from .tracking_index import LEVEL as LEVEL, Windows as Windows, noise_floor as noise_floor
-from .verdict import Word as Word, word_of_probability as word_of_probability
+from .verdict import (
+    ERROR_NAMES as ERROR_NAMES,
+    Word as Word,
+    error_in_words as error_in_words,
+    probability_text as probability_text,
+    steps_in_words as steps_in_words,
+    word_of_probability as word_of_probability,
+)

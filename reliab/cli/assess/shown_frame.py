@@ -63,7 +63,7 @@ def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     if content.get("by_index") is not None:
         by_index = content["by_index"]
         index = "unknown" if by_index["index"] is None else significant(by_index["index"])
-        rows["index of the criterion"] = f"{index}: {by_index['verdict'].replace('_', ' ')}"
+        rows["index of the criterion"] = f"{index} (limit 1)"
     shown = table(f"Test of {content['structure']}", {"": "left", "value": "left"})
     for name, value in rows.items():
         shown.add_row(name, value)

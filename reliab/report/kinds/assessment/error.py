@@ -14,8 +14,8 @@ from reliab.assessment import (
     ErrorWithThreshold,
     ResponseErrors,
     Word,
+    error_in_words,
     part_in_words,
-    probability_text,
 )
 from reliab.assessment.budget import BudgetItem
 from reliab.assessment.rebuilt_error import DisplacementError, Estimate, Parts
@@ -158,17 +158,11 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     size = error.estimate(error.metric)
     if np.isnan(size.value):
         return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
+    how_large = error_in_words(error.of_which, size, error.threshold, error.probability)
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],
-        " ".join(
-            (
-                f"{error.of_which} is {percent(size.value, decimals=2)}",
-                f"(90 % interval {percent_range(size.low, size.high)})",
-                f"against {percent(error.threshold)}.",
-                f"Probability of staying below: {probability_text(error.probability)}.",
-            )
-        ),
+        f"{how_large} (90 % interval {percent_range(size.low, size.high)}).",
     )
 
 
