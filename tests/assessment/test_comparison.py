@@ -91,8 +91,9 @@ def errors_drawn(rows, values):
     """Stand-ins of what was found about tests, of which only the draws of the errors are known."""
     made = {}
     for file, row in rows.items():
+        drawn = np.array(row, dtype=float)
         draws = SimpleNamespace(
-            errors=lambda _metric, row=row: np.array(row), weights=lambda row=row: np.ones(len(row))
+            errors=lambda _metric, drawn=drawn: drawn, weights=lambda drawn=drawn: np.ones_like(drawn)
         )
         unknown = SimpleNamespace(deviations=dict)
         made[file] = SimpleNamespace(

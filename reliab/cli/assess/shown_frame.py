@@ -63,7 +63,7 @@ def _quantities(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
     if content.get("by_index") is not None:
         by_index = content["by_index"]
         index = "unknown" if by_index["index"] is None else significant(by_index["index"])
-        rows["index of the criterion"] = f"{index} (limit 1)"
+        rows["index of the criterion"] = f"{index}: {by_index['verdict'].replace('_', ' ')}"
     shown = table(f"Test of {content['structure']}", {"": "left", "value": "left"})
     for name, value in rows.items():
         shown.add_row(name, value)
@@ -106,6 +106,7 @@ def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
+    yield from ((content.get("by_index") or {}).get("reasons") or ())[-1:]
     if "critical_direction" in content and content["critical_delay_ms"] is not None:
         moved = ", ".join(
             f"{name} {significant(value, 2)}" for name, value in content["critical_direction"].items()
