@@ -1,10 +1,12 @@
-"""`reliab.follow_test`: the error of a test while it runs, message by message."""
+"""`reliab.follow_test`: the error of a test while it runs, message by message, and its verdict at the end."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +20,15 @@ from reliab.api.arguments import (
     stated_values,
     unused,
 )
+from reliab.api.assessment import Stated, assess
 from reliab.api.followed_errors import degrees_so_far, errors_with_intervals
-from reliab.assessment import require_linear_interface
+from reliab.assessment import (
+    ERROR_NAMES,
+    Word,
+    error_in_words,
+    require_linear_interface,
+    word_of_probability,
+)
 from reliab.assessment.budget import (
     Equipment,
     Size,
@@ -28,8 +37,11 @@ from reliab.assessment.budget import (
     tolerances_of,
 )
 from reliab.assessment.coupled_error import CoupledMonitor
+from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
+from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
+from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.recordings import (
     Part,
@@ -51,9 +63,17 @@ from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import Metric
 
+if TYPE_CHECKING:
+    from reliab.assessment import Assessment, CoupledAssessment, FrameAssessment
+
 AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
 
 _MILLISECONDS = 1e-3
+_CELLS = re.compile(rb"[^\s,;]+")
+_FEWEST_PERIODS = 2.0  # of the structure, from which a reversed sign is told
+_OF_ERROR = ("rms", "mte", "governing", "degrees_of_freedom")
+_NOT_KNOWN = "No error of the whole test is known."
+_NO_LAG = (0.0, "0")
 _WHOLE = (1.0, "1")  # shares of the stiffness that nobody has stated
 _BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
 _GLANCE = 0.1  # s of the test between two looks at the alarms
@@ -73,12 +93,16 @@ class Message:
         The monitor, which goes on with the test.
     alarms : dict of str to str
         Sentences of the alarms that were raised so far, by name.
+    assessment : Assessment, FrameAssessment or CoupledAssessment, optional
+        At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
+        held, or whose file was replaced.
     """
 
     kind: str
     content: Mapping[str, Any]
     monitor: AnyMonitor
     alarms: Mapping[str, str]
+    assessment: "Assessment | FrameAssessment | CoupledAssessment | None" = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers with stable keys."""
@@ -170,8 +194,8 @@ def follow_test(
     Returns
     -------
     iterator of Message
-        Updates and alarms as they come; the last message is the end, whose `above_threshold` says whether the
-        error of the whole test is too large.
+        Updates and alarms as they come; the last message is the end, with the verdict on the whole test:
+        that of :func:`reliab.assess` where the test could be held.
 
     Raises
     ------
@@ -181,8 +205,8 @@ def follow_test(
     Examples
     --------
     >>> *_, end = follow_test("sample_test", f=1, xi=0.02, wait=0.1)
-    >>> end.kind, end.to_dict()["above_threshold"]
-    ('end', False)
+    >>> end.kind, end.to_dict()["verdict"]
+    ('end', 'reliable')
     """
     threshold = stated_threshold(threshold)
     positive = {"every": every, "wait": wait, "start_within": start_within}
@@ -190,6 +214,27 @@ def follow_test(
         if not 0.0 < number < float("inf"):
             raise InputError(f"`{name}` must be positive", value=number)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    as_assessed = Stated(
+        f=f,
+        xi=xi,
+        alpha=None if alpha in _WHOLE else alpha,
+        model=model,
+        specimen=specimen,
+        mass=mass,
+        force_channel=force_channel,
+        scale=scale,
+        feedback_lag=None if feedback_lag in _NO_LAG else feedback_lag,
+        equipment=equipment,
+        exact=exact,
+        threshold=threshold,
+        metric=metric,
+        command=command,
+        measured=measured,
+        time=time,
+        rate=rate,
+        units=units,
+        channels=channels,
+    )
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
     updated = None if model is None else model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag)
@@ -204,14 +249,17 @@ def follow_test(
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag, mass=mass)
     if mode is None and alpha in _WHOLE:
         del of_test["alpha"]
+    text = _WholeText(name="standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
-        chunks_of_text(path, wait, start_within, say),
-        name="standard input" if path == "-" else Path(path).name,
+        text.kept(chunks_of_text(path, wait, start_within, say)),
+        name=text.name,
         stated=laboratory.stated,
         also=() if of_force is None else (Part.FORCE,),
         several=frame is not None and frame.several,
     )
     watch = _Watch(
+        text=text,
+        judge=lambda file: assess(file, structure, **as_assessed),
         stated=of_test,
         laboratory=laboratory,
         model=updated,
@@ -238,7 +286,7 @@ def model_of(
         "f": f is not None,
         "xi": xi is not None,
         "alpha": alpha not in _WHOLE,
-        "feedback_lag": feedback_lag not in (0.0, "0"),
+        "feedback_lag": feedback_lag not in _NO_LAG,
     }
     for name, is_stated in stated.items():
         if is_stated:
@@ -313,10 +361,44 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
     return stated
 
 
+class _WholeText:
+    """Text of a test as it came, for as long as it is that of one file and the monitor holds all of it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._pieces: list[bytes] | None = []
+
+    def kept(self, pieces: Iterator[bytes]) -> Iterator[bytes]:
+        """Keep the pieces that pass, as UTF-8; an empty one says that another file begins."""
+        for piece in pieces_as_utf8(pieces):
+            if not piece:
+                self.drop()
+            elif self._pieces is not None:
+                self._pieces.append(piece)
+            yield piece
+
+    def drop(self) -> None:
+        """Keep nothing any more."""
+        self._pieces = None
+
+    def write_to(self, folder: str) -> Path | None:
+        """Write the text to a file of its name, up to its last whole line; None where it was not kept."""
+        if self._pieces is None:
+            return None
+        *lines, last = b"".join(self._pieces).split(b"\n")
+        if lines and len(_CELLS.findall(last)) == len(_CELLS.findall(lines[-1])):
+            lines.append(last)
+        path = Path(folder) / self.name
+        path.write_bytes(b"\n".join([*lines, b""]))
+        return path
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Watch:
     """Follows rows, and says what is known."""
 
+    text: _WholeText
+    judge: "Callable[[Path], Assessment | FrameAssessment | CoupledAssessment]"  # Assesses a finished test
     stated: dict[str, StatedValue]  # By options, until the first row came
     laboratory: StatedChannels
     model: UpdatedModel | None
@@ -328,6 +410,7 @@ class _Watch:
     every: float  # [s]
     sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
     alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
+    sign: RunningSign = field(default_factory=RunningSign)
 
     def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
         """Follow the rows of a test to their end.
@@ -345,6 +428,8 @@ class _Watch:
                 to_next = min(count - monitor.samples % count for count in (between, glance))
                 end = min(begin + to_next, size)
                 self._feed(monitor, part, slice(begin, end))
+                if not monitor.is_whole:
+                    self.text.drop()
                 if monitor.samples % glance == 0 or monitor.samples % between == 0:
                     yield from self._new_alarms(monitor)
                 if monitor.samples % between == 0:
@@ -409,6 +494,7 @@ class _Watch:
     def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
         """Feed a part of some rows, in the scale of the displacement sensor."""
         command, measured = rows.command[..., part], rows.measured[..., part] / self.stated["scale"].value
+        self.sign.add(command, measured)
         if isinstance(monitor, MeasuredMonitor):
             if rows.force is not None:
                 monitor.feed(command, measured, rows.force[part])
@@ -421,7 +507,15 @@ class _Watch:
         monitor.feed(command, measured)
 
     def _new_alarms(self, monitor: AnyMonitor) -> Iterator[Message]:
-        """Raise the alarms that are due, at once."""
+        """Raise the alarms that are due, at once; of reversed displacements none but that."""
+        if self._is_reversed(monitor):
+            yield from self._alarm(
+                "sign",
+                monitor,
+                "the measured displacement has the opposite sign of the command, so that no error shown is "
+                "right: reverse the sign of one channel",
+            )
+            return
         if monitor.gains_energy_since is not None:
             yield from self._alarm(
                 "unstable",
@@ -443,23 +537,73 @@ class _Watch:
                 ),
             )
 
+    def _is_reversed(self, monitor: AnyMonitor) -> bool:
+        frequency = float(monitor.structure.natural_frequencies[0])
+        periods = monitor.now.time * frequency
+        return monitor.moves and periods >= _FEWEST_PERIODS and self.sign.is_reversed(frequency)
+
     def _alarm(self, name: str, monitor: AnyMonitor, sentence: str) -> Iterator[Message]:
         if name not in self.alarms:
             self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
             yield self._message(monitor, "alarm")
 
     def _update(self, monitor: AnyMonitor) -> Message:
-        asked = monitor.ask() if monitor.due else None
+        asked = monitor.ask() if monitor.due and "sign" not in self.alarms else None
         if asked is None or monitor.result is None:
             return self._message(monitor, "update")
         return self._message(monitor, "update", error=self._intervals(asked, monitor))
 
     def _end(self, monitor: AnyMonitor) -> Message:
+        """Judge the whole test: as it is assessed where it was kept, else by the running intervals."""
+        with TemporaryDirectory() as folder:
+            file = self.text.write_to(folder) if monitor.moves else None
+            found = None if file is None else self.judge(file)
+        if found is not None and isinstance(monitor, MeasuredMonitor):
+            return self._assessed(monitor, found)
         asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
+        if found is not None:
+            return self._assessed(monitor, found)
         if monitor.result is None:
-            return self._message(monitor, "end", above_threshold=None)
-        above = monitor.result.estimate(self.metric).value > self.threshold
-        return self._message(monitor, "end", error=self._intervals(asked, monitor), above_threshold=above)
+            return self._message(monitor, "end", **self._told(Word.UNDECIDED, [_NOT_KNOWN], []))
+        error, size = self._intervals(asked, monitor), monitor.result.estimate(self.metric)
+        reason = error_in_words(ERROR_NAMES[self.metric], size, self.threshold, error["probability"])
+        told = self._told(word_of_probability(error["probability"]), [f"{reason}."], [])
+        return self._message(monitor, "end", error=error, **told)
+
+    def _assessed(
+        self, monitor: AnyMonitor, found: "Assessment | FrameAssessment | CoupledAssessment"
+    ) -> Message:
+        """Tell the end of a test by its assessment."""
+        content, now = found.to_dict(), monitor.now
+        error = {
+            **{key: content["error"][key] for key in _OF_ERROR if key in content["error"]},
+            "probability": found.probability,
+            "until_s": now.time,
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+        }
+        told = self._told(Word(content["verdict"]), content["reasons"], content["would_decide"])
+        learned = found.error.specimen if isinstance(found.error, ErrorOfTest) else None
+        if learned is not None:
+            told["specimen"] = {
+                "learning": not learned.learned,
+                "held_out": learned.held_out,
+                "until_s": now.time,
+            }
+            told |= {metric: error[metric]["value"] for metric in Metric}
+            told["error_m"] = learned.rebuilt.error[-1].item()
+        return replace(self._message(monitor, "end", error=error, **told), assessment=found)
+
+    def _told(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:
+        """Put a verdict into plain values."""
+        above = None if word is Word.UNDECIDED else word is Word.NOT_RELIABLE
+        return {
+            "verdict": str(word),
+            "reliable": word is Word.RELIABLE,
+            "reasons": reasons,
+            "would_decide": steps,
+            "above_threshold": above,
+        }
 
     def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
         now = monitor.now

@@ -9,9 +9,16 @@ from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.verdict import ERROR_NAMES, Verdict, Word, error_in_words, word_of_probability
+from reliab.assessment.verdict import (
+    ERROR_NAMES,
+    Verdict,
+    Word,
+    error_in_words,
+    sized_in_words,
+    word_of_probability,
+)
 from reliab.recordings import CoupledRecording, Recording
-from reliab.significant import percent, percent_range, significant
+from reliab.significant import percent, significant
 from reliab.structures import is_of_entries
 from reliab.vocabulary import Metric
 
@@ -53,8 +60,7 @@ def verdict_of_error(
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     largest = f"{error.of_which}, the largest," if error.of_which else ""
-    how_large = error_in_words(f"{name}{largest}", size, error.threshold, error.probability)
-    reason = f"{how_large}; its 90 % interval is {percent_range(size.low, size.high)}."
+    reason = f"{sized_in_words(f'{name}{largest}', size, error.threshold, error.probability)}."
     verdict = Verdict(
         word=word,
         reasons=(reason,),

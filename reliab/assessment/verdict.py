@@ -79,6 +79,16 @@ def error_in_words(name: str, size: Estimate, threshold: float, probability: flo
     return f"{name} is {how_large}, {below}"
 
 
+def sized_in_words(name: str, size: Estimate, threshold: float, probability: float) -> str:
+    """Say the same with the 90 % interval.
+
+    >>> sized_in_words("RMS^R", Estimate(value=0.02, low=0.01, high=0.04), 0.05, 0.98)
+    'RMS^R is 2.00 %, below 5 % with probability 0.98 (90 % interval 1.00 to 4.00 %)'
+    """
+    words, interval = error_in_words(name, size, threshold, probability), percent_range(size.low, size.high)
+    return f"{words} (90 % interval{'' if interval in words else f' {interval}'})"
+
+
 def probability_text(probability: float, *, bound: float = 0.99) -> str:
     """Write a probability, without claiming more than 0.99.
 
