@@ -176,10 +176,8 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert (first["kind"], first["alarms"], said[-1]["alarms"]) == ("alarm", ["error"], ["error"])
     assert 12.0 < first["time_s"] < 28.0
     assert said[-1]["above_threshold"]
-    assert (
-        run([word for word in follow(path, "--threshold", "0.002", "--exact") if word not in {"--json", "-"}])
-        == 1
-    )
+    on_screen = ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1"]
+    assert run([*on_screen, "--threshold", "0.002", "--exact"]) == 1
     printed = " ".join(capsys.readouterr().out.split())
     assert printed.count("Alarm at") == 1
     assert "s: the error is above twice 0.20 %" in printed
