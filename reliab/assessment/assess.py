@@ -32,7 +32,7 @@ from reliab.assessment.own_equation import (
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.recorded_force import stated_stiffness
-from reliab.assessment.recorded_ground import examine_ground
+from reliab.assessment.recorded_ground import examine_ground, require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
@@ -212,6 +212,10 @@ def _require_judgeable(
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
     require_plausible(recording, stiffness=stated_stiffness(structure, stated), linear=linear)
+    if "mass" in stated and not linear:
+        lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+        sound, *_ = without_spikes(recording)
+        require_unit_of_force(sound, structure, mass=stated["mass"].value, feedback_lag=lag)
 
 
 def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:

@@ -35,6 +35,7 @@ _STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
 _STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
 _AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
+_SAME_UNIT = 0.1
 _UNITS: Final = {
     1e6: "meganewtons for newtons, or newtons for meganewtons",
     1e3: "kilonewtons for newtons, or newtons for kilonewtons",
@@ -202,15 +203,23 @@ def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SP
 def _require_unit(
     measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str, *, linear: bool
 ) -> None:
-    slope = _stiffness(measured, force, kernel, _STRAIGHT) if linear else None
-    least, most = _STIFFNESSES if slope is None else _OF_LINEAR
-    slope = slope or _stiffness(measured, force, kernel)
-    if slope is None or least <= slope / stiffness <= most:
+    slope = _stiffness(measured, force, kernel, _STRAIGHT)
+    straight, slope = slope is not None, slope or _stiffness(measured, force, kernel)
+    if slope is None:
         return
     ratio = slope / stiffness
+    # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
+    exact = straight and not linear and bool(unit_like(ratio, tolerance=_SAME_UNIT))
+    least, most = _OF_LINEAR if exact or (straight and linear) else _STIFFNESSES
+    if not least <= ratio <= most:
+        raise other_unit_of_force(ratio, where)
+
+
+def other_unit_of_force(ratio: float, where: str) -> InputError:
+    """Ask for the unit of a force that is a ratio of what the stated specimen makes."""
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
     alike = f", as {unit} would have" if unit else ""
-    raise InputError(
+    return InputError(
         "The recorded force must be that of the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
         remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "

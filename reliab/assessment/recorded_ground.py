@@ -12,6 +12,8 @@ import numpy as np
 
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.rebuilt_error.identification import Identification, identify
+from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
+from reliab.assessment.recorded_force import other_unit_of_force, unit_like
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Part, Recording
 from reliab.significant import percent, significant
@@ -33,6 +35,7 @@ _LARGEST_MISFIT = 0.3
 
 _FARTHEST = 0.25  # of the stated frequency, by which an identified one may differ
 _UNIT_TOLERANCE = 0.25
+_SAME_FORCE = 0.2
 _SAME_UNIT = 0.05  # of a unit, by which a calibrated channel may differ from it
 _FEWEST_PERIODS = 5.0
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
@@ -103,6 +106,31 @@ def examine_ground(
     if likely.absolute:
         return ShownGround(notes=(_ABSOLUTE,))
     raise other_unit_of_ground(recording, abs(likely.factor))
+
+
+def require_unit_of_force(
+    recording: Recording, structure: Structure, *, mass: float, feedback_lag: float
+) -> None:
+    """Refuse a force in another unit than stated, by the equation of motion of the computer's part.
+
+    Whatever the specimen does; `mass` of the structure [kg], `feedback_lag` [s].
+    """
+    if recording.ground is None or recording.force is None:
+        return
+    kernel, w0 = Kernel.of_frequency(structure.frequency, recording.time_step), structure.circular_frequency
+    x, v, a = (kernel.seen(recording.command, order) for order in range(3))
+    computed = (
+        a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x
+    )
+    late = kernel.seen(recording.force, 0) - feedback_lag * kernel.seen(recording.force, 1)
+    columns = np.stack([late / mass, np.ones(late.size)])
+    shaken = kernel.seen(recording.ground, 0)
+    for needed in (-computed - shaken, -computed + shaken):  # also where the ground acceleration is reversed
+        (factor, _), _, left = fit_equation(columns, needed, kernel)
+        if np.linalg.norm(left) <= _LARGEST_MISFIT * np.linalg.norm(needed) and factor > 0.0:
+            ratio = 1.0 / float(factor)
+            if unit_like(ratio, tolerance=_SAME_FORCE):
+                raise other_unit_of_force(ratio, recording.name)
 
 
 def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float) -> InputError:

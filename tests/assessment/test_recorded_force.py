@@ -14,6 +14,7 @@ from reliab.assessment.recorded_force import (
     remark_on_force,
     require_restoring_force,
 )
+from reliab.assessment.recorded_ground import require_unit_of_force
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -140,6 +141,31 @@ def test_a_linear_force_in_pounds_or_kilograms_is_refused(moved, unit, words, po
     asked = {"stated": {"mass": StatedValue(1000.0)}}
     with pytest.raises(InputError, match=f"must be that of the stated specimen.*{words}"):
         assess(replace(test, force=share * unit**power * test.force), structure, **asked)
+
+
+@pytest.mark.parametrize("reversed_", [1.0, -1.0])
+@pytest.mark.parametrize("unit", [4.4482216, 1.0 / 4.4482216, 9.80665, 1e3])
+def test_the_ground_acceleration_tells_the_unit_of_any_force(moved, unit, reversed_):
+    """By the equation of the computer's part, here with a specimen that yields and half of the stiffness."""
+    test = recorded(moved, "yielding")
+    structure = Structure(frequency=0.9, damping_ratio=0.03, experimental_fraction=0.5)
+    x, step, w0 = test.command, test.time_step, structure.circular_frequency
+    v = np.gradient(x, step)
+    computed = np.gradient(v, step) + 0.06 * w0 * v + 0.5 * w0**2 * x
+    test = replace(test, ground=-reversed_ * (computed + test.force / 1000.0))
+    asked = {"mass": 1000.0, "feedback_lag": 0.0}
+    require_unit_of_force(test, structure, **asked)
+    with pytest.raises(InputError, match="State the unit of the force"):
+        require_unit_of_force(replace(test, force=test.force / unit), structure, **asked)
+
+
+@pytest.mark.parametrize("unit", [4.4482216, 9.80665])
+def test_a_measured_specimen_whose_force_is_straight_is_asked_for_its_unit(moved, unit):
+    """Its stiffness may be another one than stated, but hardly by the factor of a unit."""
+    test = recorded(moved, "spring")
+    require_plausible(replace(test, force=0.4 * test.force), stiffness=STIFFNESS)
+    with pytest.raises(InputError, match="State the unit of the force"):
+        require_plausible(replace(test, force=test.force / unit), stiffness=STIFFNESS)
 
 
 @pytest.mark.parametrize("ratio", [0.7, 1.0, 1.5])
