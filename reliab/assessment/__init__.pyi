@@ -55,7 +55,6 @@ from .verdict import (
     Word as Word,
     error_in_words as error_in_words,
     probability_text as probability_text,
-    sized_in_words as sized_in_words,
     steps_in_words as steps_in_words,
     word_of_probability as word_of_probability,
 )

@@ -14,7 +14,6 @@ from reliab.assessment.verdict import (
     Verdict,
     Word,
     error_in_words,
-    sized_in_words,
     word_of_probability,
 )
 from reliab.recordings import CoupledRecording, Recording
@@ -60,7 +59,10 @@ def verdict_of_error(
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     largest = f"{error.of_which}, the largest," if error.of_which else ""
-    reason = f"{sized_in_words(f'{name}{largest}', size, error.threshold, error.probability)}."
+    how_large = error_in_words(
+        f"{name}{largest}", size, error.threshold, error.probability, with_interval=True
+    )
+    reason = f"{how_large}."
     verdict = Verdict(
         word=word,
         reasons=(reason,),

@@ -61,32 +61,29 @@ def word_of_probability(probability: float) -> Word:
     return Word.NOT_RELIABLE if probability <= 1.0 - CERTAIN else Word.UNDECIDED
 
 
-def error_in_words(name: str, size: Estimate, threshold: float, probability: float) -> str:
+def error_in_words(
+    name: str, size: Estimate, threshold: float, probability: float, *, with_interval: bool = False
+) -> str:
     """Say how large an error is [-], and with what probability it stays below a threshold [-].
 
-    The value is said where it and the probability decide alike, else the 90 % interval.
+    The value is said where it and the probability decide alike, else the 90 % interval. `with_interval`:
+    whether the interval is said in any case.
 
     >>> size = Estimate(value=0.0576, low=0.0051, high=0.0847)
     >>> error_in_words("RMS^R", size, 0.05, 0.61)
     'RMS^R is 0.51 to 8.47 %, below 5 % with probability 0.61'
-    >>> error_in_words("RMS^R", size, 0.05, 0.004)
-    'RMS^R is 5.76 %, below 5 % with probability < 0.01'
+    >>> error_in_words("RMS^R", size, 0.05, 0.004, with_interval=True)
+    'RMS^R is 5.76 % (90 % interval 0.51 to 8.47 %), below 5 % with probability < 0.01'
     """
     decided = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
-    alike = word_of_probability(probability) is decided
-    how_large = percent(size.value, decimals=2) if alike else percent_range(size.low, size.high)
-    below = f"below {percent(threshold)} with probability {probability_text(probability)}"
-    return f"{name} is {how_large}, {below}"
-
-
-def sized_in_words(name: str, size: Estimate, threshold: float, probability: float) -> str:
-    """Say the same with the 90 % interval.
-
-    >>> sized_in_words("RMS^R", Estimate(value=0.02, low=0.01, high=0.04), 0.05, 0.98)
-    'RMS^R is 2.00 %, below 5 % with probability 0.98 (90 % interval 1.00 to 4.00 %)'
-    """
-    words, interval = error_in_words(name, size, threshold, probability), percent_range(size.low, size.high)
-    return f"{words} (90 % interval{'' if interval in words else f' {interval}'})"
+    value, interval = percent(size.value, decimals=2), percent_range(size.low, size.high)
+    if word_of_probability(probability) is decided:
+        how_large = f"{value} (90 % interval {interval})" if with_interval else value
+    else:
+        how_large = f"{interval} (90 % interval)" if with_interval else interval
+    return (
+        f"{name} is {how_large}, below {percent(threshold)} with probability {probability_text(probability)}"
+    )
 
 
 def probability_text(probability: float, *, bound: float = 0.99) -> str:

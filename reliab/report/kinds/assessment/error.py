@@ -14,8 +14,8 @@ from reliab.assessment import (
     ErrorWithThreshold,
     ResponseErrors,
     Word,
+    error_in_words,
     part_in_words,
-    sized_in_words,
 )
 from reliab.assessment.budget import BudgetItem
 from reliab.assessment.rebuilt_error import DisplacementError, Estimate, Parts
@@ -158,7 +158,7 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     size = error.estimate(error.metric)
     if np.isnan(size.value):
         return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
-    how_large = sized_in_words(error.of_which, size, error.threshold, error.probability)
+    how_large = error_in_words(error.of_which, size, error.threshold, error.probability, with_interval=True)
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],
