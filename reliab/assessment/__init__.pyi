@@ -45,7 +45,7 @@ from .frame_test import (
 from .measured_specimen import ForceChannel as ForceChannel
 from .placement import carried_limits as carried_limits
 from .plain_error import plain_errors as plain_errors
-from .plausibility import require_plausible as require_plausible
+from .plausibility import RunningSign as RunningSign, require_plausible as require_plausible
 from .recorded_force import require_restoring_force as require_restoring_force, unit_like as unit_like
 from .recorded_ground import doubts_of_ground as doubts_of_ground
 from .several import Assessments as Assessments, verdict_table as verdict_table
