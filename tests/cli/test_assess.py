@@ -135,7 +135,7 @@ def test_check_turns_the_verdict_into_an_exit_code(folder):
     undecided = run(folder / "copied.csv", *ONE_HERTZ, "--check")
     assert undecided.exit_code == 1
     assert undecided.stdout.startswith("UNDECIDED")
-    assert "Next step: Export the test again" in undecided.stdout
+    assert "What would narrow the interval most" in undecided.stdout
 
 
 def test_threshold_and_confidence_move_the_verdict():
