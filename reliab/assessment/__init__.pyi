@@ -54,7 +54,7 @@ from .verdict import (
     ERROR_NAMES as ERROR_NAMES,
     Word as Word,
     error_in_words as error_in_words,
+    next_steps as next_steps,
     probability_text as probability_text,
-    steps_in_words as steps_in_words,
     word_of_probability as word_of_probability,
 )

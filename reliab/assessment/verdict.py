@@ -99,14 +99,13 @@ def probability_text(probability: float, *, bound: float = 0.99) -> str:
     return f"{probability:.2f}"
 
 
-def steps_in_words(steps: Sequence[str], narrowing: Collection[str]) -> Iterator[str]:
-    """Say what to do about a verdict: next steps, and what would narrow the interval of the error.
+def next_steps(steps: Sequence[str], narrowing: Collection[str]) -> Iterator[str]:
+    """Say what to do about a verdict beside what narrows the interval of the error, which may not decide it.
 
-    >>> list(steps_in_words(["Cut the test.", "Measure the skew."], ["Measure the skew."]))
-    ['Next step: Cut the test.', 'What would narrow the interval most: Measure the skew.']
+    >>> list(next_steps(["Cut the test.", "Measure the skew."], ["Measure the skew."]))
+    ['Next step: Cut the test.']
     """
     yield from (f"Next step: {step}" for step in steps if step not in narrowing)
-    yield from (f"What would narrow the interval most: {step}" for step in narrowing)
 
 
 def verdict_by_index(

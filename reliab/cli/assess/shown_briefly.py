@@ -54,12 +54,14 @@ def _of_governing(error: dict[str, Any]) -> str:
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment import steps_in_words
+    from reliab.assessment import next_steps
 
     yield from content["reasons"][:-1]  # the last one says the size, as the headline does
     if content["error"][content["metric"]]["value"] is not None:
         yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
-    yield from steps_in_words(content["would_decide"], content["error"].get("would_decide", ()))
+    narrowing = content["error"].get("would_decide", ())
+    yield from next_steps(content["would_decide"], narrowing)
+    yield from (f"What would narrow the interval most: {remedy}" for remedy in narrowing)
     yield from _improve(content["error"])
     yield from _widest(content)
     yield _tracking(content)

@@ -14,9 +14,9 @@ from reliab.assessment import (
     JudgedFrame,
     ModeOfTest,
     Word,
+    next_steps,
     part_in_words,
     probability_text,
-    steps_in_words,
 )
 from reliab.indices import TrackingOverFrequency
 from reliab.report.axes import legend_below
@@ -153,7 +153,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     )
     return [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *steps_in_words(verdict.would_decide, error.would_decide),
+        *next_steps(verdict.would_decide, error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         f"The error is that of {of_what}, whatever the actuator did.",

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reliab.assessment import LEVEL, Assessment, Word, steps_in_words
+from reliab.assessment import LEVEL, Assessment, Word, next_steps
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
@@ -239,7 +239,7 @@ def _cautions(assessment: Assessment) -> list[Prose]:
     verdict = assessment.verdict
     return [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *steps_in_words(verdict.would_decide, assessment.error.would_decide),
+        *next_steps(verdict.would_decide, assessment.error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         *warnings,
