@@ -25,6 +25,7 @@ LINEAR: Final = "linear"
 """A specimen that is stated as linear."""
 
 _MEASURED = "measured"
+_LARGEST_THRESHOLD: Final = 2.0  # the largest error of an actuator that moves no further than the exact one
 _POSITIVE = {
     "scale": "Give 1 for a sensor without an error of scale",
     "command_scale": "Give 1 for a command that is recorded as it was sent",
@@ -67,9 +68,11 @@ def require_positive(stated: Mapping[str, StatedValue]) -> None:
 def stated_threshold(threshold: float | None) -> float:
     """Read the error that a test may have, 0.05 by default."""
     limit = 0.05 if threshold is None else float(threshold)
-    if not 0.0 < limit < float("inf"):
+    if not 0.0 < limit <= _LARGEST_THRESHOLD:
         raise InputError(
-            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
+            f"The value of `threshold` must be positive and at most {_LARGEST_THRESHOLD:g}",
+            value=f"{limit:g}",
+            remedy="Give 0.05 for 5 %",
         )
     return limit
 

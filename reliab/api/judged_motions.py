@@ -12,7 +12,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.api.sources import EllipseSource, listed, paths
-from reliab.criterion import Position, compare_with_scope, magnitudes_of, scope_of, without_copies
+from reliab.criterion import (
+    Position,
+    compare_with_scope,
+    magnitudes_of,
+    scope_of,
+    with_threshold,
+    without_copies,
+)
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import MotionSuite, load_motions
@@ -65,6 +72,8 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
+    for error in listed(source.threshold) or []:
+        dataset = with_threshold(dataset, error)
     return without_copies(dataset)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from reliab import sweep
+from reliab.api.arguments import stated_threshold
 from reliab.criterion import carry_to_share, read_ellipses
 from reliab.errors import InputError
 from reliab.indices import Window
@@ -193,17 +194,12 @@ class EllipseSource:
 
 
 def require_thresholds(threshold: Numbers | None) -> None:
-    """Refuse errors that are not positive and finite.
+    """Refuse errors that are no shares of a peak.
 
     `threshold` [-].
     """
     for error in () if threshold is None else several(threshold):
-        if not 0.0 < error < math.inf:
-            raise InputError(
-                "The error threshold must be positive and finite",
-                value=f"`threshold={error:g}`",
-                remedy="Give a fraction, 0.05 for 5 %",
-            )
+        stated_threshold(error)
 
 
 def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401

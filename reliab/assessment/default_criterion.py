@@ -7,7 +7,6 @@ to the length of a test.
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +16,19 @@ from reliab.criterion import (
     Criterion,
     EllipseTable,
     Population,
+    Position,
     ResponseMeasures,
     carry_to_length,
     carry_to_response,
     derive_criterion,
+    neighbours,
     range_of,
     shipped_ellipses,
     shipped_measures,
 )
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
-from reliab.significant import significant
+from reliab.significant import percent, significant
 from reliab.structures import Structure
 from reliab.vocabulary import MILLI, CurveName, Metric, Side
 
@@ -51,7 +52,7 @@ def default_criterion(
     frequency, damping_ratio : float
         The structure [Hz, -]; beyond the shipped ones the criterion is that of the nearest.
     threshold : float, optional
-        Error of the whole test [-]; between shipped thresholds, ellipses are interpolated.
+        Error of the whole test [-]; see :meth:`reliab.criterion.EllipseTable.at_threshold`.
     confidence : float, optional
         Share of the population's ground motions, in (0, 1).
     metric : str, optional
@@ -74,6 +75,46 @@ def default_criterion(
     return _derived(frequency, damping_ratio, threshold, confidence, metric, without, duration)
 
 
+def criterion_of_test(
+    frequency: float,
+    damping_ratio: float,
+    threshold: float,
+    confidence: float,
+    *,
+    metric: str,
+    duration: float,
+) -> Criterion:
+    """Derive the criterion beside which a test is shown, whatever error it may have.
+
+    Where the error is too large for a criterion, its limits are those of the largest possible one, on the
+    safe side, and it promises nothing. Arguments are those of :func:`default_criterion`.
+    """
+    stored = sorted(map(float, _shipped_ellipses().at["threshold"]), reverse=True)
+    refusals: list[InputError] = []
+    for error in (threshold, *(smaller for smaller in stored if smaller < threshold)):
+        try:
+            found = _derived(frequency, damping_ratio, error, confidence, metric, None, duration)
+        except InputError as refusal:
+            refusals.append(refusal)
+            continue
+        return found if error == threshold else _without_promise(found, threshold)
+    raise refusals[0]
+
+
+def _without_promise(criterion: Criterion, threshold: float) -> Criterion:
+    """Take the limits of a smaller error for a larger one, of which no share of motions is known."""
+    said = (
+        f"No criterion is possible for an error of {percent(threshold)}: an actuator that does not move "
+        f"would pass. Limits and index are those of {percent(criterion.threshold)}."
+    )
+    provenance = replace(
+        criterion.provenance,
+        position=Position.OUTSIDE,
+        warnings=(*criterion.provenance.warnings, said),
+    )
+    return replace(criterion, threshold=threshold, provenance=provenance)
+
+
 @lru_cache(maxsize=64)  # tests of one structure are judged one after the other
 def _derived(
     frequency: float,
@@ -89,14 +130,14 @@ def _derived(
     places = {"f": frequency, "xi": damping_ratio}
     ellipses = _shipped_ellipses(metric)
     around = ellipses.take(
-        **{name: _neighbours(ellipses.at[name], value) for name, value in places.items()},
+        **{name: neighbours(ellipses.at[name], value) for name, value in places.items()},
         motion=ellipses.events != without,
     )
     if duration is not None:
         carried = carry_to_length(around, duration)
         around = carried.stating(window=f"{significant(duration)} s", caution="")
     criterion = derive_criterion(
-        _at_threshold(around, threshold),
+        around.at_threshold(threshold),
         method=method_of(RECOMMENDED),
         joint=True,
         threshold=threshold,
@@ -133,7 +174,7 @@ def criterion_of_response(
         return None
     learned = ~np.isin(ellipses.events, without)
     of_test = ResponseMeasures.of_one(response, structure, "this test")
-    of_threshold = _at_threshold(ellipses.take(motion=learned), threshold)
+    of_threshold = ellipses.take(motion=learned).at_threshold(threshold)
     carried = carry_to_response(of_threshold, measures, of_test)
     criterion = derive_criterion(
         carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
@@ -202,47 +243,3 @@ def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:
     measures = shipped_measures()
     f, xi = measures.nearest(np.array([frequency]), np.array([damping_ratio]))
     return measures.at(f, xi)
-
-
-def _between(below: EllipseTable, above: EllipseTable, weight: float) -> EllipseTable:
-    """Ellipses of a window between two, ln a and ln b being linear in the logarithm of its length."""
-    (a_low, b_low), (a_high, b_high) = _logarithms(below), _logarithms(above)
-    share = 1.0 - weight
-    return replace(
-        above,
-        a=np.exp(share * a_low + weight * a_high),
-        b=np.exp(share * b_low + weight * b_high),
-    )
-
-
-def _logarithms(table: EllipseTable) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Logarithms of a and b; NaN where a motion has no ellipse."""
-    sound = (table.a > 0.0) & (table.b > 0.0)
-    return np.log(np.where(sound, table.a, np.nan)), np.log(np.where(sound, table.b, np.nan))
-
-
-def _neighbours(values: NDArray[np.float64], wanted: float) -> NDArray[np.int64]:
-    """Places of one stored value, or of the two on either side."""
-    order = np.argsort(values)
-    ordered = values[order].astype(np.float64)
-    place = int(np.clip(np.searchsorted(ordered, wanted * (1.0 - 1e-9)), 0, ordered.size - 1))
-    if np.isclose(ordered[place], wanted, rtol=1e-9) or wanted < ordered[0] or wanted > ordered[-1]:
-        return order[place : place + 1]
-    return order[place - 1 : place + 1]
-
-
-def _at_threshold(ellipses: EllipseTable, threshold: float) -> EllipseTable:
-    """Ellipses at any threshold, ln a and ln b being linear in its logarithm between stored ones."""
-    stored = ellipses.at["threshold"]
-    if not stored.min() * (1.0 - 1e-9) <= threshold <= stored.max() * (1.0 + 1e-9):
-        raise InputError(
-            f"The shipped ellipses are for errors from {stored.min():g} to {stored.max():g}",
-            value=threshold,
-            remedy="Derive a criterion with `reliab criterion --out`, and give it as `criterion`",
-        )
-    pair = ellipses.take(threshold=_neighbours(stored, threshold))
-    if pair.at["threshold"].size > 1:
-        low, high = np.log(pair.at["threshold"])
-        below, above = (pair.take(threshold=[place]) for place in (0, 1))
-        pair = _between(below, above, (np.log(threshold) - low) / (high - low))
-    return replace(pair, at={**pair.at, "threshold": np.array([threshold])})

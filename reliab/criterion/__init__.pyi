@@ -24,7 +24,14 @@ from .ellipse_sample import (
     of_curve as of_curve,
     sample_of as sample_of,
 )
-from .ellipse_table import REST as REST, EllipseTable as EllipseTable, names_along as names_along
+from .ellipse_table import (
+    REST as REST,
+    EllipseTable as EllipseTable,
+    between_tables as between_tables,
+    names_along as names_along,
+    neighbours as neighbours,
+    with_threshold as with_threshold,
+)
 from .experimental_share import (
     carry_to_share as carry_to_share,
     growth as growth,

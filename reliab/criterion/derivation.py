@@ -68,11 +68,10 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     InputError
         If an actuator at rest would pass; the message names the structure where it does most often.
     """
-    table = tabled(ellipses)
+    table = tabled(ellipses).at_threshold(threshold)
     if table.error_at_rest is None:
         return
     errors = table.error_at_rest[..., position_of_name(table, "metric", metric)]
-    position(table, "threshold", threshold)
     shares = share_at_rest(errors.astype(np.float64), threshold)
     if shares.max() <= MOST_AT_REST:
         return
@@ -142,7 +141,7 @@ def derive_criterion(
     law : type of Law or str, optional
         How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
-        Error on the boundaries [-], one of the dataset's.
+        Error on the boundaries [-], as :meth:`EllipseTable.at_threshold` takes it.
     metric : str, optional
         Which error.
     confidence : float, optional
@@ -252,7 +251,8 @@ class Derivation:
         The parameters are those of :func:`derive_criterion`.
         """
         population = protect_over_lengths(tabled(ellipses), metric=metric, curve=method.curve)
-        chosen = _only(_only(population, "f", frequency), "xi", damping_ratio)
+        whole = population.at_threshold(threshold)
+        chosen = _only(_only(whole, "f", frequency), "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {

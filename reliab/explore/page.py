@@ -208,7 +208,8 @@ def _within(name: str, value: float | None, held: list[float], usual: float) -> 
         raise InputError(
             f"The {name} must lie in the range of the ellipses, {low:g} to {high:g}",
             value=value,
-            remedy="Choose one in that range, or give other ellipses",
+            remedy="Choose one in that range, or trace ellipses of it with `reliab ellipses` and give them "
+            "as `ellipses`",
         )
     return value
 

@@ -50,6 +50,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "cm/s/s", "cm/sec2", "cm/sec^2", "gal"), 1e-2),
         **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²", "mm/sec2", "mm/sec^2"), 1e-3),
         **dict.fromkeys(("in/s2", "in/s^2", "in/sec2", "in/sec^2"), 0.0254),
+        **dict.fromkeys(("ft/s2", "ft/s^2", "ft/sec2", "ft/sec^2"), 0.3048),
         **dict.fromkeys(("g", "grav"), STANDARD_GRAVITY),
         "mg": 1e-3 * STANDARD_GRAVITY,
     },

@@ -7,10 +7,9 @@ import pytest
 
 from reliab.api import derive_criteria
 from reliab.assessment import default_criterion, tolerable_errors
-from reliab.assessment.default_criterion import _between
 from reliab.assessment.design import chart_frequencies
 from reliab.assessment.placement import place
-from reliab.criterion import Criterion, EllipseTable, derive_criterion
+from reliab.criterion import Criterion, EllipseTable, between_tables, derive_criterion
 from reliab.errors import InputError
 from reliab.structures import Structure
 from reliab.sweep import open_results, real_results
@@ -40,7 +39,7 @@ def test_criterion_is_the_recommended_one_and_knows_its_motions():
     assert 0.85 < float(found.probability(1.0, np.sqrt(found.limits(0.6, 0.03)[1]) / 1e3, 0.6, 0.03)) < 1.0
 
 
-@pytest.mark.parametrize("wrong", [{"threshold": 0.5}, {"threshold": 0.001}, {"metric": "peak"}])
+@pytest.mark.parametrize("wrong", [{"threshold": 0.5}, {"threshold": 0.0}, {"metric": "peak"}])
 def test_what_is_not_shipped_is_refused(wrong):
     with pytest.raises(InputError):
         default_criterion(1.0, 0.02, **wrong)
@@ -72,7 +71,7 @@ def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one(
         EllipseTable(a=np.array([1e-4 * size, 0.0]), b=np.array([size, 2.0]), at={}, of_motions={})
         for size in (1.0, 16.0)
     )
-    found = _between(below, above, 0.25)
+    found = between_tables(below, above, 0.25)
     np.testing.assert_allclose(found.a, [2e-4, np.nan])
     np.testing.assert_allclose(found.b, [2.0, np.nan])
 

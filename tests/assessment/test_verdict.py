@@ -3,8 +3,7 @@
 import pytest
 
 from reliab.assessment import assess
-from reliab.assessment.doubts import probability_text
-from reliab.assessment.verdict import Word, verdict_by_index
+from reliab.assessment.verdict import Word, probability_text, verdict_by_index
 from reliab.criterion import published_criterion
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue

@@ -231,6 +231,16 @@ class RunningTest(ABC):
             yield self._calm, self._low[metric] * (self.now.size(metric) or 0.0)
 
     @property
+    def is_whole(self) -> bool:
+        """Whether all samples are held, so that the test can be judged as one that is assessed."""
+        return True
+
+    @property
+    def moves(self) -> bool:
+        """Whether a displacement stands out of the noise of its sensor."""
+        return self._energy.moves
+
+    @property
     def due(self) -> bool:
         """Whether the test has grown so much that intervals are worth computing again."""
         grown = self.samples - self._asked
