@@ -16,6 +16,7 @@ import typer
 
 from reliab.api import unused
 from reliab.errors import InputError
+from reliab.progress import shows_tasks
 
 _WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
 _BROUGHT_UP_TO_DATE = {"out": ("channels", "tests")}  # a table among the tests of a pattern is no test
@@ -146,7 +147,10 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
             say = partial(_in_options, root=context.find_root())
             demand = options(given=given, in_options=say, **values)
             demand.refuse_to_overwrite()
-            command(demand)
+            from reliab.cli.output import progress_bar
+
+            with shows_tasks(progress_bar):
+                command(demand)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
         run.__signature__ = inspect.Signature([context, *_parameters(options)])  # type: ignore[attr-defined]
