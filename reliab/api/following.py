@@ -12,7 +12,7 @@ from reliab.api.arguments import (
     Quantity,
     known_equipment,
     require_known_specimen,
-    require_positive,
+    require_sound,
     stated_filters,
     stated_values,
     unused,
@@ -30,6 +30,7 @@ from reliab.assessment.coupled_error import CoupledMonitor
 from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
 from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings import (
     Part,
     Rows,
@@ -183,10 +184,11 @@ def follow_test(
     >>> end.kind, end.to_dict()["above_threshold"]
     ('end', False)
     """
-    positive = {"threshold": threshold, "every": every, "wait": wait, "start_within": start_within}
-    for name, number in (positive if rate is None else {**positive, "rate": rate}).items():
-        if not 0.0 < number < float("inf"):
-            raise InputError(f"`{name}` must be positive", value=number)
+    require_physical("error threshold", threshold, called="value of `threshold`")
+    if rate is not None:
+        require_physical("sampling rate", rate, called="value of `rate`")
+    for name, seconds in {"every": every, "wait": wait, "start_within": start_within}.items():
+        require_physical("number", seconds, called=f"value of `{name}`", remedy="Give it in seconds")
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
@@ -307,7 +309,7 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
         if quantities[name] is None:
             raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
     stated = stated_values(**quantities)
-    require_positive(stated)
+    require_sound(stated)
     return stated
 
 
@@ -333,6 +335,7 @@ class _Watch:
         `rate` [Hz].
         """
         step, rows = step_of_rows(self._with_header(rows), rate)
+        require_physical("time step", step)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
@@ -356,7 +359,7 @@ class _Watch:
         header = first[0].stated if first else {}
         of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
         self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
-        require_positive(self.stated)
+        require_sound(self.stated)
         return chain(first, rows)
 
     def _value(self, name: str) -> float:

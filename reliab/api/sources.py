@@ -14,6 +14,7 @@ from reliab.criterion import carry_to_share, read_ellipses
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
+from reliab.physical_range import require_physical
 from reliab.progress import Show, quietly, silent
 from reliab.shipped import or_shipped
 from reliab.simulation.frames import read_structure
@@ -207,12 +208,7 @@ def require_thresholds(threshold: Numbers | None) -> None:
     `threshold` [-].
     """
     for error in () if threshold is None else several(threshold):
-        if not 0.0 < error < math.inf:
-            raise InputError(
-                "The error threshold must be positive and finite",
-                value=f"`threshold={error:g}`",
-                remedy="Give a fraction, 0.05 for 5 %",
-            )
+        require_physical("error threshold", error, called="value of `threshold`")
 
 
 def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401

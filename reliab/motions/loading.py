@@ -25,6 +25,7 @@ from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
+from reliab.physical_range import require_physical
 
 _STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
 UNREAD = {
@@ -238,8 +239,8 @@ def declare(time_step: float | None, units: str | None) -> Declared:
 
     `time_step` [s].
     """
-    if time_step is not None and not 0 < time_step < float("inf"):
-        raise InputError("The time step must be positive", value=time_step, remedy="Give it in seconds")
+    if time_step is not None:
+        require_physical("time step", time_step)
     return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
 
 

@@ -333,7 +333,7 @@ def test_a_frame_of_immense_storeys_is_refused(tmp_path):
     case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
     text = re.sub(rb"storey_height_m = \S+", b"storey_height_m = 1e308", case["frame.toml"])
     (tmp_path / "frame.toml").write_bytes(text)
-    with pytest.raises(InputError, match=r"stiffness of a column, E I/h³ .* between"):
+    with pytest.raises(InputError, match=r"storey_height_m: the length must be between"):
         read_frame(tmp_path / "frame.toml")
 
 
@@ -387,9 +387,7 @@ def test_a_frequency_of_a_campaign_whose_square_is_no_number_is_refused(tmp_path
     text, count = re.subn(rb"frequency_hz = \S+", b"frequency_hz = " + frequency, case["campaign.toml"])
     assert count == 1
     write({**case, "campaign.toml": text}, tmp_path)
-    with pytest.raises(
-        InputError, match=r"line 3.*frequency_hz: input should be (greater|less) than or equal"
-    ):
+    with pytest.raises(InputError, match=r"line 3.*frequency_hz: the natural frequency must be between"):
         read_campaign(tmp_path)
 
 
