@@ -120,7 +120,7 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
 
 
 def _advance(progress: Progress, begin: int, batch: int, motions: int, solved: int, structures: int) -> None:
-    """Report the structures that are solved for a batch of motions, as pieces of all motions and structures."""
+    """Report structures that are solved for a batch of motions, as pieces of all motions and structures."""
     progress(begin * structures + batch * solved, motions * structures)
 
 
@@ -138,7 +138,7 @@ def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progre
             [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
-        progress(done, len(structures))
+        progress(solved, len(structures))
     sizes = len(request.frequencies), len(request.damping_ratios)
     table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
     table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)
