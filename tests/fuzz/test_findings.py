@@ -96,7 +96,9 @@ def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
         results.reliab.ellipses()
 
 
-@pytest.mark.parametrize("name", ["rms/c.1", "A/c.", "stable/c.", "kp/c.", "f/c.", "event/c.", "motion/c."])
+@pytest.mark.parametrize(
+    "name", ["rms/c.1", "A/c.", "stable/c.", "rms_at_rest/c.", "kp/c.", "f/c.", "event/c.", "motion/c."]
+)
 def test_a_store_that_lost_a_chunk_is_refused(tmp_path, name):
     """Zarr would put NaN, False or empty names in its place."""
     case = corpus.stores()[0]
@@ -118,7 +120,7 @@ def test_a_store_that_lost_an_array_is_refused_without_a_warning(tmp_path, name,
 @pytest.mark.slow
 def test_a_store_with_several_damaged_arrays_is_one_error_and_no_traceback(tmp_path, caplog):
     case = corpus.stores()[0]
-    names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "journal")]
+    names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "motion")]
     write({**case, **{name: case[name][:90] for name in names}}, tmp_path)
     with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
         open_results(tmp_path / "results.zarr")
@@ -182,7 +184,7 @@ def test_nothing_is_written_where_a_link_in_a_store_leads():
 @pytest.mark.parametrize(
     ("name", "shape", "chunks"),
     [
-        ("journal", [0], [2]),
+        ("journal/entries", [0], [2]),
         ("pga", [999999999999999999999], [2]),
         ("checksum", [2], [10**12]),
         ("mte", [2, 1, 1, 13, 10**12], [1, 1, 1, 13, 35]),
