@@ -50,6 +50,10 @@ class InputError(ReliabError, ValueError):
         advice = f" {remedy}." if remedy else ""
         super().__init__(f"{place}{rule}{clause}.{advice}")
 
+    def at(self, where: str) -> "InputError":
+        """Return the same error with the place at which the value stands."""
+        return InputError(self.rule, value=self.value, remedy=self.remedy, where=where)
+
 
 def _shortened(value: str) -> str:
     return value if len(value) <= _LONGEST_VALUE else f"{value[:_LONGEST_VALUE]} …"

@@ -7,7 +7,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 from reliab.errors import InputError
-from reliab.files import decoding, ordinary
+from reliab.files import decoding, is_annexed, ordinary
 
 _COLLECTION = b"GCOL\x01"
 _HEAD = 16  # bytes before the content of a collection, and of an object in it
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 def named_within(folder: Path, name: str, *, where: str) -> Path:
     """Return the path of a file that a folder names, which must lie in that folder.
 
-    A name that leads out of it, by itself or through a link, would read a file of this machine.
+    A name that leads out of it, by itself or through a link, would read a file of this machine; a link of
+    git-annex leads to an object of the folder's own repository.
 
     >>> named_within(Path("campaign"), "../secret.csv", where="campaign.toml")
     Traceback (most recent call last):
@@ -33,7 +34,7 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
     path = folder / name
     with decoding("A file must have a name that the system allows", remedy="Correct it", where=where):
         inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
-    if ".." in PurePath(name).parts or not inside:
+    if ".." in PurePath(name).parts or not (inside or is_annexed(path)):
         raise InputError(
             "A file that a folder names must lie in that folder",
             value=repr(name),

@@ -12,7 +12,7 @@ from reliab.api.arguments import (
     exactly_stated,
     known_equipment,
     require_known_specimen,
-    require_positive,
+    require_sound,
     stated_by_model,
     stated_filters,
     stated_of_test,
@@ -448,7 +448,7 @@ class _Terms:
             recording = channels.read_several_actuators(test) if frame.several else channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
-            require_positive(stated)
+            require_sound(stated)
             return assess_frame(
                 corrected(recording, stated, filters),
                 frame,

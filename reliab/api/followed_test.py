@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reliab.api.arguments import (
-    require_positive,
+    require_sound,
     stated_filters,
 )
 from reliab.api.followed_errors import degrees_so_far, errors_with_intervals
@@ -35,6 +35,7 @@ from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, S
 from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
 from reliab.encodings import pieces_as_utf8
 from reliab.files import written_whole
+from reliab.physical_range import require_physical
 from reliab.recordings import (
     Rows,
     StatedChannels,
@@ -152,6 +153,7 @@ class FollowedTest:
         `rate` [Hz].
         """
         step, rows = step_of_rows(self._with_header(rows), rate)
+        require_physical("time step", step)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
@@ -177,7 +179,7 @@ class FollowedTest:
         header = first[0].stated if first else {}
         of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
         self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
-        require_positive(self.stated)
+        require_sound(self.stated)
         return chain(first, rows)
 
     def _value(self, name: str) -> float:

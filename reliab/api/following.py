@@ -8,7 +8,7 @@ from reliab.api.arguments import (
     Quantity,
     known_equipment,
     require_known_specimen,
-    require_positive,
+    require_sound,
     stated_threshold,
     stated_values,
     unused,
@@ -23,6 +23,7 @@ from reliab.assessment.budget import (
 )
 from reliab.assessment.measured_specimen import ForceChannel
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings import (
     Part,
     chunks_of_text,
@@ -141,7 +142,11 @@ def follow_test(
     """
     force_channel = None if force_channel is None else list(force_channel)
     as_assessed = _for_assess(locals())
-    _require_positive(every=every, wait=wait, start_within=start_within, rate=rate)
+    stated_threshold(threshold)
+    if rate is not None:
+        require_physical("sampling rate", rate, called="value of `rate`")
+    for name, seconds in {"every": every, "wait": wait, "start_within": start_within}.items():
+        require_physical("number", seconds, called=f"value of `{name}`", remedy="Give it in seconds")
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
@@ -179,12 +184,6 @@ def follow_test(
         every=every,
     )
     return watch.follow(rows, laboratory.rate_hz)
-
-
-def _require_positive(**numbers: float | None) -> None:
-    for name, number in numbers.items():
-        if number is not None and not 0.0 < number < float("inf"):
-            raise InputError(f"`{name}` must be positive", value=number)
 
 
 def _for_assess(arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -281,5 +280,5 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
         if quantities[name] is None:
             raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
     stated = stated_values(**quantities)
-    require_positive(stated)
+    require_sound(stated)
     return stated

@@ -16,6 +16,7 @@ import typer
 
 from reliab.api import unused
 from reliab.errors import InputError
+from reliab.progress import shows_tasks
 
 WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
 """Options that name a file to write."""
@@ -148,7 +149,10 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
             say = partial(_in_options, root=context.find_root())
             demand = options(given=given, in_options=say, **values)
             demand.refuse_to_overwrite()
-            command(demand)
+            from reliab.cli.output import progress_bar
+
+            with shows_tasks(progress_bar):
+                command(demand)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
         run.__signature__ = inspect.Signature([context, *_parameters(options)])  # type: ignore[attr-defined]

@@ -196,6 +196,8 @@ def _cut_records(ellipses: "xr.Dataset") -> CutRecords | None:
         return None
     ratios = [ellipses[name].transpose(*_OF_CUT).values.astype(np.float64) for name in CUT]
     return CutRecords(lengths=ellipses["length"].values.astype(np.float64), ratios=np.stack(ratios, axis=-1))
+
+
 def neighbours(values: NDArray[Any], wanted: float) -> NDArray[np.int64]:
     """Places of one stored value, or of the two on either side in increasing order.
 

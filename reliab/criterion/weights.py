@@ -30,6 +30,7 @@ from reliab.arrays import Array
 from reliab.criterion.ellipse_table import CUT
 from reliab.criterion.scope import magnitudes_of
 from reliab.errors import InputError
+from reliab.file_limits import LIMITS
 from reliab.files import decoding, ordinary
 from reliab.shipped import shipped
 
@@ -98,7 +99,8 @@ class Weights:
 def _read(path: str | Path) -> dict[str, pd.DataFrame]:
     """Classes and shares of each quantity."""
     with decoding("A target must be a readable table in CSV", remedy=_REMEDY, where=path):
-        table = pd.read_csv(ordinary(path))
+        LIMITS["weights"].require_small(ordinary(path))
+        table = pd.read_csv(path)
     if list(table.columns) != list(_COLUMNS):
         raise _wrong(
             f"A target has the columns {', '.join(_COLUMNS)}", ", ".join(map(str, table.columns)), path

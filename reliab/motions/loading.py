@@ -26,6 +26,7 @@ from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
+from reliab.physical_range import require_physical
 
 _COMPONENTS = frozenset(("K-NET",))
 """Formats whose endings name a component, such as ``.NS`` and ``.EW``."""
@@ -282,8 +283,8 @@ def declare(time_step: float | None, units: str | None) -> Declared:
 
     `time_step` [s].
     """
-    if time_step is not None and not 0 < time_step < float("inf"):
-        raise InputError("The time step must be positive", value=time_step, remedy="Give it in seconds")
+    if time_step is not None:
+        require_physical("time step", time_step)
     return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
 
 

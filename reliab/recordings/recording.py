@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings.words import Quantity
 from reliab.stated_value import StatedValue
 
@@ -164,8 +165,7 @@ class Recording:
                 where=self.name,
             )
         require_few_samples(self.command.size, self.name)
-        if not (np.isfinite(self.time_step) and self.time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+        require_physical("time step", self.time_step, where=self.name)
         for what, values in (("command", self.command), ("measured displacement", self.measured)):
             require_finite(values, what, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):

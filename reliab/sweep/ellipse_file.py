@@ -11,6 +11,7 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending
 from reliab.indices import Window
+from reliab.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
@@ -18,6 +19,13 @@ from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Di
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
 _LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
+_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
+_VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
+    **dict.fromkeys(("a", "b", "sse"), (ELLIPSE_DIMENSIONS, "f")),
+    **dict.fromkeys(("n", "no_ellipse"), (ELLIPSE_DIMENSIONS, "biuf")),
+    "error_at_rest": (_AT_REST, "f"),
+    **dict.fromkeys(("duration", "dt", "pga"), ((Dimension.MOTION,), "iuf")),
+}
 
 
 def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
@@ -119,15 +127,19 @@ def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Data
 def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
     """Check dimensions, coordinates and attributes once, so that nothing that uses ellipses needs to."""
     beside = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
-    texts = {Dimension.MOTION, Dimension.METRIC, Dimension.CURVE, Dimension.SIDE, Dimension.WINDOW}
     faults = [
         f"{name} over {', '.join(map(str, dataset[name].dims))}"
-        for name in ("a", "b")
-        if set(dataset[name].dims) != {*ELLIPSE_DIMENSIONS, *beside} or dataset[name].dtype.kind != "f"
+        for name, (dimensions, kinds) in _VARIABLES.items()
+        if name in dataset.variables
+        and (
+            set(dataset[name].dims) != {*dimensions, *(beside if name in dataset.data_vars else ())}
+            or dataset[name].dtype.kind not in kinds
+        )
     ]
     for name in (*ELLIPSE_DIMENSIONS, *beside):
         index = dataset.indexes.get(name, pd.Index([]))
-        sound = _are_texts(index) if name in texts else _are_positive(index)
+        limits = RANGES.get(OF_DIMENSIONS.get(name, ""))
+        sound = _are_texts(index) if limits is None else _are_in_range(index, limits)
         if index.empty or not index.is_unique or not sound:
             faults.append(f"no sound values along {name}")
     event = dataset.variables.get("event")
@@ -144,8 +156,8 @@ def _are_texts(values: Iterable[object]) -> bool:
     return all(isinstance(value, str) for value in values)
 
 
-def _are_positive(index: "pd.Index[Any]") -> bool:
-    return index.dtype.kind in "if" and bool((np.isfinite(index) & (index > 0)).all())
+def _are_in_range(index: "pd.Index[Any]", limits: PhysicalRange) -> bool:
+    return index.dtype.kind in "if" and bool(np.all(limits.includes(index)))
 
 
 def _windows(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -91,7 +92,7 @@ def trace_ellipses(
     request : EllipseRequest
         Structures, thresholds, metrics, curves and sides.
     progress : callable, optional
-        Called after each batch of motions.
+        Called after each structure of a batch of motions, with motions times structures as the total.
 
     Returns
     -------
@@ -112,11 +113,10 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
     tables, errors_at_rest, headers = [], [], []
     for begin in range(0, len(motions), _MOTIONS_AT_A_TIME):
         batch = [motions[place] for place in range(begin, min(begin + _MOTIONS_AT_A_TIME, len(motions)))]
-        table, at_rest = _tables(batch, request)
+        table, at_rest = _tables(batch, request, partial(_advance, progress, begin, len(batch), len(motions)))
         tables.append(table)
         errors_at_rest.append(at_rest)
         headers.append(motion_coordinates(batch))
-        progress(begin + len(batch), len(motions))
     traced = label_curves(
         np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
     )
@@ -132,19 +132,26 @@ def _with_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: El
     return traced.merge(measure_cut_records(motions, *structures))
 
 
-def _tables(motions: Sequence[Motion], request: EllipseRequest) -> tuple[Array, Array]:
-    """Curves and errors at rest of several motions.
+def _advance(progress: Progress, begin: int, batch: int, motions: int, solved: int, structures: int) -> None:
+    """Report structures that are solved for a batch of motions, as pieces of all motions and structures."""
+    progress(begin * structures + batch * solved, motions * structures)
+
+
+def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> tuple[Array, Array]:
+    """Curves and errors at rest of several motions; `progress` is called after each structure.
 
     Shapes (motion, f, xi, threshold, metric, curve, side, columns) and (motion, f, xi, metric).
     """
     excitations = [excitation_of(motion, request.window) for motion in motions]
     rows, errors_at_rest = [], []
-    for structure in request.structures:
+    structures = request.structures
+    for solved, structure in enumerate(structures, start=1):
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
         errors_at_rest.append(
             [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
+        progress(solved, len(structures))
     sizes = len(request.frequencies), len(request.damping_ratios)
     table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
     table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)

@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import decoding, written_whole
+from reliab.file_limits import LIMITS
+from reliab.files import decoding, ordinary, written_whole
 from reliab.received import objects_of, opened_hdf5
 from reliab.significant import significant
 from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
@@ -79,8 +80,11 @@ def read_netcdf(
     InputError if it cannot be read.
     """
     with decoding(rule, remedy=remedy, where=path):
+        LIMITS["dataset"].require_small(ordinary(path))
         with opened_hdf5(path) as file:
-            _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
+            declared = sum(_size(item) for _, item in objects_of(file))
+            _refuse_empty_promises(declared, Path(path))
+            LIMITS["dataset"].require_few_numbers(declared, path)
         with xr.open_dataset(path, engine="h5netcdf") as file:
             return unpacked(select(file).load())
 

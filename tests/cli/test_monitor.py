@@ -346,11 +346,11 @@ def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
         ("time,command,measured\n0,0,x\n", (), "must be a finite number"),
         ("time,command,measured\n0,0,0\n", (), "more than 64 rows"),
         ("command,measured\n" + "0,0\n" * 100, (), "times or a sampling rate"),
-        ("time,command,measured\n" + "0,0,0\n", ("--threshold", "0"), "--threshold must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--threshold", "0"), "--threshold must be between"),
         ("time,command,measured\n" + "0,0,0\n", ("--metric", "max"), "rms or mte"),
-        ("time,command,measured\n" + "0,0,0\n", ("--rate", "-1"), "--rate must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--rate", "-1"), "--rate must be between"),
         ("time,command,measured\n" + "0,0,0\n", ("--start-within", "0"), "--start-within must be positive"),
-        ("time,command,measured\n" + "0,0,0\n", ("--scale", "0"), "scale must be positive"),
+        ("time,command,measured\n" + "0,0,0\n", ("--scale", "0"), "scale must be between"),
     ],
 )
 def test_bad_input_is_one_sentence(tmp_path, text, more, rule, capsys):

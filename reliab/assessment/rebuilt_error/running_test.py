@@ -22,6 +22,7 @@ from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings import LARGEST_READING
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
@@ -161,8 +162,7 @@ class RunningTest(ABC):
     """Periods of the structure by which it must grow at least."""
 
     def __init__(self, structure: Partition, time_step: float) -> None:
-        if not (np.isfinite(time_step) and time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{time_step} s")
+        require_physical("time step", time_step)
         self.structure, self.time_step = structure, time_step
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
         self._energy = LoopEnergy(watched_modes(structure, time_step))
