@@ -1,33 +1,50 @@
-"""One clock for all channels of a test: the step between samples, and what happens where clocks differ.
+"""One clock for all channels of a test: where each begins, its steps, and what brings them together.
 
-One rule. Times may be rounded, and may be off equal steps by half a step, as those of a jittering clock are:
-then the histories are interpolated at equal steps. A channel of another rate is interpolated at the times of
-the command. A longer gap is refused, and so are channels that share less than nine tenths of their time.
+One rule. Each channel has a begin and times, of its own or of the test. Times may be rounded; where they are
+uneven otherwise but no sample is missing, as of a clock that jitters, drifts or changes its rate, and where
+channels have different clocks, all histories are interpolated at equal steps of the clock of the first. A gap
+is refused, and so are channels that share less than nine tenths of their time.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.recordings.holds import Hold, find_hold
 from reliab.recordings.readers import Columns
-from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Channel
-from reliab.recordings.units import TIMES, unit_of
+from reliab.recordings.readers.columns import seconds_between
+from reliab.recordings.recording import (
+    DISPLACEMENTS,
+    FEWEST_SAMPLES,
+    LARGEST_READING,
+    Channel,
+    require_few_samples,
+)
+from reliab.recordings.units import TIMES, Unit, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals import CubicPath
 from reliab.significant import significant
+from reliab.vocabulary import MILLI
 
-_JITTER: Final = 0.01  # share of a step by which a time may be off and still count as equal
-_LARGEST_JITTER: Final = 0.5
+_EVEN: Final = 0.01  # share of a step by which a time may be off and still count as equal
 _FEW: Final = 0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
+_GAP: Final = 0.5  # of a step, by which one that is such a fault differs from others
+_MISSING: Final = 0.75  # of a step by which times jump where a sample is missing; a jitter of 0.45 does half
+_LATE: Final = 1.35  # of the steps beside it, from which a step may hide a missing sample
+_BESIDE: Final = 32  # samples on either side of which the clock is known, which makes 0.45 of jitter 0.5
 _LEAST_SHARED: Final = 0.9
 _DIGITS: Final = 9
 _ROUNDED: Final = 1e-9  # relative
-_LARGEST_RATIO: Final = 20.0  # of two rates
+_STEADY: Final = 0.05  # relative, up to which the rate of an uneven clock is one rate
+_LARGEST_RATIO: Final = 20.0  # of two rates of one clock
+_SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
+_SHORTEST_TEST: Final = 0.1  # s
 _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
+_SHORTEST_STEP, _LONGEST_STEP = 1e-6, 1e3  # s, between samples of any laboratory
 _STEP_NAMES: Final = ("dt", "timestep", "timesteps", "step", "samplingperiod", "sampleperiod", "ts", "deltat")
 _RATE_NAMES: Final = (
     *("rate", "ratehz", "fs", "samplingrate", "samplerate"),
@@ -39,14 +56,66 @@ _RATE_NAMES: Final = (
 class Clock:
     """Times of a channel."""
 
-    begin: float  # s
+    begin: float  # s, from the date `start` or another time that all channels of the test count from
     step: float  # s
-    times: Array | None  # s, shape (n,), where they are not equally spaced
+    times: Array | None = None  # s, shape (n,), where they are not equally spaced
+    start: np.datetime64 | None = None
+    note: str = ""  # What is uneven about it, in a sentence
 
     def at(self, size: int) -> Array:
         """Return the times of its samples [s]."""
         even = self.begin + self.step * np.arange(size, dtype=np.float64)
         return even if self.times is None else self.times
+
+    def end(self, size: int) -> float:
+        """Return the time of its last sample [s]."""
+        return self.begin + self.step * (size - 1) if self.times is None else float(self.times[-1])
+
+    def later(self, seconds: float) -> "Clock":
+        """Return the clock that begins later."""
+        times = None if self.times is None else self.times + seconds
+        return replace(self, begin=self.begin + seconds, times=times)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Aligned:
+    """Histories of a test at one clock."""
+
+    values: Mapping[str, Array]  # As read, by the keys of the channels, shape (n,)
+    step: float  # s
+    applied: Mapping[str, tuple[str, ...]]  # What was done to each, in words
+    notes: tuple[str, ...]  # What was done to all of them, in sentences
+    has_rows: bool  # Whether the samples are the rows of the file
+
+
+def at_one_clock(
+    columns: Columns,
+    channels: Mapping[str, Channel],
+    *,
+    rate_hz: float | None,
+    time_units: str | None,
+) -> Aligned:
+    """Bring the channels of a test to the clock of the first one."""
+    time = channels.get("time")
+    values = {
+        key: finite(columns, channel.column) for key, channel in channels.items() if channel is not time
+    }
+    shared = _shared_clock(columns, time, rate_hz, time_units)
+    size = next(iter(values.values())).size if time is None else columns.values[time.column].size
+    clocks = _from_one_date(
+        columns,
+        {key: _clock_of(columns, channels[key].column, shared, size, time_units) for key in values},
+        channels,
+    )
+    lead = next(iter(clocks))
+    if rate_hz is not None and abs(clocks[lead].step * rate_hz - 1.0) > _EVEN:
+        raise InputError(
+            "The times must agree with the sampling rate",
+            value=f"{1.0 / clocks[lead].step:.6g} Hz against {rate_hz:g} Hz",
+            remedy="Correct `rate`, or say with `time_units` in what unit the times are",
+            where=columns.where,
+        )
+    return _interpolated(columns, channels, values, clocks)
 
 
 def finite(columns: Columns, name: str) -> Array:
@@ -58,166 +127,189 @@ def _readings(columns: Columns, name: str, values: Array) -> Array:
     wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
     if wrong.size:
         first = values[wrong[0]]
+        kind = "an empty cell, NaN or a sample marked as missing" if np.isnan(first) else first
         raise InputError(
             f"Every value must be a finite number below {LARGEST_READING:g}",
-            value=f"{'an empty cell or NaN' if np.isnan(first) else first}, {wrong.size} in all",
+            value=f"{kind}, {wrong.size} in all",
             remedy="Repair the recording; a gap cannot be left empty",
             where=columns.place(int(wrong[0]), name),
         )
     return values
 
 
-def at_one_clock(
-    columns: Columns,
-    channels: Mapping[str, Channel],
-    *,
-    rate_hz: float | None,
-    time_units: str | None,
-) -> tuple[dict[str, Array], float, list[str]]:
-    """Bring the channels of a test to the clock of the first one.
-
-    Returns histories as read, by the keys of `channels`, shape (n,); step [s]; what was done, in sentences.
-    """
-    time = channels.get("time")
-    histories = {
-        key: finite(columns, channel.column) for key, channel in channels.items() if channel is not time
-    }
-    first = next(iter(histories))
-    size = (histories[first] if time is None else columns.values[time.column]).size
-    shared = (
-        None if rate_hz is not None and time is None else _shared_clock(columns, time, rate_hz, time_units)
-    )
-    clocks = {key: _clock_of(columns, channels[key].column, shared, size, rate_hz) for key in histories}
-    lead, notes = clocks[first], []
-    if lead.times is not None:
-        notes.append(
-            f"The clock jitters by up to {significant(_jitter(lead.times, lead.step), 2)} of a step; the "
-            f"channels were interpolated at equal steps of {lead.step:.6g} s."
+def _from_one_date(
+    columns: Columns, clocks: Mapping[str, Clock], channels: Mapping[str, Channel]
+) -> dict[str, Clock]:
+    """Count the times of all channels from the earliest date that one of them states."""
+    dated = {key: clock for key, clock in clocks.items() if clock.start is not None}
+    if not dated:
+        return dict(clocks)
+    if bare := [key for key in clocks if key not in dated]:
+        raise InputError(
+            "The channels of a test must all state when they begin, or none",
+            value=f"a date in {channels[next(iter(dated))].column!r}, none in {channels[bare[0]].column!r}",
+            remedy="Export them with one clock, or from the program that recorded both",
+            where=columns.where,
         )
-    return _interpolated(columns, channels, histories, clocks, notes), lead.step, notes
+    first = min(clock.start for clock in dated.values() if clock.start is not None)
+    return {key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated.items()}
 
 
 def _interpolated(
     columns: Columns,
     channels: Mapping[str, Channel],
-    read: Mapping[str, Array],
+    values: Mapping[str, Array],
     clocks: Mapping[str, Clock],
-    notes: list[str],
-) -> dict[str, Array]:
-    """Histories at the times of the first one; those that have its clock are only cut."""
-    histories, first = dict(read), next(iter(read))
-    lead = clocks[first]
-    begins = [clock.begin for clock in clocks.values()]
-    ends = [clock.at(histories[key].size)[-1] for key, clock in clocks.items()]
-    places, count = _common(columns, lead, histories[first].size, max(begins), min(ends))
+) -> Aligned:
+    """Histories at equal steps of the first clock; those that have it are only cut."""
+    first = next(iter(clocks))
+    lead, size = clocks[first], values[first].size
+    place, count = _common(columns, values, clocks)
+    at = lead.begin + lead.step * np.arange(place, place + count)
+    histories, applied = {}, {}
     for key, clock in clocks.items():
-        if (
-            clock.times is None
-            and clock.begin == lead.begin
-            and clock.step == lead.step
-            and lead.times is None
-        ):
-            histories[key] = histories[key][places : places + count]
-            continue
-        at = lead.begin + lead.step * np.arange(places, places + count)
-        times = clock.at(histories[key].size)
-        histories[key] = CubicPath.through(times, histories[key])(np.clip(at, times[0], times[-1]))
-        if abs(clock.step / lead.step - 1.0) > _JITTER:
-            notes.append(
-                f"{channels[key].column!r} was recorded at {1.0 / clock.step:.5g} Hz and interpolated at the "
-                f"{1.0 / lead.step:.5g} Hz of {channels[first].column!r}."
-            )
-    return histories
+        hold = find_hold(values[key], clock.step) if channels[key].part in DISPLACEMENTS else None
+        shift = (clock.begin - lead.begin) / lead.step
+        if hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _SAME:
+            begin = place - round(shift)
+            histories[key] = values[key][begin : begin + count]
+        else:
+            nodes = clock.at(values[key].size)
+            known = values[key]
+            if hold is not None:
+                nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
+            histories[key] = CubicPath.through(nodes, known)(np.clip(at, nodes[0], nodes[-1]))
+        applied[key] = tuple(_applied(clock, lead, hold, channels[first].column))
+    return Aligned(
+        values=histories,
+        step=lead.step,
+        applied=applied,
+        notes=(lead.note,) if lead.note else (),
+        has_rows=lead.times is None and (place, count) == (0, size),
+    )
 
 
-def _common(columns: Columns, lead: Clock, size: int, begin: float, end: float) -> tuple[int, int]:
-    """First sample of the leading clock that all channels have, and the number of those."""
-    slack = 1e-6
-    first = max(int(np.ceil((begin - lead.begin) / lead.step - slack)), 0)
-    last = min(int(np.floor((end - lead.begin) / lead.step + slack)), size - 1)
-    if last - first + 1 < _LEAST_SHARED * size:
+def _is_parallel(clock: Clock, lead: Clock, size: int) -> bool:
+    """Whether two clocks have equal steps over a test, of which only the begins may differ."""
+    even = clock.times is None and lead.times is None
+    return even and abs(clock.step / lead.step - 1.0) * size < _SAME
+
+
+def _applied(clock: Clock, lead: Clock, hold: Hold | None, first: str) -> Iterator[str]:
+    """Say what was done to a channel to bring it to the clock of the first one, if it has another."""
+    late = clock.begin - lead.begin
+    if abs(late) > _SAME * lead.step:
+        yield f"begins {significant(MILLI * abs(late), 6)} ms {'after' if late > 0.0 else 'before'} {first!r}"
+    if hold is not None:
+        yield f"interpolated, since it holds each value for {significant(hold.length)} samples"
+    if abs(clock.step / lead.step - 1.0) > _EVEN:
+        rates = 1.0 / clock.step, 1.0 / lead.step
+        yield f"recorded at {rates[0]:.5g} Hz and interpolated at the {rates[1]:.5g} Hz of {first!r}"
+
+
+def _common(columns: Columns, values: Mapping[str, Array], clocks: Mapping[str, Clock]) -> tuple[int, int]:
+    """First equal step of the leading clock that all channels have, and the number of those."""
+    lead = next(iter(clocks.values()))
+    ends = {key: (clock.begin, clock.end(values[key].size)) for key, clock in clocks.items()}
+    begin, end = max(begin for begin, _ in ends.values()), min(end for _, end in ends.values())
+    place = max(int(np.ceil((begin - lead.begin) / lead.step - _SAME)), 0)
+    count = int(np.floor((end - lead.begin) / lead.step + _SAME)) - place + 1
+    whole = next(iter(ends.values()))
+    size = int(np.floor((whole[1] - whole[0]) / lead.step + _SAME)) + 1
+    if count < _LEAST_SHARED * size:
         raise InputError(
             "The channels of a test must be recorded at the same time",
-            value=f"{max(last - first + 1, 0)} of {size} samples in common",
+            value=f"{max(count, 0)} of {size} samples in common",
             remedy="Cut the channels to the same time, or name those of one test",
             where=columns.where,
         )
-    return first, last - first + 1
+    require_few_samples(count, columns.where)
+    return place, count
 
 
-def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, rate_hz: float | None) -> Clock:
+def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time_units: str | None) -> Clock:
     """Clock of a column: its own times, else those of the test."""
-    if name in columns.clocks:
-        return _clock(columns, name, _readings(columns, name, columns.clocks[name]), 1.0)
-    count = columns.values[name].size
-    if count != size:
+    series = columns.series[name]
+    if series.times is not None:
+        unit = _time_unit(columns, time_units or series.times_unit)
+        times = _readings(columns, name, series.times)
+        clock = _clock(columns, name, times, 1.0 if unit is None else unit.factor)
+        _require_unit(columns, name, clock, times.size, unit)
+        return replace(clock, start=series.start)
+    if series.values.size != size:
         raise InputError(
             "Channels without times of their own must have the same length",
-            value=f"{count} samples of {name!r} and {size} of others",
+            value=f"{series.values.size} samples of {name!r} and {size} of others",
             remedy="Export all channels at one rate, or with their times",
             where=columns.where,
         )
     if shared is not None:
         return shared
-    return Clock(begin=0.0, step=1.0 / rate_hz if rate_hz else _stated_step(columns), times=None)
+    if not (step := _stated_step(columns)):
+        raise InputError(
+            "A test's file must say at what times the samples were taken",
+            value=columns.listed,
+            remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
+            where=columns.where,
+        )
+    require_step(step, columns.where)
+    return Clock(begin=0.0, step=step)
 
 
 def _shared_clock(
     columns: Columns, time: Channel | None, rate_hz: float | None, time_units: str | None
 ) -> Clock | None:
+    """Clock of all channels without their own: a column of times, else the rate that the user states."""
     if time is None:
-        return None
-    unit = unit_of(time_units or time.unit)
-    if time_units is not None and (unit is None or unit.quantity is not Quantity.TIME):
-        raise InputError(
-            "The unit must be one of time", value=time_units, remedy=f"Choose among {', '.join(TIMES)}"
-        )
+        if rate_hz is not None:
+            require_step(1.0 / rate_hz, columns.where)
+        return None if rate_hz is None else Clock(begin=0.0, step=1.0 / rate_hz)
+    unit, of_file = _time_unit(columns, time_units or time.unit), _time_unit(columns, time.unit)
+    factor = time.factor
+    if time_units is not None and unit is not None:
+        factor *= unit.factor / (1.0 if of_file is None else of_file.factor)
     times = finite(columns, time.column)
-    clock = _clock(columns, time.column, times, unit.factor if unit else 1.0)
-    if unit is None and rate_hz is None and clock.step >= _SLOWEST:
+    clock = _clock(columns, time.column, times, factor)
+    if rate_hz is None:
+        _require_unit(columns, time.column, clock, times.size, unit)
+    return replace(clock, start=columns.series[time.column].start)
+
+
+def _time_unit(columns: Columns, text: str) -> Unit | None:
+    """Read a unit of time; None where nothing states one."""
+    unit = unit_of(text)
+    if text and (unit is None or unit.quantity is not Quantity.TIME):
+        raise InputError(
+            "The unit must be one of time",
+            value=text,
+            remedy=f"Choose among {', '.join(TIMES)}, or export the channels over time",
+            where=columns.where,
+        )
+    return unit
+
+
+def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Unit | None) -> None:
+    """Ask for a unit where a test in seconds would be shorter or slower than any."""
+    if unit is None and (clock.step >= _SLOWEST or clock.step * size < _SHORTEST_TEST):
         raise InputError(
             "Times must state their unit where they may not be in seconds",
-            value=f"steps of {clock.step:g} in {time.column!r}",
-            remedy="Say it with `time_units`, or give the sampling rate with `rate`",
+            value=f"steps of {clock.step:.6g} in {name!r}",
+            remedy="Say it with `time_units`, such as ms or d, or give the sampling rate with `rate`",
             where=columns.where,
         )
-    if rate_hz is not None and abs(clock.step * rate_hz - 1.0) > _JITTER:
-        raise InputError(
-            "The times must agree with the sampling rate",
-            value=f"{1.0 / clock.step:.6g} Hz against {rate_hz:g} Hz",
-            remedy="Correct `rate`, or say with `time_units` in what unit the times are",
-            where=columns.where,
-        )
-    return clock
 
 
 def _stated_step(columns: Columns) -> float:
-    """Step [s] that the file states beside its columns."""
+    """Step [s] that the file states beside its columns; 0 where it states none."""
     for names, invert in ((_STEP_NAMES, False), (_RATE_NAMES, True)):
-        for name, value in {**columns.scalars, **_numbers(columns.header)}.items():
+        for name, value in columns.scalars.items():
             if name.rpartition(".")[2].lower().replace("_", "").replace(" ", "") in names and value > 0.0:
                 return 1.0 / value if invert else value
-    raise InputError(
-        "A test's file must say at what times the samples were taken",
-        value=columns.listed,
-        remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
-        where=columns.where,
-    )
+    return 0.0
 
 
-def _numbers(header: Mapping[str, str]) -> dict[str, float]:
-    """Numbers that a header states, without units but hertz and seconds."""
-    numbers = {}
-    for name, text in header.items():
-        try:
-            numbers[name] = float(text.removesuffix("Hz").removesuffix("s"))
-        except ValueError:
-            continue
-    return numbers
-
-
-def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
-    """Clock of times in a unit of `scale` [s]; they may be rounded or jitter by half a step."""
+def _clock(columns: Columns, name: str, times: Array, factor: float) -> Clock:
+    """Clock of times in a unit of `factor` [s]."""
     if times.size < FEWEST_SAMPLES:
         raise InputError(
             f"A test must have at least {FEWEST_SAMPLES} samples",
@@ -227,36 +319,96 @@ def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
         )
     steps = np.diff(times)
     usual, mean = float(np.median(steps)), float((times[-1] - times[0]) / steps.size)
-    off = np.abs(steps - usual) > _JITTER * abs(usual)
-    if off.mean() > _FEW:  # the step is no multiple of what the times are rounded to
-        off = np.abs(steps - mean) > 1.01 * _rounding(times) + _JITTER * abs(mean)
-    if not off.any() and mean > 0.0:
-        return Clock(begin=scale * float(times[0]), step=_of_whole_rate(scale * mean), times=None)
-    if mean > 0.0 and off.mean() > _FEW and _jitters(times, steps, mean):
-        return Clock(begin=scale * float(times[0]), step=scale * mean, times=scale * times)
-    row = int(np.flatnonzero(off)[0] if off.any() else np.argmin(steps)) + 1
-    raise InputError(
-        f"Samples must follow each other at equal steps, here mostly of {usual:.6g}",
-        value=f"{times[row]:.10g} after {times[row - 1]:.10g}",
-        remedy=_remedy(float(steps[row - 1])),
-        where=columns.place(row, name),
+    odd = np.abs(steps - usual) > _EVEN * abs(usual)
+    gaps = np.abs(steps - usual) > _GAP * abs(usual)
+    if mean <= 0.0 or (gaps.any() and odd.mean() <= _FEW):
+        raise _no_equal_steps(columns, name, times, int(np.argmax(gaps) if gaps.any() else np.argmin(steps)))
+    require_step(factor * mean, columns.where)
+    latest = _latest(times)
+    if latest <= max(_EVEN * mean, 1.01 * _rounding(times)):
+        return Clock(begin=factor * float(times[0]), step=_of_whole_rate(factor * mean))
+    if (row := _first_jump(times)) is not None:
+        raise _no_equal_steps(columns, name, times, row)
+    return _uneven(columns, factor * times, latest / mean)
+
+
+def _no_equal_steps(columns: Columns, name: str, times: Array, row: int) -> InputError:
+    """Say where times are not evenly spaced, `row` before the sample that is early or late."""
+    step = float(times[row + 1] - times[row])
+    if step == 0.0:
+        remedy = "Leave out rows that repeat the time of the row before"
+    elif step < 0.0:
+        remedy = "Cut the file where its time goes back, as where another test begins, and name one test"
+    else:
+        remedy = "Resample the test, or cut it where samples are missing"
+    return InputError(
+        f"Samples must follow each other at equal steps, here mostly of {np.median(np.diff(times)):.6g}",
+        value=f"{times[row + 1]:.10g} after {times[row]:.10g}",
+        remedy=remedy,
+        where=columns.place(row + 1, name),
     )
 
 
-def _jitters(times: Array, steps: Array, mean: float) -> bool:
-    """Tell times of which no sample is missing, though none is where it should be."""
-    largest = _jitter(times, mean)
-    near = bool((steps > 0.0).all()) and largest < _LARGEST_JITTER  # a missing sample is half a step at least
-    return near or (largest <= 1.0 and bool((np.abs(steps - mean) <= _LARGEST_JITTER * mean).all()))
+def _first_jump(times: Array) -> int | None:
+    """Find the sample after which one is missing, or times stand or go back; None where there is none.
+
+    Lines through the samples before and after a step meet halfway, unless a sample is missing between them.
+    """
+    steps = np.diff(times)
+    jumps = steps <= 0.0
+    for reach in (_BESIDE // 2, _BESIDE):
+        level, rise = _lines(times, reach)
+        before, after = level + 0.5 * reach * rise, level - 0.5 * reach * rise
+        size = np.maximum(rise[:-reach], rise[reach:])
+        inner = slice(reach - 1, times.size - reach)
+        apart = after[reach:] - before[:-reach]
+        jumps[inner] |= (apart > _MISSING * size) & (steps[inner] > _LATE * size)
+    return int(np.argmax(jumps)) if jumps.any() else None
 
 
-def _remedy(step: float) -> str:
-    """Say what to do about a step between samples that is not like the others."""
-    if step == 0.0:
-        return "Leave out rows that repeat the time of the row before"
-    if step < 0.0:
-        return "Cut the file where its time goes back, as where another test begins, and name one test"
-    return "Resample the test, or cut it where samples are missing"
+def _lines(times: Array, reach: int) -> tuple[Array, Array]:
+    """Fit lines to each `reach` times in a row: values at the middle and rises, shape (n - reach + 1,)."""
+    mean = (times[-1] - times[0]) / (times.size - 1)
+    even = times[0] + mean * np.arange(times.size)
+    place = np.arange(reach) - 0.5 * (reach - 1)
+    level = np.convolve(times - even, np.full(reach, 1.0 / reach), "valid")
+    rise = np.convolve(times - even, place[::-1], "valid") / (place @ place)
+    return level + even[: level.size] + mean * 0.5 * (reach - 1), rise + mean
+
+
+def _uneven(columns: Columns, times: Array, off: float) -> Clock:
+    """Clock of times [s] that jitter, drift or change their rate, by up to `off` steps."""
+    rises = _lines(times, _BESIDE)[1]
+    shortest, longest = float(rises.min()), float(rises.max())
+    mean = float(times[-1] - times[0]) / (times.size - 1)
+    if longest > _LARGEST_RATIO * shortest:
+        raise InputError(
+            f"The step between samples must not change by more than {_LARGEST_RATIO:g} times",
+            value=f"{shortest:.3g} to {longest:.3g} s",
+            remedy="Resample the test, or cut it where the rate changes",
+            where=columns.where,
+        )
+    changes = longest > (1.0 + 2.0 * _STEADY) * shortest
+    step = _of_whole_rate(shortest) if changes else mean
+    if changes:
+        what = f"The step between samples changes between {shortest:.4g} and {longest:.4g} s"
+    elif off > 1.0:
+        what = f"The clock drifts by up to {significant(off)} steps"
+    else:
+        what = f"The clock jitters by up to {significant(off, 2)} of a step"
+    note = f"{what}; the channels were interpolated at equal steps of {step:.6g} s."
+    return Clock(begin=float(times[0]), step=step, times=times, note=note)
+
+
+def require_step(step: float, where: str) -> None:
+    """Refuse a step between samples that no laboratory has."""
+    if not _SHORTEST_STEP <= step <= _LONGEST_STEP:
+        raise InputError(
+            f"The step between samples must lie between {_SHORTEST_STEP:g} and {_LONGEST_STEP:g} s",
+            value=f"{step:.3g} s",
+            remedy="Say with `time_units` in what unit the times are, or correct the sampling rate",
+            where=where,
+        )
 
 
 def _of_whole_rate(step: float) -> float:
@@ -265,16 +417,17 @@ def _of_whole_rate(step: float) -> float:
     return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDED else step
 
 
-def _jitter(times: Array, step: float) -> float:
-    """Largest distance of a time from the even clock that is nearest to all, in steps."""
+def _latest(times: Array) -> float:
+    """Largest distance of a time from the even clock that is nearest to all."""
     count = np.arange(times.size) - (times.size - 1) / 2.0
     late = times - times.mean()
-    return float(np.abs(late - count * (count @ late) / (count @ count)).max() / step)
+    return float(np.abs(late - count * (count @ late) / (count @ count)).max())
 
 
 def _rounding(times: Array) -> float:
-    """One unit in the last decimal that the times have."""
+    """One unit in the last decimal that the times have, or of their last binary digit."""
+    largest = float(np.abs(times).max())
     for digits in range(_DIGITS + 1):
-        if np.abs(times - times.round(digits)).max() <= 1e-12 * max(np.abs(times).max(), 1.0):
+        if np.abs(times - times.round(digits)).max() <= 1e-12 * max(largest, 1.0):
             return float(10.0**-digits)
-    return 0.0
+    return float(np.spacing(largest))

@@ -15,6 +15,7 @@ from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated, StatedChannels
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
+from reliab.recordings.zero import extent_of_test
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 
@@ -42,6 +43,35 @@ class Histories:
     values: Mapping[str, Array]  # [m, N, m/s²], shape (n,)
     time_step: float  # s
     notes: tuple[str, ...]  # What was assumed or done, in sentences
+    has_rows: bool = True  # Whether the samples are the rows of the file, neither interpolated nor cut
+
+    def without_moves(self) -> "Histories":
+        """Leave out what the commands do before and after a test to reach its position, and say so."""
+        commands = [
+            self.values[key] for key, channel in self.channels.items() if channel.part is Part.COMMAND
+        ]
+        extents = [extent_of_test(command, self.time_step) for command in commands]
+        begin, end = max(begin for begin, _ in extents), min(end for _, end in extents)
+        size = commands[0].size
+        if (begin, end) == (0, size):
+            return self
+        lasting = (begin * self.time_step, (size - end) * self.time_step)
+        parts = [
+            f"the {which} {significant(time)} s"
+            for which, time in zip(("first", "last"), lasting, strict=True)
+            if time
+        ]
+        left_out = f"{' and '.join(parts)} left out, in which the command only moved to or from its position"
+        return replace(
+            self,
+            values={key: values[begin:end] for key, values in self.values.items()},
+            channels={
+                key: replace(channel, applied=(*channel.applied, left_out))
+                for key, channel in self.channels.items()
+            },
+            notes=(*self.notes, f"{left_out[0].upper()}{left_out[1:]}."),
+            has_rows=False,
+        )
 
 
 def read_recording(
@@ -92,7 +122,7 @@ def read_recording(
     table = read_frame(path) if is_frame(path) else read_test(path, test, delimiter=delimiter)
     laboratory = stated_by_options(channels, names, units, rate_hz)
     histories = histories_of(table, laboratory, time_units=time_units)
-    recording = recording_of(histories)
+    recording = recording_of(histories.without_moves())
     return replace(recording, stated=laboratory.beside(recording.stated))
 
 
@@ -137,13 +167,29 @@ def histories_of(
         raise InputError(
             "A test's file must hold a channel of the test", value=columns.listed, where=columns.where
         )
-    read, step, clock_notes = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
+    require_clear_scales(columns, keyed.values(), laboratory.stated)
+    aligned = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
+    applied = {
+        key: (*columns.series[channel.column].applied, *aligned.applied.get(key, ()))
+        for key, channel in keyed.items()
+    }
+    sentences = (
+        f"{keyed[key].column!r}: {'; '.join(clauses)}." for key, clauses in applied.items() if clauses
+    )
+    keyed = {key: replace(channel, applied=(*applied[key], *aligned.notes)) for key, channel in keyed.items()}
     return Histories(
         columns=columns,
         channels=keyed,
-        values={key: keyed[key].in_si(values) for key, values in read.items()},
-        time_step=step,
-        notes=(*columns.notes, *notes, *_possible_forces(columns, completed), *clock_notes),
+        values={key: keyed[key].in_si(values) for key, values in aligned.values.items()},
+        time_step=aligned.step,
+        has_rows=aligned.has_rows,
+        notes=(
+            *columns.notes,
+            *notes,
+            *_possible_forces(columns, completed),
+            *aligned.notes,
+            *sentences,
+        ),
     )
 
 
@@ -260,6 +306,22 @@ def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
     if channel.part not in DISPLACEMENTS or channel.unit or unit is None or unit.text not in ANGLES:
         return channel
     return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
+
+
+def require_clear_scales(
+    columns: Columns, channels: Iterable[Channel], stated: Mapping[Part, Stated]
+) -> None:
+    """Refuse a channel whose file states what may be its scale, unless the laboratory states that itself."""
+    for channel in channels:
+        unclear = columns.series[channel.column].unclear
+        if unclear and not stated.get(channel.part, Stated()).is_scaled:
+            raise InputError(
+                "It must be clear whether a scale or an offset that a file states is in its numbers",
+                value=f"{unclear} beside {channel.column!r}",
+                remedy=f"State `scale` and `zero` of the {channel.part} in a file `channels.toml`, 1 and 0 "
+                "where the numbers are in their unit",
+                where=columns.where,
+            )
 
 
 def _possible_forces(columns: Columns, channels: Sequence[Channel]) -> list[str]:

@@ -19,7 +19,10 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
         **dict.fromkeys(("ns", "nanoseconds"), 1e-9),
-        "min": 60.0,
+        **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+        **dict.fromkeys(("h", "hr", "hour", "hours", "std", "stunden"), 3600.0),
+        **dict.fromkeys(("d", "day", "days", "tage"), 86400.0),
+        **dict.fromkeys(("week", "weeks"), 604800.0),
     },
     Quantity.DISPLACEMENT: {
         **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), 1.0),
@@ -93,7 +96,7 @@ TIMES: Final = UNITS[Quantity.TIME]
 
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
 _BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
-_NOT_ENDINGS: Final = frozenset({"a", "c", "f", "k", "-", "%", "min", "in.", '"'})
+_NOT_ENDINGS: Final = frozenset({"a", "c", "d", "f", "h", "k", "std", "-", "%", "min", "in.", '"'})
 _WITH_GAP: Final = frozenset(
     {"mm", "cm", "kn", "ms", "sec", "kip", "kips", "lbf", "µm", "gal", "m/s2", "m/s^2", "mm/s"}
 )
