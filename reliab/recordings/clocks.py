@@ -6,6 +6,7 @@ channels have different clocks, all histories are interpolated at equal steps of
 is refused, and so are channels that share less than nine tenths of their time.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -15,7 +16,9 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.recordings.holds import Hold, find_hold
+from reliab.recordings.naming import describe
 from reliab.recordings.readers import Columns
+from reliab.recordings.readers.attributes import RATES, STEPS, plain
 from reliab.recordings.readers.columns import seconds_between
 from reliab.recordings.recording import (
     DISPLACEMENTS,
@@ -45,11 +48,6 @@ _SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
 _SHORTEST_TEST: Final = 0.1  # s
 _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
 _SHORTEST_STEP, _LONGEST_STEP = 1e-6, 1e3  # s, between samples of any laboratory
-_STEP_NAMES: Final = ("dt", "timestep", "timesteps", "step", "samplingperiod", "sampleperiod", "ts", "deltat")
-_RATE_NAMES: Final = (
-    *("rate", "ratehz", "fs", "samplingrate", "samplerate"),
-    *("samplingratehz", "samplingfrequency", "sampleratehz"),
-)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,6 +84,30 @@ class Aligned:
     applied: Mapping[str, tuple[str, ...]]  # What was done to each, in words
     notes: tuple[str, ...]  # What was done to all of them, in sentences
     has_rows: bool  # Whether the samples are the rows of the file
+
+
+def with_paired_times(columns: Columns) -> Columns:
+    """Give channels the times that stand beside each, where there are several columns of them.
+
+    A column of times is that of the columns behind it, up to the next, where all bear one name; else that of
+    the channels with the role in its name.
+    """
+    named = describe(list(columns.series), columns.units)
+    times = [name for name, what in named.items() if what.quantity is Quantity.TIME]
+    stems = {re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}
+    roles = {named[name].role: name for name in times if named[name].role is not None}
+    if len(times) < 2 or not (len(stems) == 1 or roles):  # noqa: PLR2004 - one clock is that of all
+        return columns
+    series, before = {}, ""
+    for name, held in columns.series.items():
+        before = name if name in times else before
+        of_role = roles.get(named[name].role, "")
+        clock = columns.series.get(before if len(stems) == 1 else of_role)
+        if held.times is None and name not in times and clock is not None:
+            unit = named[before if len(stems) == 1 else of_role].unit
+            held = replace(held, times=clock.values, times_unit=unit.text if unit else "", start=clock.start)  # noqa: PLW2901
+        series[name] = held
+    return replace(columns, series=series)
 
 
 def at_one_clock(
@@ -244,7 +266,7 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
             where=columns.where,
         )
     if shared is not None:
-        return shared
+        return shared if series.start is None else replace(shared, start=series.start)
     if not (step := _stated_step(columns)):
         raise InputError(
             "A test's file must say at what times the samples were taken",
@@ -253,6 +275,13 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
             where=columns.where,
         )
     require_step(step, columns.where)
+    if step >= _SLOWEST:
+        raise InputError(
+            "The sampling rate that a file states must be one of a test",
+            value=f"{1.0 / step:.6g} Hz",
+            remedy="Give it with `rate`",
+            where=columns.where,
+        )
     return Clock(begin=0.0, step=step)
 
 
@@ -301,9 +330,9 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
 
 def _stated_step(columns: Columns) -> float:
     """Step [s] that the file states beside its columns; 0 where it states none."""
-    for names, invert in ((_STEP_NAMES, False), (_RATE_NAMES, True)):
+    for names, invert in ((STEPS, False), (RATES, True)):
         for name, value in columns.scalars.items():
-            if name.rpartition(".")[2].lower().replace("_", "").replace(" ", "") in names and value > 0.0:
+            if plain(name.rpartition(".")[2]) in names and value > 0.0:
                 return 1.0 / value if invert else value
     return 0.0
 

@@ -69,7 +69,12 @@ class CoupledRecording:
             )
         require_few_samples(shape[1], self.name)
         if not (np.isfinite(self.time_step) and self.time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+            raise InputError(
+                "The time step must be positive",
+                value=f"{self.time_step} s",
+                remedy="Correct it",
+                where=self.name,
+            )
         actuators = tuple(self.actuators) or tuple(str(place + 1) for place in range(shape[0]))
         object.__setattr__(self, "actuators", actuators)
         for what, rows in (("command", self.command), ("measured displacement", self.measured)):

@@ -268,8 +268,10 @@ def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _La
     columns = Columns(
         path=Path(wanted.name),
         series={
-            column: Series(values=np.zeros(0), unit=unit, unclear=header.unclear)
-            for column, unit in zip(header.names, [*header.units, *[""] * width], strict=False)
+            column: Series(values=np.zeros(0), unit=unit, unclear=unclear)
+            for column, unit, unclear in zip(
+                header.names, [*header.units, *[""] * width], header.unclear, strict=False
+            )
         },
         header=header.statements,
     )

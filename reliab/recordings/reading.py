@@ -8,12 +8,20 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.errors import InputError, naming
 from reliab.recordings.behaviour import compare, explained, moves
-from reliab.recordings.clocks import at_one_clock
+from reliab.recordings.clocks import at_one_clock, with_paired_times
 from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated, StatedChannels
+from reliab.recordings.recording import (
+    DISPLACEMENTS,
+    QUANTITY_OF,
+    Channel,
+    Part,
+    Recording,
+    Stated,
+    StatedChannels,
+)
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
 from reliab.recordings.zero import extent_of_test
 from reliab.significant import significant
@@ -31,6 +39,7 @@ _HEADER_NAMES: Final = {
     "skew": ("skew", "skew_ms"),
 }
 _EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
+_OF_LENGTHS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
 
@@ -161,11 +170,16 @@ def histories_of(
     time_units: str | None = None,
 ) -> Histories:
     """Recognise the channels of a test, and bring them to SI units and one clock."""
+    if Part.TIME not in laboratory.stated:
+        columns = with_paired_times(columns)
     completed, notes = _with_units(columns, recognise(columns, laboratory.stated, needed=needed))
     keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
     if not any(channel.part is not Part.TIME for channel in keyed.values()):
         raise InputError(
-            "A test's file must hold a channel of the test", value=columns.listed, where=columns.where
+            "A test's file must hold a channel of the test",
+            value=columns.listed,
+            remedy="Name its columns command and measured, or choose them with `command` and `measured`",
+            where=columns.where,
         )
     require_clear_scales(columns, keyed.values(), laboratory.stated)
     aligned = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
@@ -222,12 +236,13 @@ def stated_in(columns: Columns) -> dict[str, StatedValue]:
     """Read what the header, or single numbers of a binary file, say of the structure and the sensor."""
     texts = {name.rpartition(".")[2].lower(): f"{value:.17g}" for name, value in columns.scalars.items()}
     texts |= {name: text.removesuffix("Hz") for name, text in columns.header.items()}
-    return {
-        quantity: StatedValue.parse(texts[name], name)
-        for quantity, names in _HEADER_NAMES.items()
-        for name in names
-        if name in texts
-    }
+    with naming(columns.where):
+        return {
+            quantity: StatedValue.parse(texts[name], name)
+            for quantity, names in _HEADER_NAMES.items()
+            for name in names
+            if name in texts
+        }
 
 
 def stated_by_options(
@@ -263,7 +278,7 @@ def _order(channel: Channel) -> tuple[int, str]:
 
 def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
     """Complete the units; a channel beside the displacements without one is left out."""
-    channels = [_in_its_angle(columns, channel) for channel in channels]
+    channels = [_in_unit_of_header(columns, _in_its_angle(columns, channel)) for channel in channels]
     pairs = {(channel.part, channel.actuator): channel for channel in channels}
     completed, notes = [], []
     if not columns.named:
@@ -298,6 +313,17 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
             notes.append(f"The command is stated in {channel.unit}, the measured in {beside.unit}.")
         completed.append(channel)
     return completed, notes
+
+
+def _in_unit_of_header(columns: Columns, channel: Channel) -> Channel:
+    """Take the unit that a comment states for all channels of a kind, "units: mm" or "time unit: ms"."""
+    words = {Part.TIME: ("time ",), Part.FORCE: ("force ",), Part.GROUND: ("acceleration ",)}
+    names = (f"{word}{noun}" for word in words.get(channel.part, _OF_LENGTHS) for noun in ("unit", "units"))
+    units = (unit_of(columns.header.get(name, "")) for name in names)
+    unit = next((unit for unit in units if unit and unit.quantity is QUANTITY_OF[channel.part]), None)
+    if channel.unit or unit is None:
+        return channel
+    return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
 
 
 def _in_its_angle(columns: Columns, channel: Channel) -> Channel:

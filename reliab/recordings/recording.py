@@ -168,7 +168,12 @@ class Recording:
             )
         require_few_samples(self.command.size, self.name)
         if not (np.isfinite(self.time_step) and self.time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+            raise InputError(
+                "The time step must be positive",
+                value=f"{self.time_step} s",
+                remedy="Correct it",
+                where=self.name,
+            )
         for what, values in (("command", self.command), ("measured displacement", self.measured)):
             require_finite(values, what, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.errors import InputError, naming
 from reliab.recordings.behaviour import white_noise
 from reliab.significant import significant
 from reliab.vocabulary import MILLI
@@ -25,6 +26,7 @@ _FROM_REST = 0.05  # of the largest step between samples: a first step of a comm
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
 _SHARED = 0.5  # of another zero: distance between the means of two channels that share it
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
+_MOVE: Final = 0.05  # of the span of a command: a move before or after a test, at least
 _DWELL: Final = 0.2  # s that a command stands between a move and a test, at least
 _STANDING: Final = 0.1  # of the mean speed of a move, up to which a command stands
 _TURNED: Final = 0.01  # of the span by which a command goes back when it no longer moves to a position
@@ -72,21 +74,26 @@ def _end_of_move(command: Array, time_step: float) -> int:
     """Find where a command stands after a move that begins with its first sample; 0 without such a move."""
     span, noise = float(np.ptp(command)), _NOISE * white_noise(command)
     stand = max(round(_DWELL / time_step), 8)
-    moved = command - command[0]
-    away = np.abs(moved) > _LEAST * span
-    if not away.any() or stand >= command.size:
+    first = float(np.median(command[:stand]))
+    moved = command - first
+    away = np.abs(moved) > _MOVE * span
+    if not away.any():
         return 0
     moved = moved * np.sign(moved[np.argmax(away)])
     turned = np.maximum.accumulate(moved) - moved > _TURNED * span + noise
-    turn = int(np.argmax(turned)) if turned.any() else command.size
-    mean_speed = moved / np.arange(1, command.size + 1)
-    stands = np.abs(moved[stand:] - moved[:-stand]) <= _STANDING * stand * mean_speed[:-stand] + noise
-    places = np.flatnonzero(stands & away[:-stand] & (np.arange(stands.size) + stand < turn))
+    moved = moved[: int(np.argmax(turned))] if turned.any() else moved
+    if stand >= moved.size:
+        return 0
+    mean_speed = moved / np.arange(1, moved.size + 1)
+    ends = {"size": stand + 1, "origin": -((stand + 1) // 2)}  # of windows that begin with each sample
+    ranges = scipy.ndimage.maximum_filter1d(moved, **ends) - scipy.ndimage.minimum_filter1d(moved, **ends)
+    stands = ranges[:-stand] <= _STANDING * stand * mean_speed[:-stand] + noise
+    places = np.flatnonzero(stands & away[: stands.size])
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     for run in sorted(runs, key=len, reverse=True) if places.size else ():
         level, test = float(np.median(command[run])), command[run[-1] :]
         path = np.abs(np.diff(test))
-        oscillates = path.sum() > abs(level - command[0])
+        oscillates = path.sum() > abs(level - first)
         if oscillates and abs(path @ (test[1:] - level)) <= _ABOUT * float(np.ptp(test)) * path.sum():
             near = np.abs(command[run] - level) <= _STANDING * _LEAST * span + noise
             return int(run[np.argmax(near)])
@@ -100,7 +107,9 @@ def rows_about_zero(rows: "Iterable[Rows]", time_step: float) -> "Iterator[Rows]
     [s].
     """
     kept: list[tuple[_Thinned, _Thinned]] = []
+    name = ""
     for part in rows:
+        name = part.name
         channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
         kept = kept or [(_Thinned(), _Thinned()) for _ in channels]
         for pair, histories in zip(kept, channels, strict=True):
@@ -109,7 +118,8 @@ def rows_about_zero(rows: "Iterable[Rows]", time_step: float) -> "Iterator[Rows]
         yield part
     for commanded, measured in kept:
         command, reading = (np.array(each.samples) for each in (commanded, measured))
-        _require_rest_at_zero(command, reading, time_step * commanded.every)
+        with naming(name):
+            _require_rest_at_zero(command, reading, time_step * commanded.every)
 
 
 def _require_rest_at_zero(command: Array, measured: Array, time_step: float) -> None:

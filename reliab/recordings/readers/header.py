@@ -7,8 +7,8 @@ from typing import Final
 
 from reliab.errors import InputError
 from reliab.recordings.naming import describe
+from reliab.recordings.readers.attributes import unclear_in
 from reliab.recordings.readers.cells import COMMENTS, Line, cells_of, number_of
-from reliab.recordings.readers.packing import unclear_in
 from reliab.recordings.units import unit_of
 from reliab.recordings.words import Quantity
 
@@ -43,7 +43,8 @@ class Header:
     named: bool  # Whether the names stand in the file
     statements: Mapping[str, str] = field(default_factory=dict)  # Of comments, by names in small letters
     sampling: Mapping[str, float] = field(default_factory=dict)  # "rate" [Hz] or "dt" [s], where it is stated
-    unclear: str = ""  # Scales and offsets that are stated, of which nobody knows whether they were applied
+    # Scales and offsets that are stated for each column, of which nobody knows whether they were applied
+    unclear: Sequence[str] = ()
 
 
 def header_of(
@@ -55,6 +56,9 @@ def header_of(
     units = next((cells for cells in reversed(wide[-2:]) if _is_units(cells)), ())
     telling = max(reversed(named), key=_telling) if named else ("",) * width
     names = [name or f"column {place + 1}" for place, name in enumerate(telling)]
+    for place, name in enumerate(names):  # times may stand before each channel
+        if name in names[:place] and describe([name], {})[name].quantity is Quantity.TIME:
+            names[place] = f"{name} {names[: place + 1].count(name)}"
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise InputError(
@@ -70,7 +74,7 @@ def header_of(
         named=bool(named),
         statements=statements,
         sampling=_sampling(lines, delimiter, decimal_comma=decimal_comma),
-        unclear=_scales(lines[-_HEADER_LINES:], statements, width, delimiter),
+        unclear=_scales(lines[-_HEADER_LINES:], statements, names, delimiter),
     )
 
 
@@ -115,15 +119,21 @@ def _statements(lines: Sequence[str]) -> Iterator[tuple[str, str]]:
             yield match[1].lower(), match[2]
 
 
-def _scales(lines: Sequence[str], statements: Mapping[str, str], width: int, delimiter: str) -> str:
-    """Name scales and offsets that a comment or a row of numbers states above a table."""
-    stated = [f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name)]
+def _scales(
+    lines: Sequence[str], statements: Mapping[str, str], names: Sequence[str], delimiter: str
+) -> list[str]:
+    """Name scales and offsets that a comment states of all channels, or a row of numbers of each column."""
+    of_all = " and ".join(f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name))
+    described = describe(names, {})
+    unclear = ["" if described[name].quantity is Quantity.TIME else of_all for name in names]
     for line in lines:
         label, *cells = cells_of(_without_mark(line), delimiter) or ("",)
-        numbers = [number for cell in cells if (number := number_of(cell)) is not None]
-        if len(numbers) >= width - 1 and (unclear := unclear_in({label.rstrip(":"): numbers})):
-            stated.append(unclear)
-    return " and ".join(stated)
+        first = len(names) - len(cells)  # the label may stand in the first column
+        if first in {0, 1}:
+            for place, cell in enumerate(cells, start=first):
+                stated = unclear_in({label.rstrip(":"): number_of(cell)})
+                unclear[place] = " and ".join(filter(None, (unclear[place], stated)))
+    return unclear
 
 
 def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> dict[str, float]:

@@ -9,10 +9,10 @@ import scipy
 
 from reliab.errors import InputError
 from reliab.received import lists_of_scales, objects_of, opened_hdf5
+from reliab.recordings.readers.attributes import plain, series_of
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.layouts import Tree, tests_of_tree
 from reliab.recordings.readers.objects import tree_of_objects
-from reliab.recordings.readers.packing import unpacked
 from reliab.recordings.recording import require_few_samples
 from reliab.significant import counted
 
@@ -45,7 +45,6 @@ _NEVER_WRITTEN: Final = {
     "f8": (9.969209968386869e36,),
 }
 """Numbers of classic NetCDF where nothing was written, by type, unless an attribute names others."""
-_UNIT_NAMES: Final = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
 
 
 def is_record(file: "h5py.File") -> bool:
@@ -67,13 +66,7 @@ def columns_of_record(file: "h5py.File", path: Path) -> Columns:
             continue
         where = f"{path.name}, {name}"
         require_few_samples(max(item.shape, default=0), where)
-        whole = unpacked(
-            np.atleast_2d(item[()]),
-            item.attrs,
-            text_of(item.attrs.get("units", "")),
-            marks=_marks(item),
-            where=where,
-        )
+        whole = series_of(np.atleast_2d(item[()]), item.attrs, marks=_marks(item), where=where)
         for number, row in zip(numbers if len(whole.values) > 1 else [""], whole.values, strict=True):
             column = f"{name}_{number}" if number else name
             series[column] = replace(whole, values=row)
@@ -128,10 +121,9 @@ def _of_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
     if not 0 < values.ndim <= _MATRIX or values.dtype.kind not in "iuf":
         return values
     attributes = vars(variable)["_attributes"]
-    series = unpacked(
+    series = series_of(
         values.astype(values.dtype.newbyteorder("=")),
         attributes,
-        text_of(attributes.get("units", "")),
         marks=_NEVER_WRITTEN.get(values.dtype.str[1:], ()),
         where=where,
     )
@@ -147,11 +139,7 @@ class _Contents:
 
     def tree(self) -> dict[str, Tree]:
         """All groups and datasets but those that MATLAB only refers to."""
-        content = self._group(self._file, 0)
-        return {
-            **{name: np.asarray(value) for name, value in self._file.attrs.items() if np.ndim(value) == 0},
-            **content,
-        }
+        return self._group(self._file, 0)
 
     def _group(self, group: "h5py.Group", depth: int) -> dict[str, Tree]:
         import h5py
@@ -168,14 +156,16 @@ class _Contents:
                 if isinstance(item, h5py.Group)
                 else self._dataset(item, depth + 1)
             )
-        attributes = (
-            {} if depth == 0 else {k: np.asarray(v) for k, v in group.attrs.items() if np.ndim(v) == 0}
-        )
         if "MATLAB_sparse" in group.attrs:
             return {}  # no history: places and values of what is not zero
         if group.attrs.get("MATLAB_class") == b"struct" and (elements := self._elements(group, content)):
             return elements  # type: ignore[return-value]  # an array of structures
-        return {**{k: v for k, v in attributes.items() if k not in content}, **content}
+        single = {
+            name: text_of(value) if isinstance(value, str | bytes) else np.asarray(value)
+            for name, value in group.attrs.items()
+            if np.ndim(value) == 0 and not name.startswith("MATLAB_")
+        }
+        return {**single, **content}
 
     def _elements(self, group: "h5py.Group", content: dict[str, Tree]) -> list[dict[str, Tree]]:
         """Elements of an array of structures, whose fields are datasets of references without a class."""
@@ -227,12 +217,9 @@ class _Contents:
         """Apply what stands beside a vector, or beside a matrix with names and units of its columns."""
         stated = dict(item.attrs)
         texts = {name: _texts(value) for name, value in stated.items()}
-        units = next((texts[name] for name in _UNIT_NAMES if texts.get(name)), [])
+        units = next((texts[name] for name in stated if plain(name) in {"unit", "units"} and texts[name]), [])
         where = f"{self._path.name}, {_name_of(item)}"
-        series = unpacked(
-            values, stated, units[0] if len(units) == 1 else "", marks=_marks(item), where=where
-        )
-        series = _with_gaps(series, item)
+        series = _with_gaps(series_of(values, stated, marks=_marks(item), where=where), item)
         scales = [self._scales_of(axis) for axis in lists_of_scales(item)]
         if values.squeeze().ndim == 1:
             times = [_name_of(scale) for scale in scales[int(np.argmax(values.shape))]] if scales else []

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.recordings.naming import describe
+from reliab.recordings.readers.attributes import clocked, series_of, with_attributes
 from reliab.recordings.readers.columns import Columns, Series
-from reliab.recordings.readers.packing import unpacked
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.words import Quantity
 
@@ -303,9 +303,9 @@ def _clocks_of(vectors: Sequence[tuple[str, Series, bool]]) -> dict[tuple[str, i
     """Return times by their own names, with a zero, and by group and length, where channels have several."""
     times: dict[str, Series] = {}
     for name, series, _ in vectors:
-        what = describe([name], {name: series.unit})[name]
-        if what.quantity is Quantity.TIME:
-            times[name] = replace(series, unit=what.unit.text if what.unit else "")
+        if _is_time(name, series):
+            unit = describe([name], {name: series.unit})[name].unit
+            times[name] = replace(series, unit=unit.text if unit else "")
     of_groups: dict[tuple[str, int], Series] = {}
     for name, series in times.items():
         of_groups.setdefault((name.rpartition(".")[0], series.values.size), series)
@@ -315,30 +315,27 @@ def _clocks_of(vectors: Sequence[tuple[str, Series, bool]]) -> dict[tuple[str, i
     return {**of_groups, **{(name, 0): series for name, series in times.items()}}
 
 
+def _is_time(name: str, series: Series) -> bool:
+    return describe([name], {name: series.unit})[name].quantity is Quantity.TIME
+
+
 def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:
     """Find vectors and columns of matrices, with their names and whether they are of a matrix.
 
-    Numbers beside the only vector of a structure are attributes of it.
+    Numbers beside the only vector of a structure are attributes of it; a step and a date are of all in it.
     """
     if isinstance(tree, Mapping):
         inner = [(key, list(_vectors(item, f"{name}.{key}".lstrip(".")))) for key, item in tree.items()]
         vectors = [vector for _, below in inner for vector in below]
-        if name and len(vectors) == 1 and (label := vectors[0][0]).count(".") == name.count(".") + 1:
-            own = _with_attributes(vectors[0][1].values, tree)
-            vectors = [
-                (
-                    label,
-                    replace(
-                        vectors[0][1],
-                        values=own.values,
-                        unit=vectors[0][1].unit or own.unit,
-                        applied=own.applied,
-                        unclear=own.unclear,
-                    ),
-                    vectors[0][2],
-                )
-            ]
-        yield from vectors
+        beside = _attributes_of(tree)
+        has_times = any(_is_time(label, series) for label, series, _ in vectors)
+        for label, series, of_matrix in vectors:
+            if not name or label.rpartition(".")[0] != name:
+                yield label, series, of_matrix
+            elif len(vectors) == 1:
+                yield label, with_attributes(series, beside), of_matrix
+            else:
+                yield label, clocked(series, beside, has_times=has_times), of_matrix
     elif isinstance(tree, list):
         for place, item in enumerate(tree, start=1):
             yield from _vectors(item, f"{name}({place})")
@@ -363,16 +360,21 @@ def _history(tree: Tree, about: Mapping[str, Tree] | None = None) -> Series | No
 
 def _with_attributes(values: NDArray[np.float64], about: Mapping[str, Tree]) -> Series:
     """Apply the numbers and the unit that a structure states beside a history."""
-    numbers = {name: number for name, item in about.items() if (number := _number(item)) is not None}
-    unit = next((text for name in ("unit", "Unit", "units", "Units") if (text := _text(about.get(name)))), "")
-    return unpacked(values, numbers, unit)
+    return series_of(values, _attributes_of(about))
+
+
+def _attributes_of(tree: Mapping[str, Tree]) -> dict[str, str | float]:
+    """Texts and single numbers of a structure."""
+    single = {name: item if isinstance(item, str) else _number(item) for name, item in tree.items()}
+    return {name: item for name, item in single.items() if item is not None}
 
 
 def _timed(series: Series, *clocks: Series | None) -> Series:
     """Give a history the first clock of its length."""
     for clock in clocks:
         if clock is not None and clock.values.size == series.values.size:
-            return replace(series, times=clock.values, times_unit=clock.unit, start=clock.start)
+            start = series.start if clock.start is None else clock.start
+            return replace(series, times=clock.values, times_unit=clock.unit, start=start)
     return series
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from reliab.errors import InputError
+from reliab.errors import InputError, naming
 from reliab.files import decoding, ordinary, require_small
 from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
 from reliab.recordings.readers.columns import Columns
@@ -73,7 +73,8 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
         require_small(path, _MOST_BYTES, remedy=text.TOO_LARGE)
         form = next((form for form in (*FORMATS.values(), _TEXT) if form.recognises(head)), None)
         if form is not None:
-            return form.read(path, delimiter)
+            with naming(path.name):
+                return form.read(path, delimiter)
     kind, remedy = next(
         (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
         ("another binary format", "Export it in one of these"),

@@ -10,14 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.recordings.readers.columns import Columns, Series, date_of, seconds, start_of
+from reliab.recordings.readers.attributes import series_of
+from reliab.recordings.readers.columns import Columns, Series, seconds, start_of
 from reliab.recordings.readers.layouts import MOST_COLUMNS, Tree, tests_of_tree
-from reliab.recordings.readers.packing import unpacked
 from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
 _DECIMATED: Final = re.compile(r"Decimated Data_Level\d+$")  # thinned copies beside a test
-_UNIT_NAMES: Final = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units", "units")
 _SCALE: Final = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
 _KNOWN_SCALES: Final = frozenset(
     (
@@ -33,7 +32,6 @@ _KNOWN_SCALES: Final = frozenset(
         "AdvancedAPI",
     )
 )
-_FIRST_DATE: Final = np.datetime64("1905-01-01")
 _LONGEST: Final = 40  # characters of a property that a message repeats
 _INCOMPLETE: Final = "The file ends within its last segment, as after a logger that was stopped."
 _MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
@@ -105,23 +103,11 @@ def _series(channel: Any, above: Mapping[str, object]) -> Series | None:  # noqa
     if channel.data_type is None or len(channel) < 2:  # noqa: PLR2004 - a single number is no history
         return None
     values = np.asarray(channel[:])
-    stated = channel.properties
-    unit = next((str(stated[name]) for name in _UNIT_NAMES if stated.get(name)), "")
     if values.dtype.kind == "M":
         return Series(values=seconds(values), unit="s", start=start_of(values))
     if values.dtype.kind not in "iufb":
         return None
-    series = _scaled(unpacked(values, stated, unit), {**above, **stated})
-    step = _number(stated.get("wf_increment"))
-    if not step:
-        return series
-    begin = _number(stated.get("wf_start_offset")) or 0.0
-    return replace(
-        series,
-        times=begin + step * np.arange(values.size, dtype=np.float64),
-        times_unit=str(stated.get("wf_xunit_string") or "s"),
-        start=_start(stated.get("wf_start_time")),
-    )
+    return _scaled(series_of(values, channel.properties), {**above, **channel.properties})
 
 
 def _scaled(series: Series, stated: Mapping[str, object]) -> Series:
@@ -132,13 +118,3 @@ def _scaled(series: Series, stated: Mapping[str, object]) -> Series:
     if unknown := sorted(kinds - _KNOWN_SCALES):
         return replace(series, unclear=f"a scale of the type {unknown[0][:_LONGEST]!r}")
     return replace(series, applied=(*series.applied, f"scale of the file ({', '.join(sorted(kinds))})"))
-
-
-def _start(value: object) -> np.datetime64 | None:
-    """Date of the first sample; where none was set, LabVIEW writes the begin of its own time, in 1904."""
-    start = date_of(value) if isinstance(value, str) else value
-    return start if isinstance(start, np.datetime64) and start >= _FIRST_DATE else None
-
-
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) and np.isfinite(value) else None

@@ -194,7 +194,7 @@ class _Text:
         kept = [k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])]
         units = [*header.units, *[""] * len(cells)]
         series = {
-            header.names[k]: Series(values=rows[:, k].copy(), unit=units[k], unclear=header.unclear)
+            header.names[k]: Series(values=rows[:, k].copy(), unit=units[k], unclear=header.unclear[k])
             for k in kept
         }
         table = Columns(
