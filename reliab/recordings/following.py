@@ -21,7 +21,6 @@ from reliab.arrays import Array
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.files import ordinary
-from reliab.recordings.clocks import require_step
 from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
 from reliab.recordings.holds import find_hold
 from reliab.recordings.readers import Columns, Series
@@ -31,6 +30,7 @@ from reliab.recordings.readers.text import begins_table, delimiter_of
 from reliab.recordings.reading import require_clear_scales, stated_in
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Stated
+from reliab.recordings.time_stamps import require_step
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 

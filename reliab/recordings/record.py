@@ -236,7 +236,9 @@ def _faults_of_variable(
 ) -> Iterator[str]:
     if variable.shape != shape:
         yield f"The variable `{name}` must have the shape {shape}; it has {variable.shape}."
-    elif variable.dtype.kind != "f" or not bool(np.isfinite(variable[()]).all()):
+    elif variable.dtype.kind != "f" or "scale_factor" in variable.attrs:
+        yield f"The numbers of `{name}` must be stored as they are, without a scale."
+    elif not bool(np.isfinite(variable[()]).all()):
         yield f"Every value of `{name}` must be a finite number."
     stated = text_of(variable.attrs.get("units", ""))
     if stated != unit:

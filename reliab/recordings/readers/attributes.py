@@ -64,7 +64,8 @@ def series_of(
     `marks`: further stored numbers that stand for missing samples, which become NaN.
     """
     stated = {plain(name): _single(value) for name, value in attributes.items()}
-    held = {name: _numbers(stated[name], name, where) for name in _APPLIED & stated.keys()}
+    names = {plain(name): name for name in attributes}
+    held = {name: _numbers(stated[name], names[name], where) for name in _APPLIED & stated.keys()}
     if str(stated.get("unsigned")).lower() == "true" and values.dtype.kind == "i":
         values = values.view(values.dtype.str.replace("i", "u"))
     counts, raw = values.dtype.kind in "iu", values.astype(np.float64)
@@ -165,9 +166,8 @@ def _numbers(value: object, name: str, where: str) -> Array:
         numbers = np.asarray(value).astype(np.float64).reshape(-1)
     except (TypeError, ValueError):
         numbers = np.zeros(0)
-    if not numbers.size or (
-        name in {_SCALE, _OFFSET} and not (numbers.size == 1 and np.isfinite(numbers[0]))
-    ):
+    single = numbers.size == 1 and bool(np.isfinite(numbers[0]))
+    if not numbers.size or (plain(name) in {_SCALE, _OFFSET} and not single):
         raise InputError(
             f"The attribute {name} of a channel must be a number",
             value=str(value)[:40],

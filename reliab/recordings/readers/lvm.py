@@ -17,7 +17,8 @@ from reliab.encodings import as_utf8, decoded
 from reliab.errors import InputError
 from reliab.files import require_small
 from reliab.recordings.readers.cells import cells_of, lines_of, number_of
-from reliab.recordings.readers.columns import Columns, Series, date_of, seconds_between
+from reliab.recordings.readers.columns import Columns, Series, date_of
+from reliab.recordings.readers.joining import join_tables
 from reliab.recordings.readers.text import TOO_LARGE, tables_of
 
 _END: Final = "***End_of_Header***"
@@ -25,7 +26,6 @@ _MOST_BYTES: Final = 400_000_000
 _SEPARATOR: Final = re.compile(r"Separator(\W)")
 _ABSOLUTE: Final = 1e8  # s, from which times count from LabVIEW's own date
 _FIRST_DATE: Final = np.datetime64("1904-01-01", "ns")
-_HALF: Final = 0.5
 
 
 def recognises(head: bytes) -> bool:
@@ -38,27 +38,24 @@ def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
     require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as TDMS")
     lines = lines_of(decoded(path.read_bytes()))
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
-    stated = next(
-        (match[1] for line in lines[: ends[0] if ends else 0] if (match := _SEPARATOR.match(line))), "\t"
-    )
-    separator = delimiter or stated
-    head = _values(lines[: ends[0] if ends else 0], separator)
-    tests: list[Columns] = []
+    above = lines[: ends[0] if ends else 0]
+    separator = delimiter or next((match[1] for line in above if (match := _SEPARATOR.match(line))), "\t")
+    head = _values(above, separator)
+    tables = []
     for begin, first, last in _segments(lines, ends, separator):
         segment = _Segment(
             names=cells_of(lines[first], separator), stated=_values(lines[begin:first], separator), head=head
         )
-        table = _table(lines, first, last, separator, path)
-        if table is not None:
-            _put(tests, replace(table, series=segment.series(table)))
-    if not tests:
+        if (table := _table(lines, first, last, separator, path)) is not None:
+            tables.append(replace(table, series=segment.series(table)))
+    if not tables:
         raise InputError(
             "A LabVIEW file must hold a segment of numbers",
             value="none",
             remedy="Export it again",
             where=path.name,
         )
-    return tests if len(tests) == 1 else [replace(test, test=str(k)) for k, test in enumerate(tests, start=1)]
+    return join_tables(tables)
 
 
 def _values(lines: Sequence[str], separator: str) -> dict[str, tuple[str, ...]]:
@@ -157,43 +154,3 @@ class _Segment:
     def _number(self, place: int, name: str, otherwise: float) -> float:
         number = number_of(self._text(place, name))
         return number if number is not None and np.isfinite(number) else otherwise
-
-
-def _put(tests: list[Columns], segment: Columns) -> None:
-    """Join a segment to the test before, if all channels go on, or begin another one."""
-    if not tests or not _goes_on(tests[-1].series, segment.series):
-        tests.append(segment)
-        return
-    before = tests[-1]
-    series = {}
-    for name, held in before.series.items():
-        further = segment.series[name]
-        later = _lateness(held, further)
-        series[name] = replace(
-            held,
-            values=np.concatenate([held.values, further.values]),
-            times=np.concatenate([held.times, further.times + later]),  # type: ignore[operator]
-        )
-    lines = [part.lines for part in (before, segment) if part.lines is not None]
-    tests[-1] = replace(before, series=series, lines=np.concatenate(lines))
-
-
-def _goes_on(before: Mapping[str, Series], after: Mapping[str, Series]) -> bool:
-    """Whether the same channels follow one step after the last time of each."""
-    if list(before) != list(after):
-        return False
-    for name, held in before.items():
-        further = after[name]
-        if held.times is None or further.times is None or held.times.size < 2 or held.unit != further.unit:  # noqa: PLR2004
-            return False
-        step = float(held.times[-1] - held.times[0]) / (held.times.size - 1)
-        gap = further.times[0] + _lateness(held, further) - held.times[-1] - step
-        if (held.start is None) != (further.start is None) or not abs(gap) < _HALF * step:
-            return False
-    return True
-
-
-def _lateness(held: Series, further: Series) -> float:
-    """Time by which the clock of a series begins after that of another [s]."""
-    dates = held.start, further.start
-    return 0.0 if dates[0] is None or dates[1] is None else seconds_between(dates[0], dates[1])

@@ -8,7 +8,7 @@ table, begin another one: MTS 793 repeats its header for every acquisition.
 import re
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Final
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from reliab.encodings import decoded, encoding_of
 from reliab.errors import InputError
 from reliab.files import require_small
-from reliab.recordings.naming import describe
 from reliab.recordings.readers.cells import (
     FEWEST_COLUMNS,
     Line,
@@ -34,7 +33,7 @@ from reliab.recordings.readers.cells import (
 )
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.header import Header, header_of
-from reliab.recordings.words import Quantity
+from reliab.recordings.readers.joining import join_tables
 
 TOO_LARGE: Final = "Leave columns out, resample the test, or cut it where everything stands still"
 _MOST_BYTES: Final = 400_000_000  # a text takes about seven times its size in memory
@@ -44,7 +43,6 @@ _LONGEST_PREAMBLE = 5_000_000  # characters
 _HEADER_LINES = 8
 _SAMPLE = 2000  # lines by which it is told how numbers are written
 _LONGEST_CELL = 40  # characters that a message repeats
-_HALF = 0.5
 
 
 def recognises(head: bytes) -> bool:
@@ -63,7 +61,7 @@ def tables_of(
 ) -> list[Columns]:
     """Read the tables of a text in lines, of which `above` stand before them in the file."""
     separator = delimiter if delimiter is not None else delimiter_of(lines)
-    text = _Text(lines, separator, path, above)
+    text = _Text(lines=lines, delimiter=separator, path=path, above=above)
     tables: list[Columns] = []
     begin = 0
     while (place := text.first_row(begin)) is not None:
@@ -76,38 +74,7 @@ def tables_of(
             remedy="Export command and measured displacement as columns, or give `delimiter`",
             where=path.name,
         )
-    long = [table for table in tables if next(iter(table.values.values())).size > 1] or tables
-    joined = _joined(long)
-    numbered = [replace(table, test=str(place)) for place, table in enumerate(joined, 1)]
-    return joined if len(joined) == 1 else numbered
-
-
-def _joined(tables: Sequence[Columns]) -> list[Columns]:
-    """Join tables that go on one another: the same columns, and a first time one step after the last."""
-    joined = [tables[0]]
-    for table in tables[1:]:
-        before = joined[-1]
-        if not _goes_on(before, table):
-            joined.append(table)
-            continue
-        series = {
-            name: replace(held, values=np.concatenate([before.series[name].values, held.values]))
-            for name, held in table.series.items()
-        }
-        lines = [part.lines for part in (before, table) if part.lines is not None]
-        joined[-1] = replace(before, series=series, lines=np.concatenate(lines))
-    return joined
-
-
-def _goes_on(before: Columns, table: Columns) -> bool:
-    if list(before.series) != list(table.series) or before.units != table.units:
-        return False
-    described = describe(list(table.series), table.units)
-    time = next((name for name, what in described.items() if what.quantity is Quantity.TIME), None)
-    if time is None or before.values[time].size < FEWEST_COLUMNS:
-        return False
-    step = float(np.median(np.diff(before.values[time])))
-    return bool(abs(table.values[time][0] - before.values[time][-1] - step) < _HALF * abs(step))
+    return join_tables([table for table in tables if next(iter(table.values.values())).size > 1] or tables)
 
 
 def delimiter_of(lines: Sequence[str]) -> str:
@@ -140,7 +107,7 @@ def begins_table(lines: Sequence[str], delimiter: str, place: int) -> bool:
     return len(second.cells) == len(first.cells) and second.holds_numbers
 
 
-@dataclass(frozen=True, kw_only=False)
+@dataclass(frozen=True, kw_only=True)
 class _Text:
     """Lines of a text with the sign that delimits their cells."""
 
