@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from reliab.errors import InputError
 from reliab.files import decoding, ordinary
@@ -63,7 +63,7 @@ def opened_hdf5(path: str | Path, *, ships: bool = False) -> "Iterator[h5py.File
 
     if not ships:
         _require_heaps_that_end(ordinary(path))
-        _probe.read(Path(path))
+        _PROBE.read(Path(path))
     with h5py.File(ordinary(path), "r") as file:
         for name, item in () if ships else objects_of(file):
             if isinstance(item, h5py.Dataset):
@@ -100,7 +100,8 @@ def lists_of_scales(item: "h5py.Dataset") -> "list[NDArray[np.object_]]":
 class _Probe:
     """Another process in which files are read first, as long as this one lives."""
 
-    def __init__(self) -> None:
+    def __init__(self, script: Path) -> None:
+        self._script = script
         self._process: subprocess.Popen[bytes] | None = None
         self._owner = 0  # the process that started it, of which forks do not share it
         self._lock = threading.Lock()
@@ -141,11 +142,10 @@ class _Probe:
             ("python", "pypy")
         ):
             return False
-        script = str(Path(__file__).with_name("hdf5_probe.py"))
         self._owner = os.getpid()
         with contextlib.suppress(OSError):
             self._process = subprocess.Popen(  # noqa: S603 - Python itself, without the modules of any folder
-                [sys.executable, "-P", script],
+                [sys.executable, "-P", str(self._script)],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -179,7 +179,7 @@ class _Probe:
             timer.cancel()
 
 
-_probe = _Probe()
+_PROBE: Final = _Probe(Path(__file__).with_name("hdf5_probe.py"))
 
 
 def _require_heaps_that_end(path: str | Path) -> None:

@@ -17,6 +17,7 @@ from fuzz.damage import write
 from parsed import nodes
 
 import reliab
+from reliab import received
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
 from reliab.motions import load_motions
@@ -320,3 +321,20 @@ def test_libraries_that_open_other_files_or_run_code_are_called_at_one_door_each
         if str(path.relative_to(PACKAGE)) not in DOORS.get(node.func.attr, {str(path.relative_to(PACKAGE))})
     }
     assert stray == {"sampling/chain_file.py: h5py.File"}  # which writes
+
+
+def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
+    """A library that fails on a file takes another process with it, not this one."""
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["a"] = np.arange(9.0)
+    probe = tmp_path / "hdf5_probe.py"
+    monkeypatch.setattr(received, "_PROBE", received._Probe(probe))  # noqa: SLF001 - in place of the shared one
+    for answer in ("os.abort()", "print('failed', flush=True)", "sys.exit()"):
+        probe.write_text(f"import os, sys\nprint('ready', flush=True)\nsys.stdin.readline()\n{answer}\n")
+        with pytest.raises(InputError, match=r"a\.h5: An HDF5 file must not end"), opened_hdf5(path):
+            pass
+        received._PROBE.end()  # noqa: SLF001
+    probe.write_text("raise SystemExit")
+    with opened_hdf5(path) as file:  # where no other process can be had
+        assert file["a"][8] == 8.0

@@ -159,11 +159,11 @@ def _interpolated(
             begin = place - round(shift)
             histories[key] = values[key][begin : begin + count]
         else:
-            nodes = clock.at(values[key].size)
-            known = values[key]
+            nodes, known = clock.at(values[key].size), values[key]
+            inside = np.clip(at, nodes[0], nodes[-1])
             if hold is not None:
                 nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
-            histories[key] = CubicPath.through(nodes, known)(np.clip(at, nodes[0], nodes[-1]))
+            histories[key] = CubicPath.through(nodes, known)(inside)
         applied[key] = tuple(_applied(clock, lead, hold, channels[first].column))
     return Aligned(
         values=histories,

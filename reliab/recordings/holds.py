@@ -50,9 +50,9 @@ def find_hold(values: Array, time_step: float) -> Hold | None:
         return None
     length = float(lengths[lengths <= usual + 1].mean())
     phases = Fraction(length).limit_denominator(_MOST_PHASES).denominator
-    starts = np.zeros(values.size, dtype=np.intp)
-    starts[changes] = changes
-    within = np.arange(values.size) - np.maximum.accumulate(starts)
-    return Hold(
-        places=np.flatnonzero(within % usual == 0), length=length, lateness=0.5 * (1.0 - 1.0 / phases)
-    )
+    bounds = np.concatenate([[0], changes, [values.size]])
+    samples = np.arange(values.size)
+    stretch = np.searchsorted(bounds, samples, side="right")
+    within, remaining = samples - bounds[stretch - 1], bounds[stretch] - samples
+    is_new = (within == 0) | ((within % usual == 0) & (remaining >= usual))  # a value may come again
+    return Hold(places=np.flatnonzero(is_new), length=length, lateness=0.5 * (1.0 - 1.0 / phases))

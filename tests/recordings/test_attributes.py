@@ -131,7 +131,7 @@ def test_what_was_never_written_is_a_gap(tmp_path):
             data = file.create_dataset(name, shape=values.shape, chunks=(100,), dtype="f8")
             data[:700] = values[:700]
             data[800 if name == "measured" else 700 :] = values[800 if name == "measured" else 700 :]
-    with pytest.raises(InputError, match="sample 701, column measured: .*100 in all"):
+    with pytest.raises(InputError, match=r"sample 701, column measured: .*100 in all"):
         read_recording(tmp_path / "t.h5")
 
 
@@ -140,7 +140,7 @@ def test_a_fill_value_of_the_file_itself_is_a_gap(tmp_path):
         file["time"], file["command"] = TIME, COMMAND
         data = file.create_dataset("measured", shape=MEASURED.shape, dtype="f8", fillvalue=-999.0)
         data[10:] = MEASURED[10:]
-    with pytest.raises(InputError, match="sample 1, column measured: .*10 in all"):
+    with pytest.raises(InputError, match=r"sample 1, column measured: .*10 in all"):
         read_recording(tmp_path / "t.h5")
 
 
@@ -169,7 +169,7 @@ CHANNELS = "[channels.measured]\nscale = {}\n"
 @pytest.mark.parametrize("attributes", [{"gain": 2.0}, {"offset": 0.1}, {"Calibration_Factor": 0.5}])
 def test_what_may_be_a_scale_is_asked_about_until_the_laboratory_states_it(tmp_path, attributes):
     path = hdf5(tmp_path, **attributes)
-    with pytest.raises(InputError, match="whether a scale or an offset .* beside 'measured'"):
+    with pytest.raises(InputError, match=r"whether a scale or an offset .* beside 'measured'"):
         read_recording(path)
     (tmp_path / "channels.toml").write_text(CHANNELS.format(1.0), encoding="utf-8")
     np.testing.assert_allclose(

@@ -1,7 +1,7 @@
 """The clock of a channel is part of its data: where a file says that one began later, its motion is later.
 
-The measured motion is that of the command 2 ms before, read from `LATE` on: whoever ignores its begin finds a lead
-of 13.6 ms. The delay is estimated by a cross-spectrum of the test, not by the package.
+The measured motion is that of the command 2 ms before, read from `LATE` on: whoever ignores its begin finds a
+lead of 13.6 ms. The delay is estimated by a cross-spectrum of the test, not by the package.
 """
 
 import warnings
@@ -65,8 +65,12 @@ def tdms_negative_start_offset(folder):
 
 def lvm(folder, columns, names="X_Value\tCommand\tMeasured\tComment", **header):
     stated = {
-        **{"Samples": [SIZE, SIZE], "Date": ["2026/05/05"] * 2, "Time": ["10:00:00.000"] * 2},
-        **{"Y_Unit_Label": ["m", "m"], "X0": [0, 0], "Delta_X": [1.0 / RATE, 1.0 / RATE]},
+        "Samples": [SIZE, SIZE],
+        "Date": ["2026/05/05"] * 2,
+        "Time": ["10:00:00.000"] * 2,
+        "Y_Unit_Label": ["m", "m"],
+        "X0": [0, 0],
+        "Delta_X": [1.0 / RATE, 1.0 / RATE],
         **header,
     }
     layout = stated.pop("X_Columns", "One")
