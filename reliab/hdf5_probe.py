@@ -1,13 +1,12 @@
 """Read whole HDF5 files for another process, which goes on where a damaged one ends its reader.
 
-It runs as a script of its own, without reliab: each line of standard input is the name of a file as JSON, and
-the line "read" follows on standard output when everything in it has been read, or "failed". What the library
-does with damaged bytes depends on what it has read before, so each file has a process of its own where the
-system can make one at once.
+It runs as a script of its own, without reliab: each line of standard input is the name of a file in
+hexadecimal digits, and the line "read" follows on standard output when everything in it has been read, or
+"failed". What the library does with damaged bytes depends on what it has read before, so each file has a
+process of its own where the system can make one at once.
 """
 
 import contextlib
-import json
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -90,7 +89,7 @@ def main() -> None:
 
     print("ready", flush=True)  # noqa: T201 - the other process reads it
     for line in sys.stdin:
-        print("read" if _survives(json.loads(line)) else "failed", flush=True)  # noqa: T201
+        print("read" if _survives(os.fsdecode(bytes.fromhex(line))) else "failed", flush=True)  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import atexit
 import contextlib
-import json
 import mmap
 import os
 import subprocess
@@ -161,7 +160,7 @@ class _Probe:
     def _ask(self, path: str, seconds: float) -> bytes:
         process = self._process
         with contextlib.suppress(OSError):
-            process.stdin.write(f"{json.dumps(path)}\n".encode())  # type: ignore[union-attr]
+            process.stdin.write(f"{os.fsencode(path).hex()}\n".encode())  # type: ignore[union-attr]
             process.stdin.flush()  # type: ignore[union-attr]
             if answer := self._answer(seconds):
                 return answer

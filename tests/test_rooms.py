@@ -48,6 +48,7 @@ GROUND = {
     "encodings",
     "errors",
     "files",
+    "hdf5_probe",
     "html_table",
     "progress",
     "received",

@@ -37,6 +37,11 @@ _EVEN: Final = 0.01  # relative, by which rates may differ and still be one
 _LEAST_SHARED: Final = 0.9
 _SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
 _SHORTEST_TEST: Final = 0.1  # s
+_STATED_UNIT: Final = re.compile(  # behind a name, of times, that no program here knows
+    r"[\[(]\s*((?:[\d.e+*/x ^-]|[muµn]|milli|micro|nano|hundredths of )*"
+    r"(?:s|secs?|sek|seconds?|ticks?|samples?|counts?|frames?|millis|micros))\s*[\])]\s*$",
+    re.IGNORECASE,
+)
 _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
 
 
@@ -282,6 +287,14 @@ def _time_unit(columns: Columns, text: str) -> Unit | None:
 
 def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Unit | None) -> None:
     """Ask for a unit where a test in seconds would be shorter or slower than any."""
+    stated = _STATED_UNIT.search(name)
+    if unit is None and stated is not None:
+        raise InputError(
+            "The unit of the times must be known",
+            value=stated[1],
+            remedy=f"Say it with `time_units`: {', '.join(TIMES)}",
+            where=columns.where,
+        )
     if unit is None and (clock.step >= _SLOWEST or clock.step * size < _SHORTEST_TEST):
         raise InputError(
             "Times must state their unit where they may not be in seconds",

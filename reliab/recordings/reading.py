@@ -38,6 +38,9 @@ _HEADER_NAMES: Final = {
     "scale": ("scale", "sensor scale", "sensor_scale"),
     "skew": ("skew", "skew_ms"),
 }
+_NO_UNITS: Final = frozenset(
+    {"", "1", "?", "none", "unknown", "n/a", "na", "unit", "a.u.", "arb", "dimensionless"}
+)
 _EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
 _OF_LENGTHS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
@@ -181,7 +184,7 @@ def histories_of(
             remedy="Name its columns command and measured, or choose them with `command` and `measured`",
             where=columns.where,
         )
-    require_clear_scales(columns, keyed.values(), laboratory.stated)
+    require_clear_numbers(columns, keyed.values(), laboratory.stated)
     aligned = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
     applied = {
         key: (*columns.series[channel.column].applied, *aligned.applied.get(key, ()))
@@ -334,18 +337,26 @@ def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
     return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
 
 
-def require_clear_scales(
+def require_clear_numbers(
     columns: Columns, channels: Iterable[Channel], stated: Mapping[Part, Stated]
 ) -> None:
-    """Refuse a channel whose file states what may be its scale, unless the laboratory states that itself."""
+    """Refuse a channel of an unknown unit or with what may be a scale, which the laboratory does not state."""
     for channel in channels:
-        unclear = columns.series[channel.column].unclear
-        if unclear and not stated.get(channel.part, Stated()).is_scaled:
+        series, laboratory = columns.series[channel.column], stated.get(channel.part, Stated())
+        if series.unclear and not laboratory.is_scaled:
             raise InputError(
                 "It must be clear whether a scale or an offset that a file states is in its numbers",
-                value=f"{unclear} beside {channel.column!r}",
+                value=f"{series.unclear} beside {channel.column!r}",
                 remedy=f"State `scale` and `zero` of the {channel.part} in a file `channels.toml`, 1 and 0 "
                 "where the numbers are in their unit",
+                where=columns.where,
+            )
+        text = series.unit.strip()
+        if unit_of(text) is None and text.lower() not in _NO_UNITS and not laboratory.unit:
+            raise InputError(
+                "The unit of a channel must be known",
+                value=f"{text!r} of {channel.column!r}",
+                remedy=f"State the `unit` of the {channel.part} in a file `channels.toml`",
                 where=columns.where,
             )
 

@@ -21,7 +21,8 @@ _DIGITS: Final = 9
 _ROUNDED: Final = 1e-9  # relative
 _STEADY: Final = 0.05  # relative, up to which the rate of an uneven clock is one rate
 _LARGEST_RATIO: Final = 20.0  # of two rates of one clock
-_SHORTEST_STEP, _LONGEST_STEP = 1e-6, 1e3  # s, between samples of any laboratory
+SHORTEST_STEP, LONGEST_STEP = 1e-6, 1e3
+"""Steps between samples of any laboratory [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -143,9 +144,9 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
 
 def require_step(step: float, where: str) -> None:
     """Refuse a step between samples that no laboratory has."""
-    if not _SHORTEST_STEP <= step <= _LONGEST_STEP:
+    if not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InputError(
-            f"The step between samples must lie between {_SHORTEST_STEP:g} and {_LONGEST_STEP:g} s",
+            f"The step between samples must lie between {SHORTEST_STEP:g} and {LONGEST_STEP:g} s",
             value=f"{step:.3g} s",
             remedy="Write the unit of the times behind their name, as in time [d], or correct the rate",
             where=where,

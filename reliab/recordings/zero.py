@@ -4,27 +4,17 @@ A linear structure oscillates about the position in which it rests. An error ove
 elsewhere would be too small, and so would one whose peak is that of a move before the test.
 """
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import scipy
 
 from reliab.arrays import Array
-from reliab.errors import InputError, naming
 from reliab.recordings.behaviour import white_noise
-from reliab.significant import significant
-from reliab.vocabulary import MILLI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from reliab.recordings.following import Rows
 
 _LEAST = 0.02  # of the command's span: another zero below which nothing is said
 _FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
-_SHARED = 0.5  # of another zero: distance between the means of two channels that share it
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
 _MOVE: Final = 0.05  # of the span of a command: a move before or after a test, at least
 _DWELL: Final = 0.2  # s that a command stands between a move and a test, at least
@@ -32,7 +22,6 @@ _STANDING: Final = 0.1  # of the mean speed of a move, up to which a command sta
 _TURNED: Final = 0.01  # of the span by which a command goes back when it no longer moves to a position
 _ABOUT: Final = 0.1  # of the span of a test: distance of its mean along its path from the position before it
 _NOISE: Final = 6.0  # of its standard deviation, which the difference of two samples hardly exceeds
-_MOST_KEPT: Final = 1 << 14  # samples of a test that is followed, by which its zero is told
 
 
 def zero_of(command: Array) -> float:
@@ -98,72 +87,3 @@ def _end_of_move(command: Array, time_step: float) -> int:
             near = np.abs(command[run] - level) <= _STANDING * _LEAST * span + noise
             return int(run[np.argmax(near)])
     return 0
-
-
-def rows_about_zero(rows: "Iterable[Rows]", time_step: float) -> "Iterator[Rows]":
-    """Pass rows on; refuse them at their end where both channels oscillated about another value than zero.
-
-    A loop that felt an offset of its sensor from before the first row moves the command alone. `time_step`
-    [s].
-    """
-    kept: list[tuple[_Thinned, _Thinned]] = []
-    name = ""
-    for part in rows:
-        name = part.name
-        channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
-        kept = kept or [(_Thinned(), _Thinned()) for _ in channels]
-        for pair, histories in zip(kept, channels, strict=True):
-            for thinned, history in zip(pair, histories, strict=True):
-                thinned.add(history)
-        yield part
-    for commanded, measured in kept:
-        command, reading = (np.array(each.samples) for each in (commanded, measured))
-        with naming(name):
-            _require_rest_at_zero(command, reading, time_step * commanded.every)
-
-
-def _require_rest_at_zero(command: Array, measured: Array, time_step: float) -> None:
-    """Refuse histories about another value than zero, and a move before or after a test."""
-    begin, end = extent_of_test(command, time_step)
-    zero = zero_of(command[begin:end])
-    if end - begin < command.size:
-        value = (
-            f"a command that also moves by {significant(MILLI * _length_of_moves(command, begin, end))} mm"
-        )
-        remedy = (
-            "Write the rows of the test only, from where the command stands before it, and follow it again"
-        )
-    elif zero and abs(float(measured.mean() - command.mean())) < _SHARED * abs(zero):
-        value = f"a command that oscillates about {significant(MILLI * zero)} mm"
-        remedy = (
-            "State the reading of both channels at rest, as `zero` of a file `channels`, and follow it again"
-        )
-    else:
-        return
-    raise InputError(
-        "The channels of a test that is followed must count from the position in which the "
-        "structure rests: over a peak that is counted from elsewhere its error is too small",
-        value=value,
-        remedy=f"{remedy}; `reliab assess` finds it by itself",
-    )
-
-
-def _length_of_moves(command: Array, begin: int, end: int) -> float:
-    """Largest distance of the position before or after a test from the first or last sample."""
-    return float(max(abs(command[begin] - command[0]), abs(command[-1] - command[end - 1])))
-
-
-@dataclass(kw_only=True)
-class _Thinned:
-    """Every so many samples of a history that grows."""
-
-    every: int = 1
-    seen: int = 0
-    samples: list[float] = field(default_factory=list)
-
-    def add(self, history: Array) -> None:
-        """Take further samples, shape (n,)."""
-        self.samples += history[-self.seen % self.every :: self.every].tolist()
-        self.seen += history.size
-        while len(self.samples) > _MOST_KEPT:
-            self.samples, self.every = self.samples[::2], 2 * self.every

@@ -45,6 +45,7 @@ _RANGES: Final = (
 _APPLIED: Final = frozenset({_SCALE, _OFFSET, *_MARKS, *(name for name, _, _ in _RANGES)})
 _NEUTRAL: Final = {
     **dict.fromkeys(("scale", "scaling", "scalingfactor", "gain", "slope", "factor", "multiplier"), 1.0),
+    **dict.fromkeys(("sign", "polarity"), 1.0),
     **dict.fromkeys(("offset", "scaleoffset", "intercept"), 0.0),
 }
 """Further attributes that would change numbers unless their value is this one."""

@@ -70,7 +70,7 @@ def header_of(
     statements = dict(_statements(lines))
     return Header(
         names=names,
-        units=list(units),
+        units=list(units) or [""] * width,
         named=bool(named),
         statements=statements,
         sampling=_sampling(lines, delimiter, decimal_comma=decimal_comma),

@@ -159,9 +159,8 @@ class _Text:
             place, header.names
         )
         kept = [k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])]
-        units = [*header.units, *[""] * len(cells)]
         series = {
-            header.names[k]: Series(values=rows[:, k].copy(), unit=units[k], unclear=header.unclear[k])
+            header.names[k]: Series(values=rows[:, k].copy(), unit=header.units[k], unclear=header.unclear[k])
             for k in kept
         }
         table = Columns(
