@@ -340,14 +340,14 @@ def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
 def require_clear_numbers(
     columns: Columns, channels: Iterable[Channel], stated: Mapping[Part, Stated]
 ) -> None:
-    """Refuse a channel of an unknown unit or with what may be a scale, which the laboratory does not state."""
+    """Refuse an unknown unit, and what may be a scale, of a channel that the laboratory does not state."""
     for channel in channels:
         series, laboratory = columns.series[channel.column], stated.get(channel.part, Stated())
         if series.unclear and not laboratory.is_scaled:
             raise InputError(
                 "It must be clear whether a scale or an offset that a file states is in its numbers",
                 value=f"{series.unclear} beside {channel.column!r}",
-                remedy=f"State `scale` and `zero` of the {channel.part} in a file `channels.toml`, 1 and 0 "
+                remedy=f"State scale and zero of the {channel.part} in a file `channels.toml`, 1 and 0 "
                 "where the numbers are in their unit",
                 where=columns.where,
             )
@@ -356,7 +356,7 @@ def require_clear_numbers(
             raise InputError(
                 "The unit of a channel must be known",
                 value=f"{text!r} of {channel.column!r}",
-                remedy=f"State the `unit` of the {channel.part} in a file `channels.toml`",
+                remedy=f"State the unit of the {channel.part} in a file `channels.toml`",
                 where=columns.where,
             )
 

@@ -137,10 +137,13 @@ def test_commas_that_may_be_decimal_or_part_thousands_are_asked_about(tmp_path):
         (["# rated force: 1024 kN"], None),
     ],
 )
-def test_a_sampling_rate_in_any_notation(lines, hertz):
-    stated = header_of(lines, 3, ",").sampling
-    rates = [value if name == "rate" else 1.0 / value for name, value in stated.items()]
+@pytest.mark.parametrize("width", [2, 3])
+def test_a_sampling_rate_in_any_notation(lines, hertz, width):
+    names = ["time_s", "command_mm", "measured_mm"][-width:]
+    header = header_of([*lines, ",".join(names)], width, ",")
+    rates = [value if name == "rate" else 1.0 / value for name, value in header.sampling.items()]
     assert rates == ([] if hertz is None else [pytest.approx(hertz)])
+    assert (header.names, header.units) == (names, [""] * width)
 
 
 def test_a_sign_between_thousands_is_that_which_is_not_decimal(tmp_path):

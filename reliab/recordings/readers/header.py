@@ -106,7 +106,7 @@ def _telling(cells: Sequence[str]) -> int:
 def _is_units(cells: Sequence[str]) -> bool:
     """Whether a line states units: half of its cells are some that are no mere letter, or all are some."""
     stated = [cell for cell in cells if cell]
-    known = [cell for cell in stated if unit_of(cell) is not None]
+    known = [cell for cell in stated if unit_of(cell) is not None and not cell[0].isdigit()]
     clear = [cell for cell in known if cell.strip("[]()").lower() not in _LETTERS]
     return 2 * len(clear) >= max(len(stated), 1) or (bool(clear) and len(known) == len(stated))
 
