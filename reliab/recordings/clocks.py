@@ -36,7 +36,8 @@ from reliab.vocabulary import MILLI
 _EVEN: Final = 0.01  # relative, by which rates may differ and still be one
 _LEAST_SHARED: Final = 0.9
 _SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
-_SHORTEST_TEST: Final = 0.1  # s
+_SHORTEST_TEST: Final = 0.25  # s, below which times without a unit may be in minutes, hours or days
+_FASTEST: Final = 2e-5  # s, the same of a step
 _STATED_UNIT: Final = re.compile(  # behind a name, of times, that no program here knows
     r"[\[(]\s*((?:[\d.e+*/x ^-]|[muµn]|milli|micro|nano|hundredths of )*"
     r"(?:s|secs?|sek|seconds?|ticks?|samples?|counts?|frames?|millis|micros))\s*[\])]\s*$",
@@ -295,7 +296,7 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
             remedy=f"Say it with `time_units`: {', '.join(TIMES)}",
             where=columns.where,
         )
-    if unit is None and (clock.step >= _SLOWEST or clock.step * size < _SHORTEST_TEST):
+    if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):
         raise InputError(
             "Times must state their unit where they may not be in seconds",
             value=f"steps of {clock.step:.6g} in {name!r}",

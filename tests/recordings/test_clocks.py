@@ -127,9 +127,35 @@ def test_times_in_days_hours_and_minutes(factor, unit):
     table = {"command_m": COMMAND, "measured_m": MEASURED}
     test = read_recording(pd.DataFrame({f"Time [{unit}]": 46000.0 * (unit == "d") + factor * TIME, **table}))
     assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
-    if unit != "min":
-        with pytest.raises(InputError, match=r"must state their unit|must lie between"):
-            read_recording(pd.DataFrame({"Time": factor * TIME, **table}))
+    with pytest.raises(InputError, match=r"must state their unit|must lie between"):
+        read_recording(pd.DataFrame({"Time": factor * TIME, **table}))
+
+
+@pytest.mark.parametrize("unit", ["samples", "ticks", "hundredths of s", "millis"])
+def test_a_unit_of_the_times_that_nobody_knows_is_asked_about(unit):
+    table = {f"Time ({unit})": TIME, "command_m": COMMAND, "measured_m": MEASURED}
+    with pytest.raises(InputError, match=f"The unit of the times must be known; found {unit}.*`time_units`"):
+        read_recording(pd.DataFrame(table))
+
+
+def test_multiples_of_a_unit_are_units():
+    table = {"Time (0.1 ms)": 1e4 * TIME, "command (0.01 mm)": 1e5 * COMMAND, "measured_m": MEASURED}
+    test = read_recording(pd.DataFrame(table))
+    assert test.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(test.command, COMMAND, atol=1e-12)
+
+
+def test_a_unit_of_a_channel_that_nobody_knows_is_refused_until_it_is_stated(tmp_path):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["time"], file["command"], file["measured"] = TIME, COMMAND, MEASURED
+        file["command"].attrs["units"], file["measured"].attrs["units"] = "thou", "m"
+    with pytest.raises(
+        InputError, match=r"t\.h5: The unit of a channel must be known; found 'thou' of 'command'"
+    ):
+        read_recording(tmp_path / "t.h5")
+    (tmp_path / "channels.toml").write_text('[channels.command]\nunit = "m"\n', encoding="utf-8")
+    test = read_recording(tmp_path / "t.h5", channels=tmp_path / "channels.toml")
+    np.testing.assert_allclose(test.command, COMMAND)
 
 
 def test_a_scale_of_the_times_that_a_laboratory_states_is_applied(tmp_path):
