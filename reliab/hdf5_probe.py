@@ -1,13 +1,14 @@
 """Read whole HDF5 files for another process, which goes on where a damaged one ends its reader.
 
 It runs as a script of its own, without reliab: each line of standard input is the name of a file in
-hexadecimal digits, and the line "read" follows on standard output when everything in it has been read, or
-"failed". What the library does with damaged bytes depends on what it has read before, so each file has a
-process of its own where the system can make one at once.
+hexadecimal digits and how many seconds it may take. The line "read" follows on standard output when all of it
+has been read, or "failed". What the library does with damaged bytes depends on what it has read before,
+so each file has a process of its own where the system can make one at once.
 """
 
 import contextlib
 import os
+import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -72,12 +73,13 @@ def _contents(file: "h5py.File", item: "h5py.Dataset") -> "Iterator[h5py.HLObjec
         yield from dimension.values()
 
 
-def _survives(path: str) -> bool:
+def _survives(path: str, seconds: int) -> bool:
     if not hasattr(os, "fork"):
         _read(path)
         return True
     process = os.fork()
     if not process:
+        signal.alarm(seconds)
         _read(path)
         os._exit(0)
     return os.waitpid(process, 0)[1] == 0
@@ -88,8 +90,11 @@ def main() -> None:
     import h5py  # noqa: F401 - before the first answer, which says that it is there
 
     print("ready", flush=True)  # noqa: T201 - the other process reads it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is meant for the other process
     for line in sys.stdin:
-        print("read" if _survives(os.fsdecode(bytes.fromhex(line))) else "failed", flush=True)  # noqa: T201
+        digits, seconds = line.split()
+        answer = "read" if _survives(os.fsdecode(bytes.fromhex(digits)), int(seconds)) else "failed"
+        print(answer, flush=True)  # noqa: T201
 
 
 if __name__ == "__main__":

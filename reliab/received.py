@@ -135,12 +135,13 @@ class _Probe:
 
     def _runs(self) -> bool:
         """Start the other process unless it runs; a program that only holds Python has none."""
-        if self._process is not None and self._owner == os.getpid():
+        if self._process is not None and self._owner == os.getpid() and self._process.poll() is None:
             return True
         if getattr(sys, "frozen", False) or not Path(sys.executable or "").name.lower().startswith(
             ("python", "pypy")
         ):
             return False
+        self.end()
         self._owner = os.getpid()
         with contextlib.suppress(OSError):
             self._process = subprocess.Popen(  # noqa: S603 - Python itself, without the modules of any folder
@@ -160,9 +161,9 @@ class _Probe:
     def _ask(self, path: str, seconds: float) -> bytes:
         process = self._process
         with contextlib.suppress(OSError):
-            process.stdin.write(f"{os.fsencode(path).hex()}\n".encode())  # type: ignore[union-attr]
+            process.stdin.write(f"{os.fsencode(path).hex()} {seconds:.0f}\n".encode())  # type: ignore[union-attr]
             process.stdin.flush()  # type: ignore[union-attr]
-            if answer := self._answer(seconds):
+            if answer := self._answer(seconds + _PROBE_SECONDS):
                 return answer
         self.end()
         return b""

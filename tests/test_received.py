@@ -330,11 +330,31 @@ def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
         file["a"] = np.arange(9.0)
     probe = tmp_path / "hdf5_probe.py"
     monkeypatch.setattr(received, "_PROBE", received._Probe(probe))  # noqa: SLF001 - in place of the shared one
-    for answer in ("os.abort()", "print('failed', flush=True)", "sys.exit()"):
+    for answer in ("os.abort()", "print('failed', flush=True)"):
         probe.write_text(f"import os, sys\nprint('ready', flush=True)\nsys.stdin.readline()\n{answer}\n")
         with pytest.raises(InputError, match=r"a\.h5: An HDF5 file must not end"), opened_hdf5(path):
             pass
         received._PROBE.end()  # noqa: SLF001
+    probe.write_text(
+        "import sys\nprint('ready', flush=True)\nsys.stdin.readline()\nprint('read', flush=True)\n"
+    )
+    for _ in range(2):  # also after the other process has ended
+        with opened_hdf5(path) as file:
+            assert file["a"][8] == 8.0
+        os.utime(path, ns=(1, 1))
+        received._PROBE._process.wait()  # noqa: SLF001
+    received._PROBE.end()  # noqa: SLF001
     probe.write_text("raise SystemExit")
     with opened_hdf5(path) as file:  # where no other process can be had
         assert file["a"][8] == 8.0
+
+
+@pytest.mark.parametrize("value", [3.0, "scale", np.arange(3)])
+def test_an_attribute_of_scales_that_holds_anything_else_is_refused(tmp_path, value):
+    """The library reads beyond its memory there, which ended `reliab record` with a segmentation fault."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["a"] = np.zeros((300, 3))
+        file["a"].attrs["DIMENSION_LIST"] = value
+    for read in (read_tests, open_ellipses):
+        with pytest.raises(InputError, match=r"DIMENSION_LIST|must not end the process"):
+            read(tmp_path / "a.h5")
