@@ -61,23 +61,23 @@ def with_paired_times(columns: Columns) -> Columns:
     """Give channels the times that stand beside each, where there are several columns of them.
 
     A column of times is that of the columns behind it, up to the next, where all bear one name; else that of
-    the channels with the role in its name.
+    the channels with the role in its name, where there are several roles.
     """
     named = describe(list(columns.series), columns.units)
     times = [name for name, what in named.items() if what.quantity is Quantity.TIME]
-    stems = {re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}
-    roles = {named[name].role: name for name in times if named[name].role is not None}
-    if len(times) < 2 or not (len(stems) == 1 or roles):  # noqa: PLR2004 - one clock is that of all
-        return columns
-    series, before = {}, ""
-    for name, held in columns.series.items():
-        before = name if name in times else before
-        of_role = roles.get(named[name].role, "")
-        clock = columns.series.get(before if len(stems) == 1 else of_role)
-        if held.times is None and name not in times and clock is not None:
-            unit = named[before if len(stems) == 1 else of_role].unit
-            held = replace(held, times=clock.values, times_unit=unit.text if unit else "", start=clock.start)  # noqa: PLW2901
-        series[name] = held
+    of_roles = {named[name].role: name for name in times if named[name].role is not None}
+    owners: dict[str, str] = {}
+    if len(times) > 1 and len({re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}) == 1:
+        for name in named:
+            owners[name] = name if name in times else next(reversed(owners.values()), "")
+    elif len(of_roles) > 1:
+        owners = {name: of_roles.get(what.role, "") for name, what in named.items()}
+    series = dict(columns.series)
+    for name, owner in owners.items():
+        if owner and name not in times and series[name].times is None:
+            clock, unit = columns.series[owner], named[owner].unit
+            text = unit.text if unit else ""
+            series[name] = replace(series[name], times=clock.values, times_unit=text, start=clock.start)
     return replace(columns, series=series)
 
 
