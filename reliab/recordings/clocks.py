@@ -161,7 +161,8 @@ def _interpolated(
     for key, clock in clocks.items():
         hold = find_hold(values[key], clock.step) if channels[key].part in DISPLACEMENTS else None
         shift = (clock.begin - lead.begin) / lead.step
-        if hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _SAME:
+        is_cut = hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _SAME
+        if is_cut:
             begin = place - round(shift)
             histories[key] = values[key][begin : begin + count]
         else:
@@ -170,7 +171,8 @@ def _interpolated(
             if hold is not None:
                 nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
             histories[key] = CubicPath.through(nodes, known)(inside)
-        applied[key] = tuple(_applied(clock, lead, hold, channels[first].column))
+        of_own = not is_cut and (lead.times is None or clock.times is not lead.times)
+        applied[key] = tuple(_applied(clock, lead, hold, channels[first].column, is_interpolated=of_own))
     return Aligned(
         values=histories,
         step=lead.step,
@@ -186,7 +188,9 @@ def _is_parallel(clock: Clock, lead: Clock, size: int) -> bool:
     return even and abs(clock.step / lead.step - 1.0) * size < _SAME
 
 
-def _applied(clock: Clock, lead: Clock, hold: Hold | None, first: str) -> Iterator[str]:
+def _applied(
+    clock: Clock, lead: Clock, hold: Hold | None, first: str, *, is_interpolated: bool
+) -> Iterator[str]:
     """Say what was done to a channel to bring it to the clock of the first one, if it has another."""
     late = clock.begin - lead.begin
     if abs(late) > _SAME * lead.step:
@@ -196,6 +200,8 @@ def _applied(clock: Clock, lead: Clock, hold: Hold | None, first: str) -> Iterat
     if abs(clock.step / lead.step - 1.0) > _EVEN:
         rates = 1.0 / clock.step, 1.0 / lead.step
         yield f"recorded at {rates[0]:.5g} Hz and interpolated at the {rates[1]:.5g} Hz of {first!r}"
+    elif is_interpolated and hold is None:
+        yield f"interpolated at the samples of {first!r}"
 
 
 def _common(columns: Columns, values: Mapping[str, Array], clocks: Mapping[str, Clock]) -> tuple[int, int]:

@@ -267,6 +267,22 @@ def test_a_channel_that_began_at_another_time_is_moved_there(tmp_path, write):
     assert any(f"begins {1e3 * LATE:g} ms" in note for note in test.notes)
 
 
+@pytest.mark.parametrize("steps", [2, 3, 2.5])
+def test_whole_samples_are_moved_without_interpolation(tmp_path, steps):
+    test = read_recording(tdms(tmp_path, {"wf_start_offset": 0.0}, {"wf_start_offset": steps / RATE}))
+    is_whole = steps == int(steps)
+    assert ("interpolated" in " ".join(test.channels[1].applied)) != is_whole
+    assert np.isin(test.measured, MEASURED).all() == is_whole
+
+
+def test_a_clock_that_drifts_against_the_other_is_followed():
+    times = TIME * (1.0 + 1e-4)
+    table = {"time_command_s": TIME, "time_measured_s": times, "command_m": COMMAND}
+    test = read_recording(pd.DataFrame({**table, "measured_m": motion(times - DELAY)}))
+    assert delay_of(test.command, test.measured, test.time_step) == pytest.approx(DELAY, abs=3e-5)
+    assert test.channels[1].applied == ("interpolated at the samples of 'command_m'",)
+
+
 def test_times_that_labview_never_set_are_none(tmp_path):
     unset = {"wf_start_time": np.datetime64("1904-01-01", "us")}
     test = read_recording(tdms(tmp_path, unset, unset, motion(TIME - DELAY)))

@@ -13,7 +13,6 @@ from reliab.arrays import Array
 COMMENTS: Final = ("#", "%", "//", "!")
 FEWEST_COLUMNS: Final = 2
 _MISSING: Final = frozenset({"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"})
-_BREAK: Final = re.compile(r"\r\n|\r|\n")
 _SIGNS: Final = str.maketrans({"−": "-", "’": "'", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
 _DECIMAL_COMMA: Final = re.compile(r"[+-]?(?:\d*,\d+|\d+,)(?:[eE][+-]?\d+)?")
 _FORTRAN: Final = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[dDqQ]([+-]?\d+)|([+-]\d{3}))")
@@ -32,7 +31,7 @@ _HALF_DAY: Final = 43200.0  # s
 
 def lines_of(text: str) -> list[str]:
     """Split a text where files end their lines, but not at signs that only Python takes for ends."""
-    lines = _BREAK.split(text)
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return lines if lines[-1] else lines[:-1]
 
 
