@@ -93,7 +93,7 @@ def series_of(
         applied=tuple(applied),
         unclear=unclear_in(attributes, counts=counts),
     )
-    return clocked(series, attributes)
+    return add_clock(series, attributes)
 
 
 def with_attributes(series: Series, attributes: Mapping[str, object]) -> Series:
@@ -109,7 +109,7 @@ def with_attributes(series: Series, attributes: Mapping[str, object]) -> Series:
     )
 
 
-def clocked(series: Series, attributes: Mapping[str, object], *, has_times: bool = False) -> Series:
+def add_clock(series: Series, attributes: Mapping[str, object], *, has_times: bool = False) -> Series:
     """Give a channel without times those that a step or a rate and a begin among attributes state.
 
     `has_times`: whether they stand in another channel, of which the attributes may state the date.

@@ -18,7 +18,7 @@ def join_tables(tables: Sequence[Columns]) -> list[Columns]:
     joined = [tables[0]]
     for table in tables[1:]:
         if _goes_on(joined[-1], table):
-            joined[-1] = _appended(joined[-1], table)
+            joined[-1] = _append(joined[-1], table)
         else:
             joined.append(table)
     return joined if len(joined) == 1 else [replace(table, test=str(k)) for k, table in enumerate(joined, 1)]
@@ -43,7 +43,7 @@ def _goes_on(before: Columns, after: Columns) -> bool:
     return True
 
 
-def _appended(before: Columns, after: Columns) -> Columns:
+def _append(before: Columns, after: Columns) -> Columns:
     series = {}
     for name, held in before.series.items():
         further = after.series[name]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.recordings.naming import describe
-from reliab.recordings.readers.attributes import clocked, series_of, with_attributes
+from reliab.recordings.readers.attributes import add_clock, series_of, with_attributes
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.words import Quantity
@@ -140,7 +140,7 @@ def _dspace(tree: Mapping[str, Tree]) -> _Histories | None:
             continue
         index = _number(channel.get("XIndex"))
         of_channel = clocks[int(index) - 1] if index is not None and 1 <= index <= len(clocks) else None
-        histories.add(name, _timed(series, of_channel, *clocks))
+        histories.add(name, _add_first_clock(series, of_channel, *clocks))
     step = _number(capture.get("SamplingPeriod")) if isinstance(capture, Mapping) else None
     if step is not None:
         thinned = _number(capture.get("Downsampling")) if isinstance(capture, Mapping) else None
@@ -197,7 +197,7 @@ def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = 
                 else short_names([label])[0] or f"{outer}({place})"
             )
             several = len(columns) > 1 and len(labels) != len(columns)
-            series = _timed(_with_attributes(values, signal), of_signal, shared)
+            series = _add_first_clock(_with_attributes(values, signal), of_signal, shared)
             histories.add(f"{name}[{k + 1}]" if several else name, series)
     return histories
 
@@ -217,7 +217,7 @@ def _timeseries(tree: Mapping[str, Tree]) -> _Histories | None:
         unit = _unit_of_series(item)
         label = _text(item.get("Name"))
         for k, values in enumerate(columns):
-            series = _timed(Series(values=values, unit=unit), clock)
+            series = _add_first_clock(Series(values=values, unit=unit), clock)
             outer = (
                 _text(_value_of(tree, "name")) if name.lower() == "values" else ""
             )  # a signal's, in a data set
@@ -294,7 +294,9 @@ def _plain(tree: Mapping[str, Tree]) -> _Histories:
         matrices_only = matrices_only and of_matrix
         of_group = clocks.get((name.rpartition(".")[0], series.values.size))
         held = clocks.get((series.axis, 0), of_group)
-        histories.add(name, _timed(series, held) if series.times is None and series.axis != name else series)
+        histories.add(
+            name, _add_first_clock(series, held) if series.times is None and series.axis != name else series
+        )
     histories.named = len(vectors) > 1 and not matrices_only
     return histories
 
@@ -335,7 +337,7 @@ def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:
             elif len(vectors) == 1:
                 yield label, with_attributes(series, beside), of_matrix
             else:
-                yield label, clocked(series, beside, has_times=has_times), of_matrix
+                yield label, add_clock(series, beside, has_times=has_times), of_matrix
     elif isinstance(tree, list):
         for place, item in enumerate(tree, start=1):
             yield from _vectors(item, f"{name}({place})")
@@ -369,7 +371,7 @@ def _attributes_of(tree: Mapping[str, Tree]) -> dict[str, str | float]:
     return {name: item for name, item in single.items() if item is not None}
 
 
-def _timed(series: Series, *clocks: Series | None) -> Series:
+def _add_first_clock(series: Series, *clocks: Series | None) -> Series:
     """Give a history the first clock of its length."""
     for clock in clocks:
         if clock is not None and clock.values.size == series.values.size:
