@@ -102,7 +102,7 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
     "time step": PhysicalRange(
         unit="s", lowest=1e-9, highest=1e3, remedy="Check the unit of the times, or of the sampling rate"
     ),
-    "error threshold": PhysicalRange(  # no actuator that moves no further than the exact one errs by more than 2
+    "error threshold": PhysicalRange(  # at most of a response in opposite phase
         lowest=1e-9, highest=2.0, remedy="Give a fraction, 0.05 for 5 %"
     ),
     "number": PhysicalRange(),

@@ -49,6 +49,7 @@ GROUND = {
     "errors",
     "file_limits",
     "files",
+    "hdf5_probe",
     "html_table",
     "physical_range",
     "progress",

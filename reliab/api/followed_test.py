@@ -158,7 +158,7 @@ class FollowedTest:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
         between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
-        for part in rows_about_zero(rows_at_equal_steps(rows, step)):
+        for part in rows_about_zero(rows_at_equal_steps(rows, step), step):
             begin, size = 0, part.command.shape[-1]
             while begin < size:
                 to_next = min(count - monitor.samples % count for count in (between, glance))

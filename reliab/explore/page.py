@@ -147,7 +147,7 @@ def words() -> dict[str, Any]:
     return {
         "names": names,
         "lengths": dict(LENGTHS),
-        "times": dict(TIMES),
+        "times": {name: factor for name, factor in TIMES.items() if name not in {"d", "h"}},  # disp_d
         "otherUnits": sorted({name for units in UNITS.values() for name in units} - {*LENGTHS, *TIMES}),
         "otherQuantities": others,
     }

@@ -51,7 +51,14 @@ class ChannelTable(_Table):
     def stated(self) -> Stated:
         """Return the same for the recognition."""
         columns = (self.column,) if isinstance(self.column, str) else tuple(self.column)
-        return Stated(columns=columns, unit=self.unit, sign=self.sign, scale=self.scale, zero=self.zero)
+        return Stated(
+            columns=columns,
+            unit=self.unit,
+            sign=self.sign,
+            scale=self.scale,
+            zero=self.zero,
+            is_scaled=bool({"scale", "zero"} & self.model_fields_set),
+        )
 
 
 class ChannelTables(_Table):

@@ -109,7 +109,8 @@ def read_coupled_recording(
     time_units = reading.pop("time_units", None)
     columns = read_frame(path) if is_frame(path) else read_test(path, **reading)
     columns = with_numbered_pairs(columns)
-    recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
+    histories = histories_of(columns, laboratory, time_units=time_units)
+    recording = coupled_recording_of(histories.without_moves())
     return replace(recording, stated=laboratory.beside(stated_in(columns)))
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from reliab.errors import InputError
+from reliab.errors import InputError, naming
 from reliab.file_limits import LIMITS
 from reliab.files import decoding, ordinary
 from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
@@ -75,7 +75,8 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
         if form is not None:
             if b"\0" not in head:
                 LIMITS["test"].require_narrow(path)
-            return form.read(path, delimiter)
+            with naming(path.name):
+                return form.read(path, delimiter)
     kind, remedy = next(
         (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
         ("another binary format", "Export it in one of these"),
