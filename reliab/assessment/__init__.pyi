@@ -48,7 +48,12 @@ from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plain_error import plain_errors as plain_errors
 from .plausibility import require_plausible as require_plausible
-from .recorded_force import require_restoring_force as require_restoring_force, unit_like as unit_like
+from .recorded_force import (
+    doubts_of_force as doubts_of_force,
+    doubts_of_sign as doubts_of_sign,
+    require_restoring_force as require_restoring_force,
+    unit_like as unit_like,
+)
 from .several import Assessments as Assessments, verdict_table as verdict_table
 from .tracking_index import LEVEL as LEVEL, Windows as Windows, noise_floor as noise_floor
 from .verdict import Word as Word, word_of_probability as word_of_probability

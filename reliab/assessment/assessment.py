@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.assessment.doubts import ERROR_NAMES, probability_text, sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
-from reliab.assessment.recorded_force import unexamined_unit
+from reliab.assessment.recorded_force import doubts_of_force, unexamined_unit
 from reliab.assessment.summary import summarise
 from reliab.assessment.verdict import Word
 from reliab.criterion import whole_is_worst
@@ -137,6 +137,7 @@ def _of_columns(findings: Findings) -> Iterator[str]:
 
 
 def _of_force(findings: Findings) -> Iterator[str]:
+    yield from doubts_of_force(findings.recording)
     if "mass" not in findings.stated and (
         sentence := unexamined_unit(findings.recording, findings.structure)
     ):

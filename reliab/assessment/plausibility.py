@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
-from reliab.assessment.tracking_index import noise_floor
+from reliab.assessment.tracking_index import white_noise_share
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import correlated
@@ -109,8 +109,7 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the columns and their units are the right ones",
             where=recording.name,
         )
-    floor, total = noise_floor(recording.measured)
-    noise = 0.5 * floor * recording.measured.size / total  # a periodogram has half as many bins as samples
+    noise = white_noise_share(recording.measured)
     if noise > _LARGEST_NOISE:
         raise InputError(
             "The measured displacement must follow the command",

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
 from reliab.assessment import (
+    doubts_of_force,
     doubts_of_ground,
+    doubts_of_sign,
     noise_floor,
     plain_faults,
     require_plausible,
@@ -81,6 +83,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             expected = replace(recording, command=campaign.nominal.actuator.gain * command)
             require_plausible(expected, stiffness=stiffness)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
+            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
             yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command))
             if campaign.structure is not None and force is not None:
                 shaken = replace(recording, ground=ground)
@@ -88,6 +91,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
                 yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
             require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
+            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(measured, force, campaign.step))
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
 
