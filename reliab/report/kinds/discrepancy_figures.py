@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from reliab.discrepancy.adding import Posterior
 from reliab.discrepancy.campaign import Channel
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
-from reliab.effects import Effect, find_effect
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
     GapPanel,
@@ -200,25 +199,25 @@ def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
     )
 
 
-def _meaning(name: str) -> str:
-    """Words for a parameter of an effect, by "effect.parameter"."""
-    effect, _, parameter = name.partition(".")
-    kind: type[Effect] = find_effect(effect)
-    return next(item.meaning for item in kind.parameters if item.name == parameter)
+def _meanings(diagnosed: BlockDiagnosis) -> dict[str, str]:
+    """Words for every parameter of a block's effects, of the library or not, by "effect.parameter"."""
+    space = diagnosed.best.space
+    return {
+        f"{effect.name}.{parameter.name}": parameter.meaning
+        for effect in (*space.block.offsets, *space.effects)
+        for parameter in effect.parameters
+    }
 
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
     """Draw the posterior of the effects that are named in a block, None where none has parameters."""
-    named = {
-        str(effect.effect.name)
-        for diagnosed in diagnosis.blocks
-        if str(diagnosed.block.block) == block
-        for effect in diagnosed.effects
-    }
-    chosen = [k for k, name in enumerate(posterior.names) if name.split(".")[0] in named][:_MOST_PARAMETERS]
+    diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
+    named = {str(effect.effect.name) for effect in diagnosed.effects}
+    chosen = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in named][:_MOST_PARAMETERS]
     if not chosen:
         return None
-    names = [f"{_meaning(posterior.names[k])} [{posterior.units[k]}]" for k in chosen]
+    meanings = _meanings(diagnosed)
+    names = [f"{meanings[posterior.names[k]]} [{posterior.units[k]}]" for k in chosen]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,
