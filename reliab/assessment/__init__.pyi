@@ -55,5 +55,5 @@ from .recorded_force import (
     unit_like as unit_like,
 )
 from .several import Assessments as Assessments, verdict_table as verdict_table
-from .tracking_index import LEVEL as LEVEL, Windows as Windows, noise_floor as noise_floor
+from .tracking_index import LEVEL as LEVEL, Windows as Windows, white_noise_share as white_noise_share
 from .verdict import Word as Word, word_of_probability as word_of_probability

@@ -66,6 +66,11 @@ def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDAr
     return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
 
 
+def _shown(diagnosed: BlockDiagnosis, file: str) -> str:
+    """Name the test that a figure shows whole, and what of it is held out."""
+    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, last third held out"
+
+
 def _noise(diagnosed: BlockDiagnosis) -> float | None:
     """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
     residuals = np.concatenate(list(diagnosed.residuals_before.values()))
@@ -93,9 +98,9 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
         highest=min(_HIGHEST, 0.5 * rate),
     )
     caption = prose(
-        "Power of the residual of {channel} over that of the noise, held-out test {file}.",
+        "Power of the residual of {channel} over that of the noise, {shown}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
 
@@ -108,9 +113,9 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     unit, factor = _UNITS[diagnosed.block.channel]
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
-        "Mean residual of {channel} over displacement and velocity, held-out test {file}.",
+        "Mean residual of {channel} over displacement and velocity, {shown}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
 
@@ -136,10 +141,10 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         label=f"{diagnosed.block.channel} [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: "
+        "Measured and modelled {channel} of {shown}, in the stretch in which it is strongest: "
         "over time, and over {driven}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
         driven=str(diagnosed.block.inputs[-1]),
     )
     return Figure(
@@ -175,7 +180,7 @@ def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, 
 def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
-        "Residuals on a held-out test before and after the effects are added, and their size over all "
+        "Residuals on held-out data before and after the effects are added, and their size over all "
         "held-out tests compared with that of the noise."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
@@ -213,7 +218,9 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
     """Draw the posterior of the effects that are named in a block, None where none has parameters."""
     diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
     named = {str(effect.effect.name) for effect in diagnosed.effects}
-    chosen = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in named][:_MOST_PARAMETERS]
+    chosen = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in named][
+        :_MOST_PARAMETERS
+    ]
     if not chosen:
         return None
     meanings = _meanings(diagnosed)
