@@ -250,7 +250,13 @@ class _Question:
             )
 
     def _refuse_idle_source(self) -> None:
-        """Refuse a source of motions, or arguments of one, that a printed law would not use."""
+        """Refuse figures without motions, and motions or their arguments that a printed law would not use."""
+        if self.figures is not None and not self.has_source:
+            raise InputError(
+                "A criterion is drawn over ellipses of motions",
+                value="`figures` without a source of ellipses",
+                remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
+            )
         if self.has_source and self.figures is None and not self.compare:
             raise InputError(
                 "A printed law needs no motions",
@@ -343,10 +349,10 @@ class _Question:
         # Rows refuse structures for which a law is not valid.
         if derived.rows and converged and self.out is not None:
             write_criterion(derived.criteria[0], self.out)
-        if self.figures is not None:
+        if self.figures is not None and dataset is not None:
             drawn = draw_criteria(
                 self.figures,
-                derived.ellipses,
+                dataset,
                 derived.criteria,
                 derived.structures,
                 derived.derivations,

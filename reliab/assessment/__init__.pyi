@@ -46,10 +46,15 @@ from .measured_specimen import ForceChannel as ForceChannel
 from .placement import carried_limits as carried_limits
 from .plain_error import plain_errors as plain_errors
 from .plausibility import RunningSign as RunningSign, require_plausible as require_plausible
-from .recorded_force import require_restoring_force as require_restoring_force, unit_like as unit_like
+from .recorded_force import (
+    doubts_of_force as doubts_of_force,
+    doubts_of_sign as doubts_of_sign,
+    require_restoring_force as require_restoring_force,
+    unit_like as unit_like,
+)
 from .recorded_ground import doubts_of_ground as doubts_of_ground
 from .several import Assessments as Assessments, verdict_table as verdict_table
-from .tracking_index import LEVEL as LEVEL, Windows as Windows, noise_floor as noise_floor
+from .tracking_index import LEVEL as LEVEL, Windows as Windows, white_noise_share as white_noise_share
 from .verdict import (
     ERROR_NAMES as ERROR_NAMES,
     Word as Word,

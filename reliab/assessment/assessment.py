@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.assessment.doubts import sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
-from reliab.assessment.recorded_force import remark_on_force
+from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
 from reliab.assessment.verdict import ERROR_NAMES, Word, probability_text
 from reliab.criterion import whole_is_worst
@@ -137,6 +137,7 @@ def _of_columns(findings: Findings) -> Iterator[str]:
 
 
 def _of_force(findings: Findings) -> Iterator[str]:
+    yield from doubts_of_force(findings.recording)
     unknown = findings.error.specimen_known != "stated" or "alpha" in findings.equation.wrong
     if "mass" not in findings.stated or not unknown:
         sentence = remark_on_force(findings.recording, findings.structure, findings.stated)

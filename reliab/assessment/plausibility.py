@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
-from reliab.assessment.tracking_index import noise_floor
+from reliab.assessment.tracking_index import white_noise_share
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import correlated
@@ -113,9 +113,8 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the columns and their units are the right ones",
             where=recording.name,
         )
-    floor, total = noise_floor(recording.measured)
-    noise = 0.5 * floor * recording.measured.size / total  # a periodogram has half as many bins as samples
-    if noise > _LARGEST_NOISE:
+    noise = white_noise_share(recording.measured)
+    if noise > _LARGEST_NOISE and best**2 < 1.0 - _LARGEST_NOISE:  # else it follows a random command
         raise InputError(
             "The measured displacement must follow the command",
             value=f"{percent(noise, decimals=0)} of its power is white noise",

@@ -6,7 +6,8 @@ motion does no work against it; and where it explains the force by the command, 
 displacement, the columns are exchanged.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,8 +15,10 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
+from reliab.assessment.tracking_index import is_noisier
 from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
+from reliab.signals import CubicPath
 from reliab.significant import percent, significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure
@@ -24,9 +27,11 @@ _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
 _BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
 _FAR_BETTER = 0.01  # where the force follows the displacement as that of a spring does
+_EXPLAINED = 0.05  # of the force's power left over, below which a force may be that of the specimen
 _EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
 _SKEWED = 1.2  # samples: a lead that may be the skew of two channels
 _OF_LEAD = 0.25  # of the power that a force which follows the command leaves over, seen from ahead of it
+_IN_TIME = 0.25  # of what is left over, by the same displacement without its lead
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
@@ -56,7 +61,7 @@ def require_restoring_force(
     linear: bool = False,
     where: str = "",
 ) -> None:
-    """Refuse a force that is reversed, stands still, follows no motion, or is in another unit.
+    """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
 
     `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
     stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether the specimen
@@ -82,12 +87,8 @@ def require_restoring_force(
     kernel = _kernel(measured, force, time_step)
     if kernel is None:
         return
-    unexplained, unexplained_if_reversed = _left_over(measured, (force, -force), kernel)
-    # in motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip
-    springs_back = _stiffness(measured, force, kernel) is not None
-    better = _FAR_BETTER if springs_back else _BETTER
-    reversed_explains = unexplained_if_reversed < min(better * unexplained, _UNRELATED)
-    if reversed_explains and not _takes_work(measured, force, kernel):
+    sign = _Sign.of_force(measured, force, kernel)
+    if sign.reverse_explains and not sign.may_be_right:
         raise InputError(
             "The recorded force must resist the motion",
             value="a force that acts along it, as if its sign were reversed",
@@ -95,16 +96,67 @@ def require_restoring_force(
             "positive direction",
             where=where,
         )
-    if unexplained > _UNRELATED:
+    if sign.unexplained > _UNRELATED:
         raise InputError(
             "The recorded force must follow the measured displacement",
-            value=f"a force of whose power {percent(unexplained, decimals=0)} follows no spring, dashpot, "
-            "mass or friction",
+            value=f"a force of whose power {percent(sign.unexplained, decimals=0)} follows no spring, "
+            "dashpot, mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=where,
         )
     if stiffness:
         _require_unit(measured, force, kernel, stiffness, where, linear=linear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sign:
+    """Which sign of a force a passive specimen explains."""
+
+    unexplained: float  # Power left over of the force as recorded, over that of the force [-]
+    reverse_explains: bool  # Whether the force is explained clearly better with its sign turned
+    may_be_right: bool  # Whether it is explained as recorded, too, so that no sign is certain
+
+    @classmethod
+    def of_force(cls, measured: Array, force: Array, kernel: Kernel) -> "_Sign":
+        """Explain a force, and its reverse.
+
+        In motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip.
+        """
+        unexplained, if_reversed = _left_over(measured, (force, -force), kernel)
+        springs_back = _stiffness(measured, force, kernel) is not None
+        better = _FAR_BETTER if springs_back else _BETTER
+        explains = if_reversed < min(better * unexplained, _UNRELATED)
+        return cls(
+            unexplained=unexplained,
+            reverse_explains=explains and not _takes_work(measured, force, kernel),
+            may_be_right=springs_back and unexplained < _EXPLAINED,
+        )
+
+
+def doubts_of_force(recording: Recording) -> Iterator[str]:
+    """Say where sign or columns of a recorded force may be wrong, though that is not certain."""
+    clean, *_ = without_spikes(recording)
+    if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
+        return
+    yield from doubts_of_sign(clean.measured, clean.force, clean.time_step)
+    if _follows_command(clean.command, clean.measured, clean.force, kernel):
+        yield (
+            "The recorded force follows the command more closely than the measured displacement. Check the "
+            "displacement sensor (drift, stroke, clock), and that the two columns are not exchanged."
+        )
+
+
+def doubts_of_sign(measured: Array, force: Array, time_step: float) -> Iterator[str]:
+    """Say where a force that a spring explains is explained better with its sign turned.
+
+    `measured` displacement [m] and `force` [N], shape (n,); `time_step` [s].
+    """
+    kernel = _kernel(measured, force, time_step)
+    if kernel is not None and _Sign.of_force(measured, force, kernel).reverse_explains:
+        yield (
+            "The recorded force is that of a mass with its sign turned, as the restoring force of a free "
+            "vibration is. Check its sign: it is positive where the specimen resists a positive displacement."
+        )
 
 
 def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
@@ -116,29 +168,40 @@ def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
 
 
 def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
-    """Refuse a test whose force follows the command, and whose measured displacement is ahead of it.
+    """Refuse a test whose force follows the command, and whose measured displacement is only ahead of it.
 
-    A force that follows the command alone is no proof: a displacement sensor that drifts hides the motion
-    that the specimen follows, but it does not know what will be commanded. Nor is it a proof where the
-    measured displacement explains the force, too: an actuator that leads moves the specimen earlier than its
-    command, which a computer knows without noise, and a skew shows as a lead.
+    A force that follows the command is no proof: a displacement sensor that drifts hides the motion that the
+    specimen follows. Where the columns are exchanged, the displacement explains the force as soon as its lead
+    is taken off, and the command, which is then a reading, is no cleaner than the displacement.
 
     `command`, `measured`, `force` [m]; `time_step` [s].
     """
     kernel = _kernel(measured, force, time_step)
-    if kernel is None:
+    if kernel is None or not _follows_command(command, measured, force, kernel):
         return
-    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
-    lead = _lead(measured, command, kernel)
-    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
-    misses = lead > _SKEWED * time_step and by_measured > _OF_LEAD * of_lead
-    if misses and by_command < _EXCHANGED * by_measured:
+    path = CubicPath.through(np.arange(measured.size) * time_step, measured)
+    in_time = path.later(_lead(measured, command, kernel))
+    as_read, as_late = (_left_over(moved, (force,), kernel)[0] for moved in (measured, in_time))
+    if as_late < _IN_TIME * as_read and not is_noisier(measured, command):
         raise InputError(
             "The recorded force must follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
             remedy="Exchange the columns, or name them with `command` and `measured`",
             where=where,
         )
+
+
+def _follows_command(command: Array, measured: Array, force: Array, kernel: Kernel) -> bool:
+    """Whether the command explains a force far better than a measured displacement that is ahead of it.
+
+    A displacement that explains the force, too, is in order: an actuator that leads moves the specimen
+    earlier than its command, which a computer knows without noise, and a skew shows as a lead.
+    """
+    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
+    lead = _lead(measured, command, kernel)
+    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
+    misses = lead > _SKEWED * kernel.time_step and by_measured > _OF_LEAD * of_lead
+    return misses and by_command < _EXCHANGED * by_measured
 
 
 def _lead(first: Array, second: Array, kernel: Kernel) -> float:

@@ -107,9 +107,8 @@ def synthesize(demand: SynthesizeDemand) -> None:
 def _say_written(written: "WrittenSuite", json_target: str | None) -> None:
     if not write_json(written.to_dict(), json_target):
         folder = written.catalogue.parent
-        count = f"{counted(len(written.motions), 'motion')} from {counted(written.events, 'event')}"
-        text = f"{count} written to {folder}"
-        say(text, soft_wrap=True)
+        motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
+        say(f"{motions} from {events} written to {folder}", soft_wrap=True)
 
 
 def _show_motions(rows: list[dict[str, Any]]) -> None:
@@ -148,8 +147,7 @@ def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]
     from rich.text import Text
 
     files = len({fault.file for fault in faults})
-    title = f"{counted(len(faults), 'fault')} in {counted(files, 'file')}"
-    table = Table(title=title, show_lines=True)
+    table = Table(title=f"{counted(len(faults), 'fault')} in {counted(files, 'file')}", show_lines=True)
     for heading in ("file", "line", "rule", "found", "remedy"):
         right = heading == "line"
         table.add_column(

@@ -11,6 +11,8 @@ from reliab.assessment import assess
 from reliab.assessment.plausibility import require_plausible
 from reliab.assessment.recorded_force import (
     _nonnegative_remainder,
+    doubts_of_force,
+    doubts_of_sign,
     remark_on_force,
     require_restoring_force,
 )
@@ -240,6 +242,46 @@ def test_an_actuator_that_leads_has_its_columns_where_they_belong(moved, specime
     test = recorded(moved, specimen, late=-lead, noise=0.0)
     places = np.arange(test.command.size)
     require_plausible(replace(test, measured=0.78 * np.interp(places + 0.5, places, test.measured)))
+
+
+@pytest.mark.parametrize("rate", [25.0, 200.0])
+def test_force_of_a_free_vibration_is_remarked_and_not_refused(rate):
+    """The force of a pendulum is -m a exactly: a spring explains it nearly, a reversed mass fully."""
+
+    def acceleration(moved, speed):
+        return -16.0 * np.sin(moved) - 0.1 * speed
+
+    time = np.arange(0.0, 30.0, 1.0 / rate)
+    swing = scipy.integrate.solve_ivp(
+        lambda _, y: [y[1], acceleration(*y)], (0.0, 30.0), [1.0, 0.0], t_eval=time, rtol=1e-9
+    )
+    moved, force = swing.y[0], -3.0 * acceleration(*swing.y)
+    assert np.corrcoef(moved, force)[0, 1] > 0.95
+    require_restoring_force(moved, force, 1.0 / rate)
+    assert any("Check its sign" in doubt for doubt in doubts_of_sign(moved, force, 1.0 / rate))
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS)
+def test_forces_that_resist_raise_no_doubt(moved, specimen):
+    assert list(doubts_of_force(recorded(moved, specimen))) == []
+
+
+@pytest.mark.parametrize("drift", [0.05, 0.3])
+def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(moved, drift):
+    """The force follows the command, yet no lead explains what the displacement misses."""
+    test = recorded(moved, "spring", late=-0.003)
+    places = np.arange(test.force.size)
+    drifting = test.measured + drift * np.abs(test.measured).max() * places / places[-1]
+    limited = np.minimum(drifting, 0.9 * drifting.max())
+    recording = replace(test, measured=limited, force=STIFFNESS * test.command)
+    require_plausible(recording)
+    assert any("more closely than the measured" in doubt for doubt in doubts_of_force(recording))
+
+
+def test_noisy_reading_that_leads_is_not_exchanged_with_its_clean_command(moved):
+    """Clocks that differ look like exchanged columns, but only a reading is noisy."""
+    test = recorded(moved, "spring", late=-0.008)
+    require_plausible(replace(test, force=STIFFNESS * test.command))
 
 
 def test_a_brace_that_buckles_takes_work_and_is_not_reversed():

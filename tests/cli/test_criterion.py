@@ -11,6 +11,7 @@ from reliab.api.derived_criteria import _plane
 from reliab.cli.criterion import criterion
 from reliab.criterion import Criterion
 from reliab.errors import IncompleteError, InputError
+from reliab.report.style import FigureWarning
 from reliab.shipped import shipped
 
 app = typer.Typer()
@@ -300,6 +301,26 @@ def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
     assert found["law"] == "guo_2017_18"
     assert len(found["figures"]) == 1
+
+
+def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
+    asked = (
+        "--ellipses",
+        "real_suite",
+        "--f",
+        1,
+        "--f",
+        1.13,
+        "--xi",
+        0.02,
+        "--figures",
+        tmp_path / "figures",
+    )
+    with pytest.warns(FigureWarning, match=r"No figure for f = 1.13 Hz.*Choose f among 0.25, 0.5"):
+        found = answer(*asked, "--out", tmp_path / "criterion.json")
+    assert [row["f"] for row in found["criteria"]] == [1, 1.13]
+    assert (tmp_path / "criterion.json").is_file()
+    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
 
 
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():

@@ -118,7 +118,9 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
         by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
     )  # fmt: skip
     unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
-    block = SimpleNamespace(unknown=unknown, gap=gap, block=SimpleNamespace(block="specimen"))
+    block = SimpleNamespace(
+        unknown=unknown, gap=gap, held_out="t7, t8", block=SimpleNamespace(block="specimen")
+    )
     diagnosis = SimpleNamespace(
         where=[finding], effects=(), doubtful=(), blocks=[block], remarks=["Nothing else."]
     )

@@ -106,6 +106,20 @@ def test_a_command_that_was_recorded_with_noise_is_told(share, told):
     assert ["holds noise of 0." in sentence for sentence in sentences] == [True] * len(tests) * told
 
 
+def test_random_command_that_the_rig_follows_is_no_noise():
+    rng, rate = np.random.default_rng(2), 50.0
+    tests = []
+    for place in range(2):
+        command = 0.01 * rng.standard_normal(3000)
+        measured = np.convolve(command, [0.7, 0.3])[:3000] + 1e-5 * rng.standard_normal(3000)
+        channels = {COMMAND: command, MEASURED: measured}
+        tests.append(MeasuredTest(file=f"{place}.csv", motion="", held_out=place == 1, channels=channels))
+    campaign = Campaign(
+        name="", structure=None, mass=1.0, actuator=None, specimen=None, rate=rate, tests=tuple(tests)
+    )
+    assert require_consistent(campaign) == ()
+
+
 def test_a_structure_that_is_released_needs_no_ground_acceleration():
     """A free vibration begins where the structure was held."""
     time = np.arange(0.0, 10.0, 1.0 / RIGS["rig_a"].rate)

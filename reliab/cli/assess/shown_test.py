@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.cli.assess.shown_briefly import budget_table, index_in_words, show_remarks
 from reliab.cli.output import console, say, table
-from reliab.significant import percent, share_in_words, significant
+from reliab.significant import counted, percent, share_in_words, significant
 from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     """Print the verdicts of tests."""
     judged = [content for content in contents if "fault" not in content]
     asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
-    shown = table(f"Verdicts on {len(contents)} tests{asked}", _COLUMNS)
+    shown = table(f"Verdicts on {counted(len(contents), 'test')}{asked}", _COLUMNS)
     for content in contents:
         shown.add_row(*_row(content))
     terminal = console()

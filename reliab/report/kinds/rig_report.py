@@ -97,7 +97,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
             alpha=structure.experimental_fraction,
         )
     if table.faults:
-        facts["Left out"] = f"{len(table.faults)} files that could not be read"
+        facts["Left out"] = f"{counted(len(table.faults), 'file')} that could not be read"
     return facts
 
 
