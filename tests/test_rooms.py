@@ -4,9 +4,7 @@ import ast
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 from parsed import nodes
@@ -15,8 +13,7 @@ import reliab
 
 PACKAGE = Path(reliab.__file__).parent
 ROOMS = (
-    "cli",
-    "api",
+    "app",
     "study",
     "report",
     "discrepancy",
@@ -29,42 +26,19 @@ ROOMS = (
     "sampling",
     "sweep",
     "recordings",
-    "boundary",
-    "indices",
+    "tracking",
     "simulation",
     "structures",
     "effects",
     "motions",
     "signals",
+    "core",
 )
 NUMERIC_CORE = (
-    *("signals", "motions", "effects", "structures", "simulation", "indices", "boundary"),
+    *("signals", "motions", "effects", "structures", "simulation", "tracking"),
     "assessment/rebuilt_error",
 )
-GROUND = {
-    "arrays",
-    "compiled",
-    "described_files",
-    "encodings",
-    "errors",
-    "file_limits",
-    "files",
-    "hdf5_probe",
-    "html_table",
-    "physical_range",
-    "progress",
-    "received",
-    "registry",
-    "renamed",
-    "rows",
-    "shipped",
-    "significant",
-    "steps_of_logarithm",
-    "threads",
-    "stated_value",
-    "version",
-    "vocabulary",
-}
+GROUND = {"renamed", "version"}
 """Files beside the rooms that every room may import, and that import no room."""
 DOORS = {"__init__", "__main__"}
 """Files beside the rooms through which users enter."""
@@ -93,37 +67,6 @@ def imported_files(path: Path) -> frozenset[Path]:
         elif isinstance(node, ast.Import):
             files.update(module_file(alias.name) for alias in node.names)
     return frozenset(file for file in files if file is not None and file != path)
-
-
-def is_face(dotted: str, name: str) -> bool:
-    """Tell whether a name is imported from a folder, or from a module that is called as the name is."""
-    path = PACKAGE.joinpath(*dotted.split(".")[1:])
-    return (path / "__init__.py").is_file() or path.stem == name or (path.parent / f"{name}.py").is_file()
-
-
-def test_a_room_is_entered_by_its_face():
-    """What another room uses is named in the face of a folder; the rest may change and tell nobody."""
-    strays = {
-        f"{path.relative_to(PACKAGE)}: {node.module}.{alias.name}"
-        for path in modules()
-        for node in nodes(path)
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("reliab.")
-        if part_of(path) in ROOMS and (node.module or "").split(".")[1] in {*ROOMS} - {part_of(path)}
-        for alias in node.names
-        if not is_face(node.module or "", alias.name)
-    }
-    assert strays == set()
-
-
-def test_a_face_names_what_it_has_and_no_module_hides_it():
-    for path in modules():
-        if not path.stem.startswith("__"):
-            import_module(".".join(["reliab", *path.relative_to(PACKAGE).with_suffix("").parts]))
-    for stub in sorted(PACKAGE.rglob("__init__.pyi")):
-        package = ".".join(["reliab", *stub.parent.relative_to(PACKAGE).parts])
-        face = import_module(package)
-        for name in face.__all__:
-            assert not isinstance(getattr(face, name), ModuleType), f"{package}.{name}"
 
 
 def part_of(path: Path) -> str:

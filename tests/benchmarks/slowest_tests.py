@@ -1,6 +1,6 @@
 """Print the tests that need the most processor time.
 
-    python tests/benchmarks/slowest_tests.py [--count 20] [pytest's own arguments, e.g. tests/cli]
+    python tests/benchmarks/slowest_tests.py [--count 20] [pytest's own arguments, e.g. tests/app/cli]
 
 The processor time of a test counts this process and the subprocesses that it waited for. It is measured in
 one process, so it holds on a busy machine too; what a shared fixture costs is counted for the first test that

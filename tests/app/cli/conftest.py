@@ -1,0 +1,88 @@
+"""Files of a test to judge."""
+
+import pickle
+from collections import OrderedDict
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reliab.criterion.published import published_criterion
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures.structure import Structure
+
+_KEPT = 16  # assessments in memory
+
+
+@pytest.fixture(scope="module")
+def judged_once():
+    """What is asked about one test, its JSON, its screen and its exit code, is computed once for a module."""
+    from reliab.assessment.assess import assess as computed
+
+    known = OrderedDict()
+
+    def judge(*arguments, **options):
+        question = pickle.dumps((arguments, options))
+        if question not in known:
+            known[question] = computed(*arguments, **options)
+            while len(known) > _KEPT:
+                known.popitem(last=False)
+        return known[question]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("reliab.app.api.assessment.assess_structure", judge)
+        yield
+
+
+@pytest.fixture(scope="module")
+def folder_of_a_test(tmp_path_factory):
+    """Files of a test of 12 s in several forms, and of what it may be judged by."""
+    made = tmp_path_factory.mktemp("options")
+    times = np.arange(0.0, 12.0, 1.0 / 128.0)
+    rng = np.random.default_rng(2)
+    command = 0.01 * np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / 12.0) ** 2
+    late = np.interp(times - 0.001, times, command) + 1e-6 * rng.normal(size=times.size)
+    frame = pd.DataFrame(
+        {
+            "time_s": times,
+            "command_m": command,
+            "measured_m": 0.999 * late,
+            "other_m": np.interp(times - 0.002, times, command) + 1e-6 * rng.normal(size=times.size),
+            "slow_s": 1.1 * times,
+        }
+    )
+    frame.to_csv(made / "test.csv", index=False)
+    bare = frame[["command_m", "measured_m"]].set_axis(["command", "measured"], axis=1)
+    bare.to_csv(made / "bare.csv", index=False)
+    bare.assign(time=1e3 * times).to_csv(made / "ms.csv", index=False)
+    frame.iloc[:, :3].to_csv(made / "bar.csv", index=False, sep="|")
+    shaking = np.exp(-(((times - 4.0) / 2.0) ** 2)) * rng.normal(size=times.size)
+    lines = ["# units: m/s2", "# dt = 0.0078125", *(f"{sample:.6f}" for sample in shaking)]
+    (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    (made / "frame.toml").write_text(
+        """[frame]
+        masses_kg = [1000.0, 800.0]
+        storey_stiffnesses_n_per_m = [1e5, 1e5]
+        [damping]
+        ratio = 0.03
+        [specimen]
+        degree_of_freedom = "1"
+        stiffness_n_per_m = 5e4
+        """,
+        encoding="utf-8",
+    )
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    rig = HybridTest(structure=structure, mass=2.0, actuator=Actuator(delay=1.0 / 128.0))
+    whole = run_closed_loop(rig, shaking, 1.0 / 128.0)
+    histories = {"command_m": whole.command.values[0], "measured_m": whole.measured}
+    pd.DataFrame({"time_s": times, **histories, "ag_mps2": shaking, "force_N": whole.force}).to_csv(
+        made / "whole.csv", index=False
+    )
+    cubic = find_effect("cubic_stiffness").from_values(np.array([1e5]))
+    model = HybridTest(structure=structure, effects=(cubic,))
+    write_model(made / "model.toml", UpdatedModel(name="cubic", test=model))
+    (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
+    return made

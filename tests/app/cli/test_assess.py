@@ -1,0 +1,287 @@
+import json
+import re
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+import typer
+from scipy.interpolate import CubicSpline
+from typer.testing import CliRunner, Result
+
+from reliab.app.cli import application, run as run_command, spread
+from reliab.app.cli.assess.command import assess
+from reliab.core.errors import InputError
+from reliab.criterion.published import published_criterion
+
+pytestmark = pytest.mark.usefixtures("judged_once")
+
+ONE_HERTZ = ("--f", "1", "--xi", "0.02")
+
+app = typer.Typer()
+app.command()(assess)
+
+
+@cache
+def run(*arguments: object) -> Result:
+    """Ask once; tests whose files or terminal change ask `run.__wrapped__`."""
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def answer(*arguments: object) -> dict:
+    return json.loads(run(*arguments, *ONE_HERTZ, "--json", "-").stdout)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Files of three tests of a one-hertz response, and a ground motion."""
+    made = tmp_path_factory.mktemp("tests")
+    rng = np.random.default_rng(5)
+    times = np.arange(0.0, 40.0, 1.0 / 256.0)
+    command = np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / 40.0) ** 2
+    path = CubicSpline(times, command)
+    for name, gain, delay in (("good", 0.999, 0.0004), ("late", 1.0, 0.004), ("weak", 0.96, 0.0004)):
+        measured = gain * path(np.clip(times - delay, 0.0, None)) + 0.003 * rng.normal(size=times.size)
+        frame = pd.DataFrame({"time_s": times, "command_m": command, "measured_m": measured})
+        frame.to_csv(made / f"{name}.csv", index=False)
+    shaking = np.exp(-(((times - 8.0) / 5.0) ** 2)) * rng.normal(size=times.size)
+    lines = ["# units: m/s2", f"# dt = {1.0 / 256.0}", *(f"{sample:.6f}" for sample in shaking)]
+    (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    return made
+
+
+def test_good_test_is_reliable_and_says_so(folder):
+    found = answer(folder / "good.csv", "--exact")
+    assert found["reliable"] is True
+    assert found["probability"] > 0.95
+    assert found["A"] == pytest.approx(0.999, abs=1e-3)
+    assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
+    shown = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
+    assert shown.startswith("RELIABLE: RMS^R is ")
+    assert "below 5 % with probability > 0.99" in shown
+    assert (
+        "f = 1 Hz, ξ = 0.02, α = 1; threshold 5 % (RMS^R); window of the error: the whole test, 40 s" in shown
+    )
+    assert "RMS^R is the root mean square" in " ".join(shown.split())
+    assert "Stability margin" in shown
+    assert "Tracking of the command" in shown
+    assert "1.000" not in shown.split("Tracking")[0].split("A, amplitude")[0]
+
+
+@pytest.mark.default_cases(1)
+@pytest.mark.parametrize(("name", "first"), [("late", "delay"), ("weak", "amplitude")])
+def test_what_to_improve_first_is_named(folder, name, first):
+    assert answer(folder / f"{name}.csv")["improve"]["first"] == first
+    assert f"Improve first: {first}" in run(folder / f"{name}.csv", *ONE_HERTZ).stdout
+
+
+def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
+    shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
+    assert shown.startswith("RELIABLE: RMS^R is 2.27 %, below 5 % with probability 0.9")
+    assert "What would narrow the interval most: Calibrate the displacement sensor" in shown
+    assert "skew of the channels" in shown
+    left_open = answer(folder / "good.csv")
+    assert left_open["verdict"] == "undecided"  # at resonance half a sample of skew is half of the threshold
+    assert "Measure the skew" in left_open["would_decide"][0]
+    known = answer(folder / "good.csv", "--skew", "0±0.1")
+    assert known["would_decide"][0].startswith("Calibrate the displacement sensor")
+
+
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [
+        ("good", 80),
+        ("late", 120),
+        ("weak", 80),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("good", 120), ("late", 80), ("weak", 120))
+        ),
+    ],
+)
+def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatch, name, width):
+    monkeypatch.setattr("reliab.app.cli.output._WIDTH_OF_PIPES", width)
+    shown = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
+    assert len(shown.splitlines()) <= 12
+    assert shown.count("with probability") == 1
+    content = answer(folder / f"{name}.csv")
+    text = " ".join(shown.split())
+    for metric in ("rms", "mte"):
+        size = content["error"][metric]
+        assert f"{100 * size['value']:.2f} % ({100 * size['low']:.2f} to {100 * size['high']:.2f} %)" in text
+    assert content["budget"][0]["quantity"] in text
+    assert all(remedy in text for remedy in content["would_decide"])
+    details = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout
+    details = " ".join(details.split())
+    assert all(" ".join(note.split()) in details for note in [*content["notes"], *content["warnings"]])
+
+
+def test_what_a_test_contradicts_stands_on_the_screen_once(folder):
+    frame = pd.read_csv(folder / "good.csv").assign(measured_m=lambda table: table["command_m"])
+    frame.to_csv(folder / "same.csv", index=False)
+    shown = " ".join(run(folder / "same.csv", *ONE_HERTZ).stdout.split())
+    content = answer(folder / "same.csv")
+    assert content["verdict"] == "undecided"
+    for doubt in content["reasons"][:-1]:
+        assert shown.count(doubt) == 1
+
+
+def test_check_turns_the_verdict_into_an_exit_code(folder):
+    assert run(folder / "good.csv", *ONE_HERTZ, "--exact", "--check").exit_code == 0
+    assert run(folder / "late.csv", *ONE_HERTZ).exit_code == 0
+    assert run(folder / "late.csv", *ONE_HERTZ, "--check").exit_code == 1
+    frame = pd.read_csv(folder / "good.csv")
+    frame.assign(measured_m=frame["command_m"]).to_csv(folder / "copied.csv", index=False)
+    undecided = run(folder / "copied.csv", *ONE_HERTZ, "--check")
+    assert undecided.exit_code == 1
+    assert undecided.stdout.startswith("UNDECIDED")
+    assert "What would narrow the interval most" in undecided.stdout
+
+
+def test_threshold_and_confidence_move_the_verdict():
+    strict = answer("sample_test", "--threshold", 0.02, "--confidence", 0.99)
+    assert (strict["threshold"], strict["confidence"]) == (0.02, 0.99)
+    assert strict["index"] > answer("sample_test")["index"]
+
+
+@pytest.mark.slow
+def test_known_ground_motion_gives_its_own_verdict(folder):
+    found = answer(folder / "good.csv", "--motion", folder / "ground.txt")
+    assert found["basis"] == "motion"
+    assert found["motion"]["name"] == "ground"
+    assert found["by_index"]["reliable"] is (found["motion"]["error"] <= 0.05)
+    assert found["motion"]["window_s"] == pytest.approx(
+        [found["motion"]["begin_s"], found["motion"]["begin_s"] + found["duration_s"]]
+    )
+    assert 0.01 <= found["motion"]["probability"] <= 0.99
+    assert found["scope"]["position"] == "outside"  # no ground motion has a response that is one sine
+    assert found["population"]["probability"] is None
+
+
+def test_criterion_of_a_file_is_used(folder):
+    (folder / "criterion.json").write_text(published_criterion("guo_2017_12").to_json(), encoding="utf-8")
+    found = answer(folder / "good.csv", "--criterion", folder / "criterion.json")
+    assert found["population"]["law"] == "guo_2017_12"
+    assert found["by_index"]["probability"] is None
+
+
+def test_design_states_tolerable_errors_and_a_chart(folder):
+    found = json.loads(
+        run("--design", "--f", 1, "--f", 0.6, "--confidence", 0.8, "--confidence", 0.95, "--json", "-").stdout
+    )
+    assert [(each["f"], each["confidence"]) for each in found["design"]] == [
+        (1.0, 0.8), (1.0, 0.95), (0.6, 0.8), (0.6, 0.95),
+    ]  # fmt: skip
+    assert len({each["f"] for each in found["chart"]}) == 8
+    limits = [each["delay_limit_ms"] for each in found["design"]]
+    assert limits[0] > limits[1]
+    assert limits[2] > limits[0]
+    result = run("--design", "--figure", folder / "chart.svg")
+    assert "d alone" in result.stdout
+    assert (folder / "chart.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"),
+    [
+        ((), "A test's file is needed"),
+        (("none.csv",), "must be readable"),
+        (("good.csv",), "frequency of the structure must be stated"),
+        (("good.csv", "--f", 1, "--f", 2), "A test has one"),
+        (("good.csv", "--f", "one"), "with its standard deviation"),
+        (("good.csv", "--f", "1±"), "with its standard deviation"),
+        (("good.csv", "--f", "1±0.5"), "below 0.333"),
+        (("good.csv", "--f", 1, "--confidence", 95), "confidence must lie between"),
+        (("good.csv", "--f", 1, "--threshold", 5), "must be (positive, and )?at most 2"),
+        (("good.csv", "--f", 1, "--threshold", 0), "must be (positive, and )?at most 2"),
+        (("good.csv", "--f", 1, "--command", "comand_m"), "column of the command must be"),
+        (("good.csv", "--f", 1, "--criterion", "none.json"), "criterion's file must be readable"),
+        (
+            ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
+            "`threshold` has no effect together with",
+        ),
+        (
+            ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
+            "`metric` has no effect together with",
+        ),
+        (("good.csv", "--f", 1, "--motion", "none.at2"), "A record must exist"),
+        (("good.csv", "--f", 1, "--metric", "peak"), "The metric is rms or mte"),
+        (("good.csv", "--f", 1, "--units", "furlong"), "must be one of length"),
+        (("good.csv", "--f", 1, "--xi", 2), "damping ratio must be at least 1e-12 and below 1"),
+        (("good.csv", "--f", 1, "--date", "2026-01-01"), "`date` has no effect"),
+        (("good.csv", "--f", 1, "--mass", 2), "without a column of force"),
+        (("good.csv", "--f", 1, "--model", "none.toml"), "must be a readable TOML"),
+        (("good.csv", "--f", 1, "--figure", "chart.svg"), "`figure` has no effect without"),
+        (("good.csv", "--design"), "A test's file has no effect"),
+        (("--design", "--alpha", 0.1), "at least 10 ξ"),
+        (("--design", "--check"), "`check` has no effect"),
+        (("--design", "--report", "a.pdf"), "`report` has no effect"),
+        (("--design", "--motion", "ground.txt"), "`motion` has no effect"),
+        (("--design", "--structure", "frame.toml"), "Judge a trial test of the frame"),
+        (("--design", "--threshold", 0), "must be (positive, and )?at most 2"),
+        (("--design", "--f", "1±0.01"), "are computed for exact values"),
+        (("--design", "--figure", "none/chart.svg"), "figure's file must be writable"),
+    ],
+)
+def test_bad_input_is_explained(folder, wrong, rule, monkeypatch):
+    monkeypatch.chdir(folder)
+    refusal = run(*wrong).exception
+    assert isinstance(refusal, InputError)
+    assert re.search(rule, str(refusal))
+
+
+def test_a_mass_tells_the_unit_of_a_force_without_any_ground_acceleration(folder, tmp_path):
+    test = pd.read_csv(folder / "good.csv")
+    in_kilonewtons = 1e-3 * 50.0 * (2.0 * np.pi) ** 2 * test["measured_m"]
+    test.assign(force_N=in_kilonewtons).to_csv(tmp_path / "force.csv", index=False)
+    refused = str(run(tmp_path / "force.csv", "--f", 1, "--mass", 50).exception)
+    assert "must be that of the stated specimen" in refused
+    assert "kilonewtons for newtons" in refused
+
+
+def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
+    assert run_command(["assess", "--f", "1", str(folder / "good.csv"), "--xi", "0.02", "--exact"]) == 0
+    assert capsys.readouterr().out.startswith("RELIABLE")
+    assert list(
+        spread(["assess", "--design", "--f", "1", "2±0.1"], typer.main.get_command(application()))
+    ) == [
+        *("assess", "--design", "--f", "1", "--f", "2±0.1"),
+    ]
+
+
+def test_words_that_an_option_takes_beside_numbers_belong_to_it():
+    asked = ["simulate", "--window", "5", "arias", "record", "--f", "1", "2", "arias", "--out", "a"]
+    assert list(spread(asked, typer.main.get_command(application()))) == [
+        *("simulate", "--window", "5", "--window", "arias", "--window", "record"),
+        *("--f", "1", "--f", "2", "arias", "--out", "a"),
+    ]
+
+
+def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
+    text = (folder / "good.csv").read_text(encoding="utf-8")
+    stated = folder / "stated.csv"
+    stated.write_text(f"# f = 1 ± 0.01 Hz\n# xi: 0.02+-0.002\n{text}", encoding="utf-8")
+    found = json.loads(run(stated, "--json", "-").stdout)
+    assert found["stated"]["f"] == {"value": 1.0, "deviation": 0.01}
+    assert found["stated"]["xi"] == {"value": 0.02, "deviation": 0.002}
+    assert {"frequency", "damping_ratio"} <= {each["name"] for each in found["error"]["widest"]}
+    assert json.loads(run(stated, "--f", 1.1, "--json", "-").stdout)["f"] == 1.1
+
+
+@pytest.mark.slow
+def test_an_assumed_damping_ratio_is_said(folder):
+    frame = pd.read_csv(folder / "good.csv")
+    path = CubicSpline(frame["time_s"], frame["command_m"])
+    noise = 1e-4 * np.random.default_rng(1).normal(size=len(frame))
+    for name, delay in (("prompt", 1e-4), ("between", 1.5e-3)):
+        frame["measured_m"] = path(np.clip(frame["time_s"] - delay, 0.0, None)) + noise
+        frame.to_csv(folder / f"{name}.csv", index=False)
+    shown = " ".join(run(folder / "prompt.csv", "--f", 1, "--exact").stdout.split())
+    assert shown.startswith("RELIABLE")  # whatever the damping ratio
+    assert "No damping ratio was stated" in shown
+    found = json.loads(run(folder / "between.csv", "--f", 1, "--xi", 0.02, "--exact", "--json", "-").stdout)
+    assert found["verdict"] != "undecided"
+    left_open = json.loads(run(folder / "between.csv", "--f", 1, "--exact", "--json", "-").stdout)
+    assert left_open["verdict"] == "undecided"
+    assert "(ξ = 0.005)" in left_open["reasons"][0]
+    assert "damping ratio" in left_open["would_decide"][0]

@@ -1,0 +1,31 @@
+"""The shell completes names of what ships and what is registered."""
+
+import pytest
+import typer
+
+from reliab.app.cli import application
+from reliab.criterion.methods.registry import METHODS
+from reliab.study.reading import shipped_studies
+
+COMMANDS = typer.main.get_group(application()).commands
+CASES = [
+    ("assess", "tests", "sa", ["sample_test"]),
+    ("assess", "tests", "", []),  # left to the shell, which offers files
+    ("monitor", "source", "sa", ["sample_test"]),
+    ("diagnose", "campaign", "rig_b", ["rig_b"]),
+    ("assess", "metric", "", ["rms", "mte"]),
+    ("report", "paper", "l", ["letter"]),
+    ("simulate", "motions", "syn", ["synthetic"]),
+    ("criterion", "results", "r", ["real_suite"]),
+    ("criterion", "law", "dim", ["dimensionless"]),
+    ("validate", "method", "", list(METHODS)),
+    pytest.param("run", "study", "", sorted(shipped_studies()), marks=pytest.mark.of_studies),
+    pytest.param("run", "study", "quick", ["quick"], marks=pytest.mark.of_studies),
+]
+
+
+@pytest.mark.parametrize(("command", "option", "begun", "names"), CASES)
+def test_names_are_completed(command, option, begun, names):
+    (parameter,) = [item for item in COMMANDS[command].params if item.name == option]
+    context = typer.Context(COMMANDS[command], info_name=command)
+    assert [item.value for item in parameter.shell_complete(context, begun)] == names

@@ -1,0 +1,372 @@
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner, Result
+
+from reliab.app.api.derived_criteria import _plane
+from reliab.app.cli.criterion import criterion
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.shipped import shipped
+from reliab.criterion.criterion import Criterion
+from reliab.report.style import FigureWarning
+
+app = typer.Typer()
+app.command()(criterion)
+TABLE2 = shipped("datasets", "paper/table2.csv")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def answer(*arguments: object) -> dict:
+    return json.loads(run(*arguments, "--json", "-").stdout)
+
+
+def test_the_printed_table_gives_the_printed_criterion():
+    found = answer("--ellipses", TABLE2, "--method", "quantile")
+    assert found["a"] == pytest.approx(5.29e-5, abs=0.005e-5)
+    assert found["b"] == pytest.approx(1.048, abs=0.0005)
+    assert found["correlation"] == pytest.approx(0.977, abs=0.0005)
+    assert (found["f"], found["xi"], found["threshold"]) == (1.0, 0.02, 0.05)
+    assert (found["confidence"], found["method"]) == (0.95, "quantile")
+    assert (found["n_motions"], found["n_events"]) == (100, 19)
+
+
+def test_the_roots_are_the_limits_of_a_test():
+    found = answer("--ellipses", TABLE2)
+    assert found["amplitude_limit"] ** 2 == pytest.approx(found["a"])
+    assert found["delay_limit_ms"] ** 2 == pytest.approx(found["b"])
+
+
+def test_one_criterion_stands_at_the_top_too():
+    found = answer("--ellipses", TABLE2)
+    (only,) = found["criteria"]
+    assert {name: found[name] for name in only} == only
+
+
+def test_several_confidences_give_a_list_in_order_and_no_top_level_values():
+    found = answer("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.99)
+    assert set(found) == {"criteria"}
+    assert [each["confidence"] for each in found["criteria"]] == [0.9, 0.99]
+    assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
+
+
+def test_the_table_shows_the_limits_and_the_number_of_earthquakes():
+    shown = run("--ellipses", TABLE2, "--method", "quantile").stdout
+    assert "100 ground motions of 19 earthquakes" in shown
+    assert "5.29e-05" in shown
+    assert "1.05" in shown
+
+
+def test_the_table_says_what_error_window_and_limits_mean():
+    shown = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02).stdout
+    for words in (
+        "RMS^R: RMS of measured minus exact displacement over peak exact displacement",
+        "Window: record",
+        "Share α of the stiffness in the laboratory: 1.",
+        "|A − 1| alone ≤",
+        "lag alone ≤ [ms]",
+        "lead alone ≤ [ms]",
+    ):
+        assert words in shown
+
+
+@pytest.mark.slow
+def test_a_printed_law_says_how_many_real_motions_keep_it():
+    for law, least, most in (("guo_2017_18", 0.05, 0.20), ("guo_2017_12", 0.90, 1.0)):
+        found = answer("--law", law)
+        assert least < found["kept_by"]["share"] < most
+        assert (
+            f"{100 * found['kept_by']['share']:.0f} % have a boundary that contains" in found["warnings"][0]
+        )
+
+
+def test_one_default_the_recommended_method_and_joint():
+    found = answer("--ellipses", TABLE2)
+    assert (found["method"], found["joint"]) == ("dirichlet", True)
+    assert found["a"] == answer("--ellipses", TABLE2, "--method", "dirichlet", "--joint")["a"]
+    paper = answer("--ellipses", TABLE2, "--method", "quantile")
+    assert (paper["method"], paper["joint"], paper["curve"]) == ("quantile", False, "ellipse")
+
+
+def test_three_motions_of_one_earthquake_carry_no_criterion(tmp_path):
+    table = tmp_path / "three.csv"
+    table.write_text("motion,event,a,b\nK/1,K,1e-4,1\nK/2,K,2e-4,2\nK/3,K,3e-4,4\n")
+    for method in ("dirichlet", "quantile", "conformal"):
+        found = answer("--ellipses", table, "--method", method)
+        assert (found["a"], found["b"]) == (0.0, 0.0)
+        assert found["carried_confidence"] <= 0.5
+        assert "no test is accepted" in found["warnings"][0]
+
+
+def test_synthetic_motions_are_called_so(tmp_path):
+    table = tmp_path / "synthetic.csv"
+    rows = "".join(f"SYN{k:03d}/H1,{1e-4 * (1.0 + 0.1 * k)},{2.0 + 0.1 * (k % 3)}\n" for k in range(1, 31))
+    table.write_text("motion,a,b\n" + rows)
+    assert "30 synthetic ground motions of 30 earthquakes" in run("--ellipses", table).stdout
+
+
+@pytest.mark.slow
+def test_motions_are_simulated_then_and_there(tmp_path):
+    from reliab.motions.synthetic.suite import synthetic_suite
+    from reliab.motions.writing import write_suite
+
+    write_suite(synthetic_suite(count=6), tmp_path / "suite")
+    found = answer(
+        *("--motions", tmp_path / "suite", "--f", 1, "--f", 2, "--threshold", 0.05, "--threshold", 0.1),
+        *("--confidence", 0.7),
+    )
+    assert [(each["f"], each["threshold"]) for each in found["criteria"]] == [
+        (1.0, 0.05), (1.0, 0.1), (2.0, 0.05), (2.0, 0.1),
+    ]  # fmt: skip
+    assert {each["n_events"] for each in found["criteria"]} == {3}
+
+
+def test_a_published_law_needs_no_motions():
+    found = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
+    assert (found["a"], found["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
+
+
+def test_the_recommended_method_is_smaller_than_the_plug_in():
+    plug_in, recommended = answer("--ellipses", TABLE2, "--method", "quantile"), answer("--ellipses", TABLE2)
+    assert recommended["joint"] is True
+    assert 0.5 < recommended["a"] / plug_in["a"] < 1.25
+
+
+def test_the_criterion_can_be_kept_for_later(tmp_path):
+    found = answer("--ellipses", TABLE2, "--out", tmp_path / "criterion.json")
+    kept = Criterion.from_json((tmp_path / "criterion.json").read_text(encoding="utf-8"))
+    assert [float(limit) for limit in kept.limits(1.0, 0.02)] == pytest.approx([found["a"], found["b"]])
+    assert 0.9 < float(kept.probability(1.0 + found["amplitude_limit"], 0.0, 1.0, 0.02)) < 1.0
+
+
+def test_rejected_lognormality_is_said():
+    warnings = answer("--ellipses", TABLE2, "--method", "quantile")["warnings"]
+    assert any("b is not lognormal" in warning for warning in warnings)
+    free = answer("--ellipses", TABLE2, "--method", "dirichlet")["warnings"]
+    assert not any("lognormal" in warning for warning in free)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"),
+    [
+        ((), r"come from exactly one source.*found 0"),
+        (("--law", "guo_2017_11"), "The law must be one of the known ones"),
+        (("--law", "guo_2017_15", "--xi", 0.05), "lie where the law is valid"),
+        (("--ellipses", TABLE2, "--law", "magic"), "The law must be one of the known ones"),
+        (
+            ("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.95, "--out", "criterion.json"),
+            "can hold one criterion only",
+        ),
+        (("--ellipses", TABLE2, "--method", "tolerance", "--assurance", 2), "assurance must lie between"),
+        (("--ellipses", TABLE2, "--distribution", "magic"), "dirichlet has no distribution"),
+        (("--ellipses", TABLE2, "--assurance", 0.9), "dirichlet has no assurance"),
+        (("--ellipses", TABLE2, "--chains", "chains.h5"), "Only the hierarchical methods sample chains"),
+        (("--ellipses", TABLE2, "--steps", 400), "dirichlet has no steps"),
+        (
+            ("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 402),
+            "multiple of twice the thinning",
+        ),
+        (("--ellipses", TABLE2, "--method", "hierarchical", "--law", "exponential"), "has a law inside"),
+        (
+            ("--ellipses", TABLE2, "--method", "hierarchical", "--distribution", "weibull"),
+            "hierarchical has no distribution",
+        ),
+        (
+            ("--ellipses", TABLE2, "--method", "hierarchical", "--chains", TABLE2, "--steps", 40),
+            "chains must be an HDF5 file",
+        ),
+        (("--ellipses", TABLE2, "--figures", TABLE2), "Figures go into a folder"),
+        (("--ellipses", TABLE2, "--law", "guo_2017_12"), "needs no motions"),
+        (("--law", "guo_2017_12", "--figures", "figures"), "drawn over ellipses of motions"),
+        (("--law", "guo_2017_12", "--compare"), "compared on ellipses of motions"),
+        (("--law", "guo_2017_18", "--threshold", 0.02), "for an error of 0.05 only"),
+        (("--law", "guo_2017_18", "--confidence", 0.99), r"states only 95 %.*confidence"),
+        (("--law", "guo_2017_18", "--method", "dirichlet"), r"states only 95 %.*method"),
+        (("--law", "guo_2017_18", "--metric", "mte"), "for the metric rms only"),
+        (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from exactly one source.*found 2"),
+        (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
+        (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
+        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "holds only for the f with which"),
+        (("--ellipses", "none.csv"), "readable CSV file"),
+    ],
+)
+def test_bad_input_is_explained(wrong, rule):
+    refusal = run(*wrong).exception
+    assert isinstance(refusal, InputError)
+    assert re.search(rule, str(refusal))
+
+
+def test_stored_results_answer_for_any_threshold(tmp_path):
+    from reliab.motions.synthetic.suite import synthetic_suite
+    from reliab.sweep.grid import ScaledGrid
+    from reliab.sweep.request import SweepRequest
+    from reliab.sweep.run import run_sweep
+
+    request = SweepRequest(
+        frequencies=(1.0,), damping_ratios=(0.05,), grid=ScaledGrid(gain_steps=14, delay_steps=20)
+    )
+    store = run_sweep(synthetic_suite(count=6), request, tmp_path / "results.zarr")
+    found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05, "--confidence", 0.7)
+    assert [each["threshold"] for each in found["criteria"]] == [0.1, 0.05]
+    assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
+
+
+def unconverged(*arguments: object) -> Result:
+    result = run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 40, *arguments)
+    assert isinstance(result.exception, IncompleteError)
+    assert "HAS NOT CONVERGED" in str(result.exception)
+    return result
+
+
+def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
+    out, figures = tmp_path / "criterion.json", tmp_path / "figures"
+    found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
+    assert found["converged"] is False
+    assert "NOT CONVERGED" in found["warnings"][0]
+    (posterior,) = found["posteriors"]
+    assert not posterior["converged"]
+    assert posterior["complaints"]
+    assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
+    assert not out.exists()
+    drawn = {path.name for path in figures.iterdir()}
+    assert drawn == set(found["figures"])
+    assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= drawn
+    shown = unconverged().stdout
+    assert "THIS POSTERIOR HAS NOT CONVERGED" in shown
+    assert "autocorrelation time" in shown
+
+
+def test_bad_convergence_has_its_own_exit_code(capfd):
+    from reliab.app.cli import run as main
+
+    arguments = ["criterion", "--ellipses", str(TABLE2), "--method", "hierarchical", "--steps", "40"]
+    assert main(arguments) == 3
+    assert "NOT CONVERGED" in capfd.readouterr().err
+
+
+@pytest.mark.slow
+def test_chains_go_on_where_they_ended(tmp_path):
+    chains = tmp_path / "chains.h5"
+    whole = json.loads(unconverged("--json", "-").stdout)
+    run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 20, "--chains", chains)
+    resumed = json.loads(unconverged("--chains", chains, "--json", "-").stdout)
+    assert (resumed["a"], resumed["b"]) == (whole["a"], whole["b"])
+
+
+@pytest.fixture(scope="module")
+def ellipses_of_twelve(tmp_path_factory):
+    """Ellipses of twelve synthetic motions at four structures."""
+    from reliab.motions.synthetic.suite import synthetic_suite
+    from reliab.sweep.ellipse_file import write_ellipses
+    from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+
+    request = EllipseRequest(frequencies=(0.5, 1.0), damping_ratios=(0.02, 0.05))
+    file = tmp_path_factory.mktemp("ellipses") / "ellipses.nc"
+    write_ellipses(trace_ellipses(synthetic_suite(count=12), request), file)
+    return file
+
+
+@pytest.mark.slow
+def test_a_converged_posterior_is_a_finished_answer(ellipses_of_twelve):
+    structure = ("--f", 1, "--xi", 0.05)
+    result = run("--ellipses", ellipses_of_twelve, *structure, "--method", "hierarchical", "--json", "-")
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    assert found["converged"] is True
+    assert found["largest_r_hat"] < 1.01
+    assert found["least_effective_size"] > 1000.0
+
+
+def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
+    found = answer(
+        *(
+            "--ellipses",
+            TABLE2,
+            "--confidence",
+            0.9,
+            "--confidence",
+            0.95,
+            "--figures",
+            tmp_path / "new" / "one",
+        )
+    )
+    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
+    assert (tmp_path / "new" / "one" / found["figures"][0]).read_bytes().startswith(b"<?xml")
+
+
+def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
+    found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
+    assert found["law"] == "guo_2017_18"
+    assert len(found["figures"]) == 1
+
+
+def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
+    asked = (
+        "--ellipses",
+        "real_suite",
+        "--f",
+        1,
+        "--f",
+        1.13,
+        "--xi",
+        0.02,
+        "--figures",
+        tmp_path / "figures",
+    )
+    with pytest.warns(FigureWarning, match=r"No figure for f = 1.13 Hz.*Choose f among 0.25, 0.5"):
+        found = answer(*asked, "--out", tmp_path / "criterion.json")
+    assert [row["f"] for row in found["criteria"]] == [1, 1.13]
+    assert (tmp_path / "criterion.json").is_file()
+    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
+
+
+def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
+    found = answer("--ellipses", TABLE2, "--compare")["comparison"]
+    of_a, of_b = found["distributions"]
+    assert (of_a["parameter"], of_b["parameter"]) == ("a", "b")
+    assert of_b["lognormality"]["shapiro_wilk"] == pytest.approx(5.3e-5, rel=0.02)
+    gains = {each["distribution"]: each["gain"] for each in of_b["scores"]}
+    assert gains["lognormal"] == 0.0
+    assert gains["skew_normal"] > 0.0 > gains["weibull"]
+    assert found["laws"] == []
+
+
+def test_laws_are_compared_over_structures(ellipses_of_twelve):
+    arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
+    arguments = (*arguments, "--confidence", 0.8)
+    laws = answer(*arguments)["comparison"]["laws"]
+    assert {each["f"] for each in laws} == {0.5, 1.0}
+    assert {"table", "dimensionless", "power", "exponential"} <= {each["law"] for each in laws}
+    shown = run(*arguments).stdout
+    assert "accepted region at equal coverage" in shown
+    assert "p of lognormality" in shown
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_a_criterion_of_a_posterior_that_has_not_converged_says_so_in_its_figure(grouped_ellipses, converged):
+    of_here = SimpleNamespace(
+        threshold=0.05,
+        metric="rms",
+        confidence=0.9,
+        promise=0.9,
+        population="of here",
+        law=SimpleNamespace(name="table"),
+        limits=lambda f, xi: (1e-4 * f, 40.0 * xi),
+        provenance=SimpleNamespace(curve="ellipse", settings={"converged": converged}),
+    )
+    printed = SimpleNamespace(**{**vars(of_here), "population": None})
+    nothing = SimpleNamespace(**{**vars(of_here), "limits": lambda _f, _xi: (0.0, 1.0), "confidence": 0.5})
+    figure = _plane(grouped_ellipses, [of_here, printed, nothing], 1.0, 0.05)
+    (place,) = figure.axes
+    assert place.get_title() == ("" if converged else "POSTERIOR NOT CONVERGED: not to be relied on")
+    names = {line.get_label(): line.get_xydata() for line in place.lines}
+    assert {"90 % of motions", "table, stated for 90 % of motions"} <= set(names)
+    assert not any(str(name).startswith("50 %") for name in names)
+    x, y = names["90 % of motions"].T
+    np.testing.assert_allclose((x - 1.0) ** 2 / 1e-4 + y**2 / 2.0, 1.0)

@@ -1,0 +1,400 @@
+"""Tables on the terminal: title, headings and each cell below the heading that it belongs to."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from reliab.app.cli import calibrate, ellipses, output, validate
+from reliab.app.cli.assess.shown_design import show_design
+from reliab.app.cli.assess.shown_test import show_several
+from reliab.app.cli.criterion import show_criteria
+from reliab.assessment.design import Tolerance
+from reliab.core.stated_value import StatedValue
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Tables that were printed, by their titles: headings with how they stand, and rows."""
+    seen, make = {}, output.table
+
+    def table(title, headings):
+        shown = make(title, headings)
+        seen.setdefault(title or f"table {len(seen)}", shown)
+        return shown
+
+    for module in (
+        *(calibrate, ellipses, validate),
+        *(
+            __import__(each.__module__, fromlist=["table"])
+            for each in (show_design, show_several, show_criteria)
+        ),
+    ):
+        monkeypatch.setattr(module, "table", table)
+    return seen
+
+
+def cells(shown):
+    """Rows of a table as dictionaries by heading, and where its cells stand."""
+    headings = [str(column.header) for column in shown.columns]
+    columns = [[str(cell) for cell in column.cells] for column in shown.columns]
+    return [dict(zip(headings, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+SHARES = {
+    "ratios": [
+        {
+            "f": 1.25,
+            "xi": 0.03,
+            "alpha": 0.5,
+            "threshold": 0.04,
+            "confidence": 0.9,
+            "a_ratio": 1.11,
+            "b_ratio": None,
+            "law": 1.333,
+            "a_deviation": -0.012,
+            "b_deviation": None,
+        }
+    ],
+    "fits": [
+        {
+            "f": 1.25,
+            "xi": 0.03,
+            "threshold": 0.04,
+            "a_strength": 138.9,
+            "a_largest_deviation": 0.021,
+            "b_strength": None,
+            "b_largest_deviation": None,
+            "white_noise": 142.0,
+        }
+    ],
+}
+RIG = {
+    "metric": "RMS^R",
+    "stable": True,
+    "median": 0.0111,
+    "largest": 0.0333,
+    "threshold": 0.05,
+    "share_below": 0.97,
+    "motions": [{"A": 1.02, "d_ms": 3.0}, {"A": 0.98, "d_ms": 1.5}],
+}
+LIMITS = {
+    "f": 1.25,
+    "xi": 0.03,
+    "alpha": 0.75,
+    "threshold": 0.04,
+    "position": "inside",
+    "confidence": 0.9,
+    "a": 1.11e-4,
+    "b": 2.22,
+    "amplitude_limit": 0.0333,
+    "delay_limit_ms": 4.44,
+    "lead_limit_ms": None,
+    "n_motions": 61,
+    "motions": "motions",
+    "n_events": 17,
+    "population": "",
+    "joint": True,
+    "method": "dirichlet",
+    "law": "none",
+    "metric": "rms",
+    "window": "record",
+    "curve": "ellipse",
+    "warnings": [],
+}
+SCORES = {"log_score": 1.1, "gain": 2.2, "standard_error": 3.3, "tail_score": 4.4, "quantile_05": 5.5}
+COMPARISON = {
+    "distributions": [
+        {
+            "parameter": "a",
+            "f": 1.25,
+            "xi": 0.03,
+            "threshold": 0.04,
+            "lognormality": {"shapiro_wilk": 0.44},
+            "scores": [{"distribution": "weibull", **SCORES}],
+        }
+    ],
+    "laws": [
+        {"law": "power", "f": f, "threshold": 0.04, "log_score": 10 * f, "region_at_f": 100 * f}
+        for f in (1.5, 2.5)
+    ],
+}
+
+
+def test_limits_of_shares_stand_below_their_headings(drawn, capsys):
+    show_criteria({"criteria": [LIMITS], "share_law": SHARES})
+    (shown,) = (table for title, table in drawn.items() if title.startswith("Limits over the share"))
+    assert cells(shown) == [
+        {
+            "f [Hz]": "1.25",
+            "ξ [-]": "0.03",
+            "α [-]": "0.5",
+            "error [-]": "0.04",
+            "confidence [-]": "0.9",
+            "a over a of the largest α": "1.11",
+            "b over b of the largest α": "-",
+            "law": "1.33",
+            "a off by": "-1.2 %",
+            "b off by": "-",
+        }
+    ]
+    assert {column.justify for column in shown.columns} == {"right"}
+    text = " ".join(capsys.readouterr().out.split())
+    assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04: s = 139 fits best" in text
+    assert "off by 2.1 % at most; by the law s = 142" in text
+    assert "b at f" not in text
+
+
+def test_limits_and_the_error_of_a_rig_stand_below_their_headings(drawn, capsys):
+    show_criteria({"criteria": [LIMITS], "rig": RIG})
+    (limits,) = cells(drawn["(A − 1)²/a + d²/b ≤ 1 from 61 motions of 17 earthquakes"])
+    assert (limits["f [Hz]"], limits["ξ [-]"], limits["a [-]"], limits["b [ms²]"]) == (
+        "1.25",
+        "0.03",
+        "0.000111",
+        "2.22",
+    )
+    rows = {row[""]: row["value"] for row in cells(drawn["Error of the described rig, RMS^R"])}
+    assert rows == {
+        "median of the motions": "1.11 %",
+        "largest": "3.33 %",
+        "motions below 0.05": "97 %",
+        "A, least to largest": "0.9800 to 1.0200",
+        "d_ms, least to largest": "1.500 to 3.000",
+    }
+    show_criteria({"criteria": [LIMITS], "rig": {**RIG, "stable": False}})
+    assert "the test of this frame is unstable" in capsys.readouterr().out
+
+
+def test_distributions_and_laws_stand_below_their_headings(drawn, capsys):
+    show_criteria({"criteria": [LIMITS], "comparison": COMPARISON})
+    _, scores, by_score, by_region = map(cells, drawn.values())
+    assert scores == [
+        {
+            "distribution": "weibull",
+            "log score": "1.1",
+            "gain": "2.2",
+            "standard error": "3.3",
+            "tail score": "4.4",
+            "quantile 05": "5.5",
+        }
+    ]
+    assert by_score == [{"law": "power", "1.5": "15", "2.5": "25"}]
+    assert by_region == [{"law": "power", "1.5": "150", "2.5": "250"}]
+    text = " ".join(capsys.readouterr().out.split())
+    assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04, earthquakes held out." in text
+    assert "p of lognormality: shapiro-wilk 0.44." in text
+
+
+def test_judges_of_simulated_tests_stand_below_their_headings(drawn, capsys):
+    row = {
+        "judge": "rebuilt",
+        "tests": 123,
+        "bad": 40,
+        "good": 83,
+        "bad_accepted": 0.025,
+        "good_accepted": None,
+        "contained": 0.87,
+        "ratio_50": 1.0,
+        "ratio_05": 0.9,
+        "ratio_95": 1.2,
+        "covered": 0.91,
+    }
+    wrong = {**row, "sensor": "40 dB", "stated": "f +5 %", "ratio_50": None, "covered": None}
+    validate.show_rebuilt_errors(
+        {
+            "metric": "rms",
+            "threshold": 0.05,
+            "judges": [row],
+            "conditions": [wrong, {**wrong, "stated": "right"}, {**wrong, "judge": "another"}],
+            "specimens": [{**row, "specimen": "yields"}],
+            "looks": [{"specimen": "yields", "sensor": "40 dB", "looks_nonlinear": 0.8, "tests": 10}],
+        }
+    )
+    first, named, specimens = map(cells, drawn.values())
+    assert list(drawn) == [
+        "Linear specimens, sensor of 40 dB, RMS^R 0.05",
+        "The rebuilt error by sensor and by what is stated wrongly",
+        "Nonlinear specimens",
+    ]
+    assert first == [
+        {
+            "judge": "rebuilt",
+            "tests": "123",
+            "bad tests accepted": "2.5 % of 40",
+            "good tests accepted": "none tried",
+            "motions without a bad test accepted": "87 %",
+            "stated / true error, 5 … 95 %": "0.900 … 1.200",
+            "inside 90 % interval": "91 %",
+        }
+    ]
+    assert [(each["judge"], each["inside 90 % interval"]) for each in named] == [
+        ("40 dB, f +5 %", ""),
+        ("40 dB", ""),
+    ]
+    assert specimens[0]["judge"] == "yields: rebuilt"
+    text = " ".join(capsys.readouterr().out.split())
+    assert "“yields” (40 dB): looks nonlinear in 80 % of 10 tests" in text
+
+
+def test_probabilities_and_cases_stand_below_their_headings(drawn):
+    validate.show_probabilities(
+        {
+            "scheme": "leave_out",
+            "truth": "ellipse",
+            "bins": [{"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}],
+        }
+    )
+    assert cells(drawn["Probabilities of tests, leave out"]) == [
+        {
+            "stated probability": "90.0 %",
+            "good tests (95 % interval)": "85.0 % (70.0 % … 95.0 %)",
+            "tests": "43",
+        }
+    ]
+    case = {
+        "case": 1,
+        "f": 1.25,
+        "xi": 0.02,
+        "A": 0.9876,
+        "d_ms": 1.234,
+        "criterion": "guo",
+        "index": 0.77,
+        "accepted": True,
+        "probability": None,
+        "rms": 0.0312,
+        "good": False,
+    }
+    validate.show_cases(
+        {
+            "motion": "RSN1",
+            "held_out": None,
+            "window": "40",
+            "integrator": "i",
+            "compensator": "c",
+            "cases": [case],
+        }
+    )
+    (row,) = cells(drawn["The paper's cases under RSN1"])
+    assert list(row.values()) == [
+        "1",
+        "1.25",
+        "0.02",
+        "0.9876",
+        "1.234",
+        "guo",
+        "0.77",
+        "yes",
+        "",
+        "3.12",
+        "no",
+    ]
+    assert list(row)[:5] == ["case", "f [Hz]", "ξ [-]", "A [-]", "d [ms]"]
+    assert (row["criterion"], row["accepted"], row["RMS^R [%]"], row["error below"]) == (
+        "guo",
+        "yes",
+        "3.12",
+        "no",
+    )
+
+
+def test_several_verdicts_stand_below_their_headings(drawn, capsys):
+    judged = {
+        "file": "a.csv",
+        "metric": "rms",
+        "threshold": 0.05,
+        "verdict": "not_reliable",
+        "probability": 0.25,
+        "error": {"rms": {"value": 0.06, "low": 0.055, "high": 0.066}},
+        "A": 0.99,
+        "d_ms": 1.5,
+        "warnings": ["Look."],
+        "reliable": False,
+        "reasons": ["Too large."],
+    }
+    show_several([judged, {"file": "b/c.csv", "fault": "c.csv: no command"}])
+    assert cells(drawn["Verdicts on 2 tests, RMS against 5 %"]) == [
+        {
+            "test": "a.csv",
+            "verdict": "not reliable",
+            "error": "6.00 %",
+            "90 % interval": "5.50 … 6.60 %",
+            "probability": "0.25",
+            "A": "0.99000",
+            "d, ms": "1.5000",
+        },
+        {
+            "test": "b/c.csv",
+            "verdict": "not judged",
+            **dict.fromkeys(("error", "90 % interval", "probability", "A", "d, ms"), ""),
+        },
+    ]
+    assert capsys.readouterr().out.splitlines()[-3:] == [
+        "a.csv: Too large.",
+        "a.csv: Warning: Look.",
+        "b/c.csv: no command",
+    ]
+
+
+def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the_delay(drawn, capsys):
+    def tolerance(f, delay, confidence=0.9, outside=False):  # noqa: FBT002
+        return Tolerance(
+            frequency=f,
+            damping_ratio=0.03,
+            threshold=0.05,
+            confidence=confidence,
+            a=0.0004,
+            b=(1e3 * delay) ** 2,
+            critical_delay=0.05,
+            outside_validity=outside,
+            population="of here",
+        )
+
+    rows = [tolerance(1.25, 0.004), tolerance(2.5, 0.002, outside=True)]
+    chart = [tolerance(1.0, 0.004), tolerance(2.0, 0.002), tolerance(3.0, 0.009, confidence=0.5)]
+    show_design(SimpleNamespace(tolerances=rows, chart=chart))
+    limits, bars = map(cells, drawn.values())
+    assert [
+        (row["f [Hz]"], row["confidence"], row["|A − 1| alone"], row["d alone [ms]"]) for row in limits
+    ] == [("1.25", "90 %", "0.0200", "4.000"), ("2.5*", "90 %", "0.0200", "2.000")]
+    both = rows[0].both
+    assert limits[0]["|A − 1| and"] == f"{both[0]:.4f}"
+    assert limits[0]["d together [ms]"] == f"{1e3 * both[1]:.3f}"
+    assert [(row["f [Hz]"], row["d alone [ms]"], len(row["d"])) for row in bars] == [
+        ("1", "4.000", 40),
+        ("2", "2.000", 20),
+    ]
+    assert list(drawn) == ["Tolerable errors at ξ = 0.03 for an error of 5 %", "Over the frequency, at 90 %"]
+    shown = capsys.readouterr().out
+    assert "For ground motions like these: of here." in shown
+    assert "* lies outside of the criterion's validity" in shown
+
+
+def test_channels_that_were_calibrated_stand_below_their_headings(drawn):
+    calibrate._show(  # noqa: SLF001 - the table alone
+        SimpleNamespace(
+            skew_ms=StatedValue(1.25, 0.05),
+            scale=StatedValue(1.002, 0.0005),
+            hysteresis=None,
+            noise_m=1.5e-5,
+            command_noise_m=0.0,
+            resolution_m=2e-6,
+        )
+    )
+    shown = cells(drawn["What the measured channel adds to the motion"])
+    rows = {row[""]: (row["value"], row["± 1 sd"]) for row in shown}
+    assert list(rows.values()) == [
+        ("1.25", "0.05"),
+        ("1.002", "0.0005"),
+        ("not determined", ""),
+        ("1.5e-05", ""),
+        ("0", ""),
+        ("2e-06", ""),
+    ]
+    assert [name.partition(" ")[0] for name in rows] == [
+        "delay",
+        "scale",
+        "hysteresis",
+        "noise",
+        "noise",
+        "step",
+    ]

@@ -1,0 +1,96 @@
+"""Tables on the terminal show the numbers that the JSON holds."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from reliab.app.api.followed_test import Message
+from reliab.app.cli import validate
+from reliab.app.cli.diagnose import _show_effects
+from reliab.app.cli.monitor import _table
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.vocabulary import Metric
+from reliab.discrepancy.result.missing_effect import Estimate
+from reliab.structures.structure import Structure
+
+
+def words_of(text):
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize(("truth", "noted"), [("ellipse", True), ("simulation", False)])
+def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, capsys):
+    row = {"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}
+    validate.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
+    shown = words_of(capsys.readouterr().out)
+    for part in ("leave one event out", "90.0 %", "85", "43"):
+        assert part in shown
+    assert ("llipse" in shown) is noted
+
+
+@pytest.mark.parametrize("event", [None, "Kobe 1995"])
+def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
+    rows = [
+        {"case": 1, "f": 1.0, "xi": 0.02, "A": 0.9876, "d_ms": 1.234, "criterion": "guo", "index": 0.77,
+         "accepted": True, "probability": None, "rms": 0.0312, "good": True},
+        {"case": 2, "f": 2.0, "xi": 0.05, "A": 1.01, "d_ms": -0.5, "criterion": "ours", "index": 1.4,
+         "accepted": False, "probability": 0.125, "rms": 0.09, "good": False},
+    ]  # fmt: skip
+    content = {"motion": "RSN1", "held_out": event, "window": "40", "integrator": "i", "compensator": "c"}
+    validate.show_cases({**content, "cases": rows})
+    shown = words_of(capsys.readouterr().out)
+    for part in ("0.9876", "1.234", "3.12", "0.125", "9.00", "yes", "no", "first 40 s"):
+        assert part in shown
+    assert ("without Kobe 1995" if event else "from all shipped motions") in shown
+    assert "nan" not in shown
+
+
+def test_missing_effects_are_shown_with_their_parameters_and_bounds(capsys):
+    estimates = [
+        Estimate(name=name, value=value, units="N", sd=0.5)
+        for name, value in (("force_n", 12.3456), ("other_n", 7.0))
+    ]
+    effect = SimpleNamespace(
+        name="friction",
+        probability=0.987,
+        estimates=estimates,
+        on_bounds=("other_n",),
+        error_with=0.0123,
+        error_without=0.4,
+    )
+    _show_effects(SimpleNamespace(effects=(effect,), doubtful=()))
+    shown = words_of(capsys.readouterr().out)
+    for part in ("12.35 N", "0.987", "other_n (on a bound)", "0.0123 with it", "0.4000 without it"):
+        assert part in shown
+    _show_effects(SimpleNamespace(effects=(), doubtful=()))
+    assert capsys.readouterr().out == ""
+
+
+def test_the_table_of_a_running_test_grows_with_what_is_known():
+    time = np.arange(3000) / 256.0
+    command = np.minimum(time, 1.0) * 0.01 * np.sin(6.0 * time)
+    monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
+    message = Message(kind="update", content={}, monitor=monitor, alarms={})
+
+    def shown():
+        screen = Console(width=100)
+        with screen.capture() as caught:
+            screen.print(_table(message, Metric.RMS, 0.05))
+        return words_of(caught.get())
+
+    monitor.feed(command[:100], 0.99 * command[:100])
+    assert "not settled" in shown()
+    assert "90 % interval" not in shown()
+    monitor.feed(command[100:], 0.99 * command[100:])
+    result = monitor.ask(draws=8)
+    message.alarms["energy"] = "the loop has gained energy"  # type: ignore[index]
+    text = shown()
+    assert (
+        f"{100 * result.rms.value:.2f} % ({100 * result.rms.low:.2f} to {100 * result.rms.high:.2f} %)"
+        in text
+    )
+    assert f"{result.probability(0.05):.3f}" in text
+    assert f"{100 * monitor.now.damping.ratio:.2f} ± {100 * monitor.now.damping.deviation:.2f} %" in text
+    assert "the loop has gained energy" in text

@@ -1,0 +1,63 @@
+"""Numbers in steps of their logarithm: rounded by half a step at most, and unknown where they were."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.core.log_quantization import from_steps, to_steps
+from reliab.core.shipped import shipped
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures, shipped_windows
+from reliab.sweep.ellipse_file import open_windows
+from reliab.sweep.netcdf import packed, read_netcdf, write_netcdf
+
+
+@pytest.mark.parametrize("axes", [[0], [1], [0, 2], [2, 1, 0]])
+def test_numbers_are_rounded_by_half_a_step(axes):
+    values = np.exp(np.random.default_rng(8).normal(0.0, 6.0, size=(4, 5, 6)))
+    found = from_steps(to_steps(values, 0.004, axes), 0.004, axes)
+    assert np.abs(np.log(found / values)).max() <= 0.00201
+
+
+def test_a_file_has_its_unknown_numbers_and_its_labels(tmp_path):
+    values = np.exp(np.arange(6.0)).reshape(2, 3)
+    values[0, 1] = np.nan
+    dataset = xr.Dataset(
+        {
+            "a": (("x", "y"), values, {"units": "1"}),
+            "unknown": (("x", "y"), np.isnan(values).astype(np.int8)),
+        }
+    )
+    stored = packed(dataset, ("a",), step=0.01, along=("y", "x"), unknown="unknown")
+    write_netcdf(stored, tmp_path / "packed.nc")
+    found = read_netcdf(tmp_path / "packed.nc", "A file", "Make it")
+    np.testing.assert_allclose(found["a"], values, rtol=0.00501)
+    assert found["a"].attrs == {"units": "1"}
+
+
+def test_both_readers_of_what_ships_agree():
+    path = shipped("datasets", "real_suite/ellipses.nc")
+    windows = open_windows(path)
+    assert tuple(windows) == shipped_windows()
+    for curve, window, metric in (("inscribed", "record", "rms"), ("ellipse", "20", "mte")):
+        labelled = windows[window].sel(curve=[curve], metric=[metric])
+        table = shipped_ellipses(curve, window, metric)
+        np.testing.assert_array_equal(table.a, labelled["a"])
+        np.testing.assert_array_equal(table.b, labelled["b"])
+        np.testing.assert_array_equal(table.error_at_rest, labelled["error_at_rest"])
+    labelled = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
+    scales = shipped_measures(0.5 * np.pi).scales
+    np.testing.assert_array_equal(scales.least, labelled["scale"])
+    near = labelled["scale_towards"].sel(direction=[90.0, 112.5])
+    np.testing.assert_array_equal(scales.towards, near)
+
+
+def test_what_ships_has_an_ellipse_wherever_no_reason_against_it_is_stored():
+    ellipses = read_ellipses("real_suite")
+    assert (np.isfinite(ellipses["a"]) == (ellipses["no_ellipse"] == 0)).all()
+
+
+@pytest.mark.parametrize("step", [0.0, -0.1, 1e300, np.nan])
+def test_a_damaged_step_is_refused(step):
+    with pytest.raises(ValueError, match="a step of"):
+        from_steps(np.zeros(3, dtype=np.uint32), step, [0])
