@@ -38,7 +38,7 @@ NUMERIC_CORE = (
     *("signals", "motions", "effects", "structures", "simulation", "tracking"),
     "assessment/rebuilt_error",
 )
-GROUND = {"renamed", "version"}
+GROUND = {"version"}
 """Files beside the rooms that every room may import, and that import no room."""
 DOORS = {"__init__", "__main__"}
 """Files beside the rooms through which users enter."""

@@ -26,7 +26,6 @@ from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.criterion.scope import population_of, scope_of
-from reliab.renamed import renamed
 
 if TYPE_CHECKING:
     from reliab.criterion.ellipse_reading import EllipseSource
@@ -90,7 +89,6 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     )
 
 
-@renamed("0.4", frequency="f", damping_ratio="xi")
 def derive_criterion(
     ellipses: "EllipseSource | EllipseTable",
     *,

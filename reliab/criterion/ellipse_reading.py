@@ -19,7 +19,6 @@ from reliab.core.files import decoding, ordinary
 from reliab.core.physical_range import OF_DIMENSIONS, RANGES
 from reliab.core.shipped import or_shipped
 from reliab.core.vocabulary import LABELS, Dimension, Metric
-from reliab.renamed import renamed
 from reliab.sweep.shares import at_share
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
@@ -148,7 +147,6 @@ EllipseSource = xr.Dataset | pd.DataFrame | str | Path
 """A dataset or a table of ellipses, stored results, the file of one, or the name of what ships."""
 
 
-@renamed("0.4", path="source", frequency="f", damping_ratio="xi")
 def read_ellipses(
     source: EllipseSource,
     *,

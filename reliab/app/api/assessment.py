@@ -1,6 +1,5 @@
 """`reliab.assess`: the verdict on a test, or on several."""
 
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,15 +57,7 @@ _NOT_FOR_FRAMES = {
 }
 
 
-class Former(TypedDict, total=False):
-    """Standard deviations of what is stated by name, window of the evaluation index, seed of the draws."""
-
-    stated: Mapping[str, StatedValue]
-    taper: str
-    seed: int
-
-
-class Stated(Former, total=False):
+class Stated(TypedDict, total=False):
     """Arguments of `assess` that need a name; they are declared here for the checkers of types."""
 
     f: Quantity | None
@@ -153,7 +144,6 @@ def assess(
     test_name: str | None = None,
     channels: str | Path | None = None,
     progress: Progress = silent,
-    **former: Unpack[Former],
 ) -> "Assessment | FrameAssessment | CoupledAssessment | Assessments":
     """Judge a test, or several, by the error computed from command and measured displacement.
 
@@ -223,8 +213,6 @@ def assess(
         test's own file states of skew and scale takes precedence over it, and options over both.
     progress : callable, optional
         Called after each of several tests.
-    **former
-        `stated`, `taper` and `seed` of :func:`reliab.assessment.assess`, which end with version 0.4.
 
     Returns
     -------
@@ -262,7 +250,6 @@ def assess(
         threshold=threshold,
         confidence=confidence,
         metric=metric,
-        former=_accepted(former),
     ).judge()
     reading = Channels(
         command=command,
@@ -284,20 +271,6 @@ def assess(
     return assess_each(several, judge, progress)
 
 
-def _accepted(former: Former) -> Former:
-    """Return former arguments with a warning for each; any other is none of `assess`."""
-    for name in former:
-        if name not in Former.__annotations__:
-            raise TypeError(f"assess() got an unexpected keyword argument '{name}'")
-        warnings.warn(
-            f"`{name}` of `reliab.assess` will be removed in version 0.4; `reliab.assessment.assess` "
-            "takes it",
-            DeprecationWarning,
-            stacklevel=3,
-        )
-    return former
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Terms:
     """What a test is judged by; see `reliab.assess`."""
@@ -315,7 +288,6 @@ class _Terms:
     threshold: float | None
     confidence: float | None
     metric: str | None
-    former: Former
 
     def judge(self) -> Judge:
         """Read what tests share, and return what judges one of them."""
@@ -378,7 +350,6 @@ class _Terms:
                 "feedback_lag": StatedValue(0.0),
                 **stated,
             }
-            former: Former = {**self.former, "stated": {**complete, **self.former.get("stated", {})}}
             return assess_structure(
                 corrected(recording, complete, filters),
                 Structure(
@@ -386,7 +357,7 @@ class _Terms:
                     damping_ratio=complete["xi"].value,
                     experimental_fraction=complete["alpha"].value,
                 ),
-                **former,
+                stated=complete,
                 equipment=equipment,
                 motion=motion,
                 criterion=criterion,
@@ -417,8 +388,6 @@ class _Terms:
     def _refuse_beside_a_frame(self) -> None:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
-        for name in self.former:
-            raise unused(name, "together with the `structure` of a frame")
         for name, reason in _NOT_FOR_FRAMES.items():
             if getattr(self, name) is not None:
                 raise InputError(

@@ -17,7 +17,6 @@ from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.registry import library
-from reliab.renamed import renamed_method
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
 
@@ -28,7 +27,6 @@ _WITHOUT_FRAME = (
 )
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Addition(ResultWithRows):
     """A diagnosis with its posteriors, its updated model and its effect on the criterion.

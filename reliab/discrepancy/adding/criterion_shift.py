@@ -10,7 +10,6 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.motions.loading import load_motions
-from reliab.renamed import renamed_method
 from reliab.simulation.effect_loop import EffectLoop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
@@ -27,7 +26,6 @@ _PHASE_STEP = 0.08  # rad; errors of the step cancel in the ratio
 _SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of one earthquake
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class CriterionShift:
     """Criterion with effects over criterion without them."""

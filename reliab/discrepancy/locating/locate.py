@@ -16,7 +16,6 @@ from scipy import stats
 from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
-from reliab.renamed import renamed_method
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
@@ -26,7 +25,6 @@ _LISTED = 4
 _LEAST_PROBABILITY = 1e-300  # smaller ones are not told from zero
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """A place where the calibrated model fails."""

@@ -16,7 +16,6 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
-from reliab.renamed import renamed_method
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
 _SMALLEST_OFFSET = 0.005  # of the force's RMS in the strongest test
@@ -77,7 +76,6 @@ class Ranked:
     probability: float
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BlockDiagnosis:
     """All that was found in one observed block.

@@ -14,7 +14,6 @@ from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.block_diagnosis import NOMINAL_VALUES, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
-from reliab.renamed import renamed_method
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +35,6 @@ _VERDICTS = {
 }
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Diagnosis(ResultWithRows):
     """The results for a campaign.

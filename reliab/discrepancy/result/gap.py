@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from reliab.core.significant_digits import percent
-from reliab.renamed import renamed_method
 
 _FLOOR_UNCERTAINTY = 0.2
 """Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""
@@ -29,7 +28,6 @@ class Remainder(StrEnum):
     NOT_KNOWN = "noise not known"
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Gap:
     """Difference between model and measurement on held-out tests, before and after the effects are added.
@@ -267,7 +265,6 @@ def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:
     return tuple(sorted(gaps, key=lambda gap: (-(gap.unexplained_share or 0.0), -gap.after)))
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class FurtherError:
     """Error to expect on a further test: RMS over that of the signal at the judged frequencies."""

@@ -11,7 +11,6 @@ from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.effect import Effect
-from reliab.renamed import renamed_method
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
@@ -40,7 +39,6 @@ _STEP = 1e-4  # of a coordinate
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
     """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled.
@@ -80,7 +78,6 @@ class Estimate:
         }
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Rival:
     """Another effect in the place of a named one, with its probability and its error on held-out tests."""
@@ -98,7 +95,6 @@ class Rival:
         }
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class MissingEffect:
     """An effect that the nominal model lacks.
@@ -177,7 +173,6 @@ class MissingEffect:
         }
 
 
-@renamed_method("0.4", "as_dict", "to_dict")
 @dataclass(frozen=True, kw_only=True)
 class Unknown:
     """A missing effect that is none of the known ones."""

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from reliab.criterion.methods.order_statistic import OrderStatistic
-from reliab.criterion.methods.registry import method_of
 from reliab.criterion.methods.tolerance import Tolerance, tolerance_factor
 
 # Odeh and Owen (1980), as reprinted in US EPA (2009), Unified guidance, table 17-3 (assurance 95 %)
@@ -50,12 +49,6 @@ def test_copies_of_each_motion_are_worth_no_more_than_the_motions():
     own = OrderStatistic().lower_bound(values, np.arange(30).astype(str), 0.8)
     copied = OrderStatistic().lower_bound(np.repeat(values, 8), np.repeat(np.arange(30), 8).astype(str), 0.8)
     assert copied <= own
-
-
-@pytest.mark.parametrize("former", ["posterior", "bootstrap"])
-def test_former_methods_are_the_tolerance_bound(former):
-    with pytest.warns(DeprecationWarning, match="is tolerance now"):
-        assert method_of(former, assurance=0.9) == Tolerance(assurance=0.9)
 
 
 @pytest.mark.parametrize(("n", "rank"), [(58, 0), (59, 1), (93, 2), (124, 3), (181, 5)])
