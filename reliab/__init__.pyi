@@ -2,18 +2,47 @@ from .app.api.assessment import assess as assess
 from .app.api.boundaries import ellipses as ellipses
 from .app.api.comparison import compare as compare
 from .app.api.criteria import derive_criteria as derive_criteria
+from .app.api.derived_criteria import Criteria as Criteria
 from .app.api.design import design_test as design_test
-from .app.api.diagnosis import diagnose_campaign as diagnose_campaign
+from .app.api.diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
 from .app.api.explorer import write_explorer as write_explorer
 from .app.api.following import follow_test as follow_test
 from .app.api.in_loop import export_monitor as export_monitor
-from .app.api.records import calibrate as calibrate, record as record
+from .app.api.installation import (
+    copy_samples as copy_samples,
+    describe_installation as describe_installation,
+    fetch_dataset as fetch_dataset,
+)
+from .app.api.motions import (
+    check_motions as check_motions,
+    import_motions as import_motions,
+    list_motions as list_motions,
+    synthesize_motions as synthesize_motions,
+)
+from .app.api.records import calibrate as calibrate, check_records as check_records, record as record
+from .app.api.rig_answers import (
+    compare_rigs as compare_rigs,
+    plan_rig as plan_rig,
+    predict_rig as predict_rig,
+    report_rig as report_rig,
+)
+from .app.api.rigs import (
+    add_to_rig as add_to_rig,
+    export_rig as export_rig,
+    list_rig as list_rig,
+    remove_from_rig as remove_from_rig,
+    show_rig_test as show_rig_test,
+)
 from .app.api.simulated_verdicts import (
     judge_paper_cases as judge_paper_cases,
     validate_rebuilt_error as validate_rebuilt_error,
 )
 from .app.api.simulation import simulate as simulate, simulate_suite as simulate_suite
-from .app.api.studies import perform_study as perform_study
+from .app.api.studies import (
+    list_studies as list_studies,
+    perform_study as perform_study,
+    report_run as report_run,
+)
 from .app.api.tracing import trace_boundaries as trace_boundaries
 from .app.api.validation import (
     calibrate_probabilities as calibrate_probabilities,

@@ -10,7 +10,7 @@ from reliab.app.cli.output import write_json, write_line
 
 @dataclass(frozen=True, kw_only=True)
 class FetchDemand(Demand):
-    """Options of `reliab fetch`, arguments of `reliab.app.api.fetch_dataset`."""
+    """Options of `reliab fetch`, arguments of `reliab.fetch_dataset`."""
 
     source: str = argument("FILE|https://…", "The file in the project's sources, or its https address.")
 
@@ -25,7 +25,7 @@ def fetch(demand: FetchDemand) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class SamplesDemand(Demand):
-    """Options of `reliab samples`, arguments of `reliab.app.api.copy_samples`."""
+    """Options of `reliab samples`, arguments of `reliab.copy_samples`."""
 
     folder: Path = argument(
         "[FOLDER]", "Folder for the samples; `datasets` by default.", default=Path("datasets")

@@ -24,7 +24,7 @@ OUT = option("FOLDER", "New or empty folder for the suite.", default=MISSING)
 
 @dataclass(frozen=True, kw_only=True)
 class MotionsDemand(Demand):
-    """Options of `reliab motions list` and `check`, arguments of `reliab.app.api.list_motions`."""
+    """Options of `reliab motions list` and `check`, arguments of `reliab.list_motions`."""
 
     sources: list[str] = argument("SOURCE...", "Files, folders or a built-in suite (synthetic).")
     sets: list[str] | None = SETS
@@ -35,7 +35,7 @@ class MotionsDemand(Demand):
 
 @dataclass(frozen=True, kw_only=True)
 class ImportDemand(MotionsDemand):
-    """Options of `reliab motions import`, arguments of `reliab.app.api.import_motions`."""
+    """Options of `reliab motions import`, arguments of `reliab.import_motions`."""
 
     out: Path = OUT
     event: str | None = option("", "Earthquake to which all imported motions belong.")
@@ -43,7 +43,7 @@ class ImportDemand(MotionsDemand):
 
 @dataclass(frozen=True, kw_only=True)
 class SynthesizeDemand(Demand):
-    """Options of `reliab motions synthesize`, arguments of `reliab.app.api.synthesize_motions`."""
+    """Options of `reliab motions synthesize`, arguments of `reliab.synthesize_motions`."""
 
     out: Path = OUT
     count: int = option("", "Number of components.", default=100, min=2)

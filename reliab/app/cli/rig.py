@@ -22,7 +22,7 @@ RIG = argument("RIG", "Folder of the rig.")
 
 @dataclass(frozen=True, kw_only=True)
 class AddDemand(options.ReadsTests):
-    """Options of `reliab rig add`, arguments of `reliab.app.api.add_to_rig`."""
+    """Options of `reliab rig add`, arguments of `reliab.add_to_rig`."""
 
     rig: Path = argument("RIG", "Folder of the rig, made where there is none.")
     tests: list[Path] = argument("FILE...", "Tests, in any format that `reliab assess` reads.")
@@ -52,7 +52,7 @@ class AddDemand(options.ReadsTests):
 
 @dataclass(frozen=True, kw_only=True)
 class ListDemand(Demand):
-    """Options of `reliab rig list`, arguments of `reliab.app.api.list_rig`."""
+    """Options of `reliab rig list`, arguments of `reliab.list_rig`."""
 
     rig: Path = RIG
     json_target: str | None = options.JSON_TARGET
@@ -60,7 +60,7 @@ class ListDemand(Demand):
 
 @dataclass(frozen=True, kw_only=True)
 class ShowDemand(Demand):
-    """Options of `reliab rig show`, arguments of `reliab.app.api.show_rig_test`."""
+    """Options of `reliab rig show`, arguments of `reliab.show_rig_test`."""
 
     rig: Path = RIG
     test: str = argument("TEST", "Name of the test, or first digits of its checksum.")
@@ -69,7 +69,7 @@ class ShowDemand(Demand):
 
 @dataclass(frozen=True, kw_only=True)
 class RemoveDemand(Demand):
-    """Options of `reliab rig remove`, arguments of `reliab.app.api.remove_from_rig`."""
+    """Options of `reliab rig remove`, arguments of `reliab.remove_from_rig`."""
 
     rig: Path = RIG
     tests: list[str] = argument("TEST...", "Names, or first digits of checksums.")
@@ -78,7 +78,7 @@ class RemoveDemand(Demand):
 
 @dataclass(frozen=True, kw_only=True)
 class ExportDemand(Demand):
-    """Options of `reliab rig export`, arguments of `reliab.app.api.export_rig`."""
+    """Options of `reliab rig export`, arguments of `reliab.export_rig`."""
 
     rig: Path = RIG
     out: Path = option("FILE.csv", "The table as CSV.", default=MISSING, callback=options.written_as(".csv"))
@@ -162,7 +162,7 @@ class OfNextTest(Demand):
 
 @dataclass(frozen=True, kw_only=True)
 class PredictDemand(OfNextTest):
-    """Options of `reliab rig predict`, arguments of `reliab.app.api.predict_rig`."""
+    """Options of `reliab rig predict`, arguments of `reliab.predict_rig`."""
 
     rig: Path = RIG
     structure: Path | None = options.STRUCTURE_FILE
@@ -193,7 +193,7 @@ def predict(demand: PredictDemand) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanDemand(OfNextTest):
-    """Options of `reliab rig plan`, arguments of `reliab.app.api.plan_rig`."""
+    """Options of `reliab rig plan`, arguments of `reliab.plan_rig`."""
 
     rig: Path = RIG
     share: float = option("SHARE", "Share of the coming tests that should be good.", default=0.95)
@@ -202,7 +202,7 @@ class PlanDemand(OfNextTest):
 
 @dataclass(frozen=True, kw_only=True)
 class CompareDemand(Demand):
-    """Options of `reliab rig compare`, arguments of `reliab.app.api.compare_rigs`."""
+    """Options of `reliab rig compare`, arguments of `reliab.compare_rigs`."""
 
     rig: Path = RIG
     other: Path | None = argument("[OTHER]", "Folder of the rig to compare with.", default=None)
@@ -234,7 +234,7 @@ def compare(demand: CompareDemand) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class RigReportDemand(options.Reported):
-    """Options of `reliab rig report`, arguments of `reliab.app.api.report_rig`."""
+    """Options of `reliab rig report`, arguments of `reliab.report_rig`."""
 
     rig: Path = RIG
     out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=options.written_as(".pdf"))

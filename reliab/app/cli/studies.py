@@ -54,7 +54,7 @@ def run(demand: RunDemand) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportDemand(options.Reported):
-    """Options of `reliab report`, arguments of `reliab.app.api.report_run`."""
+    """Options of `reliab report`, arguments of `reliab.report_run`."""
 
     folder: Path = argument("DIR", "Run folder that `reliab run` wrote.")
     json_target: str | None = options.JSON_TARGET

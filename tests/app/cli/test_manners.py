@@ -64,7 +64,7 @@ def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("reliab.app.api.describe_installation", interrupted)
+    monkeypatch.setattr("reliab.app.api.installation.describe_installation", interrupted)
     assert run(["info"]) == 130
     assert capsys.readouterr().err.strip() == "Interrupted. No file is half written; run the command again."
 

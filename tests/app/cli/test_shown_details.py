@@ -179,7 +179,7 @@ def demand_of(**fields):
 def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatch):
     faults = {"a.nc": [], "b.nc": ["No rate.", "No units."]}
     monkeypatch.setattr(
-        "reliab.app.api.check_records", lambda sources: {name: faults[name] for name in sources}
+        "reliab.app.api.records.check_records", lambda sources: {name: faults[name] for name in sources}
     )
     assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a valid record\n"
     with pytest.raises(Exception, match="1"):
