@@ -47,7 +47,7 @@ def default_criterion(
     frequency, damping_ratio : float
         The structure [Hz, -]; beyond the shipped ones the criterion is that of the nearest.
     threshold : float, optional
-        Error of the whole test [-]; see :meth:`reliab.criterion.EllipseTable.at_threshold`.
+        Error of the whole test [-]; see :meth:`reliab.criterion.ellipse_table.EllipseTable.at_threshold`.
     confidence : float, optional
         Share of the population's ground motions, in (0, 1).
     metric : str, optional

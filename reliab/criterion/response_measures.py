@@ -27,7 +27,9 @@ class BoundaryScales:
     """Multiples of the predicted ellipses' a and b at which they reach the traced boundaries."""
 
     least: Array  # The largest ellipse inside, shape (motions, f, ξ, threshold, side)
-    towards: Array  # In addition over `reliab.tracking.boundary.DIRECTIONS`, all or some of them
+    towards: (
+        Array  # In addition over `reliab.tracking.boundary.finite_errors.DIRECTIONS`, all or some of them
+    )
     thresholds: Array  # Errors on the boundaries [-], increasing
     sides: list[str]
     first_direction: int = 0  # Place of the first of `towards` among all directions

@@ -65,7 +65,7 @@ class Model(ABC):
 
     @property
     def moves(self) -> "Move | list[tuple[Move, float]] | None":
-        """How walkers move; None leaves it to :func:`reliab.sampling.sample`."""
+        """How walkers move; None leaves it to :func:`reliab.sampling.ensembles.sample`."""
         return None
 
     def draw_prior(self, count: int, rng: np.random.Generator) -> Array:

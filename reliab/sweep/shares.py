@@ -44,7 +44,7 @@ def share_of(dataset: xr.Dataset) -> float:
         raise InputError(
             "This needs a dataset of one share of the stiffness in the laboratory",
             value=f"a dataset of α = {_list_shares(shares)}",
-            remedy="Choose one with reliab.sweep.at_share, or as `alpha` of a command",
+            remedy="Choose one with reliab.sweep.shares.at_share, or as `alpha` of a command",
         )
     return shares[0]
 

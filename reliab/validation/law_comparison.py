@@ -49,7 +49,7 @@ class _Motions:
         """Limits that a law states, shape (F, X, 2).
 
         A law that is fitted is fitted, as a criterion is, to the limits of each structure that hold for a
-        and b together (:class:`~reliab.criterion.methods.Scatter`).
+        and b together (:class:`~reliab.criterion.methods.bound.Scatter`).
         """
         if isinstance(law, Law):
             grid = self.frequencies[:, None], self.damping_ratios[None, :]

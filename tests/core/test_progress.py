@@ -181,7 +181,7 @@ ELSEWHERE = {"diagnose": "discrepancy/test_progress.py"}
 
 
 @pytest.mark.default_cases(8)
-@pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
+@pytest.mark.filterwarnings("ignore::reliab.sampling.posterior_sample.ConvergenceWarning")
 @pytest.mark.parametrize("name", CASES)
 def test_every_piece_is_reported_once_and_the_last_is_the_total(name, request):
     calls = []

@@ -16,7 +16,7 @@ from reliab.sampling.posterior_sample import ConvergenceWarning
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)
-SHORT = pytest.mark.filterwarnings("ignore::reliab.sampling.ConvergenceWarning")
+SHORT = pytest.mark.filterwarnings("ignore::reliab.sampling.posterior_sample.ConvergenceWarning")
 
 
 @SHORT

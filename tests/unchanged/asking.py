@@ -125,7 +125,6 @@ def _described_pictures() -> Iterator[None]:
 
     with (
         patch("reliab.report.style.picture", picture),
-        patch("reliab.report.picture", picture),  # the face keeps the name that it was asked for once
         patch("reliab.report.pdf._set", set_),
     ):
         yield

@@ -1,4 +1,4 @@
-// What the displacement of a test says of the structure's response, as reliab/boundary/first_order.py computes it.
+// What the displacement of a test says of the structure's response, as reliab/tracking/boundary/first_order.py computes it.
 
 // Effective duration [s], frequency of the error over that of the structure, and error for an amplitude error as
 // large as the damping ratio.

@@ -103,7 +103,7 @@ def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
     code, messages = interrupted(["monitor", "-", *STRUCTURE], tmp_path, SILENT_IMPORT)
     # Python itself, before it reads the first line of ours, ends by the signal or with 1
     assert code in (130, -signal.SIGINT) or (code == 1 and "reliab" not in messages)
-    assert "reliab/cli" not in messages
+    assert "reliab/app/cli" not in messages
 
 
 @pytest.fixture
