@@ -111,8 +111,8 @@ def tolerable_errors(
     `frequencies` [Hz]; `threshold`: error of the whole test [-]; `confidences`: shares of the population's
     ground motions. A `criterion` states its own threshold, metric and confidence; by default it is the one
     that ships, at each of the confidences. Limits of α = 1 are carried to another share α of the stiffness in
-    the laboratory by the law of :func:`reliab.criterion.experimental_share.growth`. Outside of the criterion's validity the
-    nearest structure stands for the one asked for, by dimensionless errors.
+    the laboratory by the law of :func:`reliab.criterion.experimental_share.growth`. Outside of the
+    criterion's validity the nearest structure stands for the one asked for, by dimensionless errors.
     """
     tolerances, larger = [], float(growth(experimental_fraction, damping_ratio))
     for frequency in frequencies:

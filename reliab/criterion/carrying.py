@@ -83,9 +83,10 @@ def carry_to_response(
         Ellipses of the population at RMS^R, of whole records.
     measures : xarray.Dataset or ResponseMeasures
         `a_first`, `b_first` and `effective_duration` of the same motions and structures, as
-        :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were compared with them
-        the multiples of :func:`reliab.sweep.response_measures.compare_boundaries`. Without these, the multiples are those at
-        which the predicted ellipse lies in the inscribed one: to the safe side.
+        :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were
+        compared with them the multiples of :func:`reliab.sweep.response_measures.compare_boundaries`. Without
+        these, the multiples are those at which the predicted ellipse lies in the inscribed one: to the safe
+        side.
     response : xarray.Dataset or ResponseMeasures
         The same of one motion, or of a test, at the structures asked for.
     angle : float, optional

@@ -208,9 +208,9 @@ class ResultsAccessor:
         """Curves fitted to the contours of every motion and structure, at any threshold.
 
         `thresholds` [-].
-        Returns what `reliab.sweep.ellipse_table.trace_ellipses` does: `a` [-] and `b` [ms²] over (motion, f, xi,
-        threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares; NaN
-        also where a contour leaves the grid.
+        Returns what `reliab.sweep.ellipse_table.trace_ellipses` does: `a` [-] and `b` [ms²] over (motion, f,
+        xi, threshold, metric, curve, side), with `alpha` after `xi` where the results have several shares;
+        NaN also where a contour leaves the grid.
         """
         sides = self.sides if sides is None else tuple(sides)
         self._check_sides(sides)

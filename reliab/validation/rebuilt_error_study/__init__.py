@@ -8,8 +8,8 @@ are then judged twice: by the error that `reliab.assessment.rebuilt_error` compu
 displacement, and by A and d with equations (15) and (18), the shipped criterion and the motion's own
 boundary.
 
-The march (`reliab.simulation.hybrid_test.closed_loop.run_closed_loop`: the integral of the equation of motion between
-samples with the force as the actuator gives it) shares no code with the recursion of `rebuild`, which never
-sees the ground motion. `rebuild_with_specimen` marches its own reference with the same kernels of the
+The march (`reliab.simulation.hybrid_test.closed_loop.run_closed_loop`: the integral of the equation of motion
+between samples with the force as the actuator gives it) shares no code with the recursion of `rebuild`, which
+never sees the ground motion. `rebuild_with_specimen` marches its own reference with the same kernels of the
 specimen's force, under the demand that the recorded displacement reveals.
 """
