@@ -2,9 +2,9 @@
 
     python reports/make.py [--motions RECORDS] [NAME ...]
 
-Without names, all of them: every study that ships, `assessment`, `sample_rig` and `criterion`. Studies of
-the paper need its records and are skipped without them; where records are given, `validation` runs the
-paper's cases too.
+Without names, all of them: every study that ships, `assessment`, `verdict`, `sample_rig` and `criterion`.
+Studies of the paper need its records and are skipped without them; where records are given, `validation`
+runs the paper's cases too.
 `rths_benchmark` and `marths_benchmark` need the records of their benchmarks, are made only when they are
 named, and then take RECORDS.
 `measured_specimen` is made of `measured_specimen.csv`, tests that were judged for most of an hour.
@@ -20,12 +20,14 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from reliab import assess
 from reliab.app.cli import run
 from reliab.core.shipped import shipped
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.report.figures.parameter_distributions import ellipses_and_criterion
+from reliab.report.kinds.assessment.error import histories_figure
 from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
 from reliab.study.reading import shipped_studies
@@ -61,6 +63,14 @@ def assessment() -> bool:
     test = str(shipped("datasets", "sample_test/test.csv"))
     structure = ["--f", f"{FREQUENCY:g}", "--xi", f"{DAMPING_RATIO:g}"]
     return run(["assess", test, *structure, "--report", str(HERE / "assessment.pdf"), *DATED]) == 0
+
+
+def verdict() -> bool:
+    """Draw the histories of the sample test and its error, the first figure of the README."""
+    judged = assess("sample_test", f=FREQUENCY, xi=DAMPING_RATIO)
+    figure = histories_figure(judged.error.rebuilt, judged.error.parts, judged.recording)
+    (HERE / "verdict.svg").write_bytes(svg(figure.drawing))
+    return True
 
 
 def sample_rig() -> bool:
@@ -119,6 +129,7 @@ def main(arguments: list[str]) -> int:
     }
     makers |= {
         "assessment": assessment,
+        "verdict": verdict,
         "sample_rig": sample_rig,
         "criterion": criterion,
         "measured_specimen": measured_specimen,

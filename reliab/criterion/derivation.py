@@ -371,7 +371,7 @@ class Derivation:
         return all(bool(side["converged"]) for side in self.diagnostics)
 
     def warn_unless_converged(self) -> None:
-        """Issue a :class:`~reliab.sampling.posterior_sample.ConvergenceWarning` where a posterior cannot be relied on."""
+        """Warn by a `ConvergenceWarning` if a posterior cannot be relied on."""
         for side in self.learned:
             side.warn_unless_converged()
 

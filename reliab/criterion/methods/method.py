@@ -47,7 +47,7 @@ class Learned(ABC):
         return ()
 
     def warn_unless_converged(self) -> None:
-        """Issue a :class:`~reliab.sampling.posterior_sample.ConvergenceWarning` where a posterior cannot be relied on."""
+        """Warn by a `ConvergenceWarning` if a posterior cannot be relied on."""
         if self.sampled is not None:
             self.sampled.warn_unless_converged()
 
