@@ -21,8 +21,6 @@ from .app.api.motions import (
 )
 from .app.api.records import calibrate as calibrate, check_records as check_records, record as record
 from .app.api.rig_answers import (
-    compare_rigs as compare_rigs,
-    plan_rig as plan_rig,
     predict_rig as predict_rig,
     report_rig as report_rig,
 )

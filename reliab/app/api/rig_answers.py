@@ -15,9 +15,7 @@ from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.core.errors import InputError
 from reliab.core.files import require_ending
 from reliab.motions.loading import load_motions, read_motion
-from reliab.rig.comparison import RigComparison, compare_tables
 from reliab.rig.memory import MEASURED, NextTest
-from reliab.rig.planning import Plan, plan_tests
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import RigTable
@@ -107,84 +105,6 @@ def predict_rig(
     else:
         prediction = _of_structure(table, _structure(f, xi, alpha), asked, limit, motion, suite)
     return RigPrediction(rig=Path(rig), prediction=prediction)
-
-
-def plan_rig(
-    rig: str | Path,
-    *,
-    f: Quantity | None = None,
-    xi: Quantity | None = None,
-    alpha: Quantity | None = None,
-    threshold: float | None = None,
-    share: float = 0.95,
-) -> Plan:
-    """Search what to change so that a share of the coming tests is good.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder.
-    f, xi, alpha, threshold
-        As for :func:`predict_rig`.
-    share : float, optional
-        Share of the coming tests whose error shall stay below the threshold.
-
-    Returns
-    -------
-    Plan
-        Each remedy alone (share in the laboratory, damping, frequency, compensation, scale of the motion)
-        with the least change that suffices, and Sobol indices of the error.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than three tests, or an argument cannot be used.
-    """
-    if not 0.0 < share < 1.0:
-        raise InputError("The value of `share` must lie in (0, 1)", value=share, remedy="Give 0.95")
-    table = RigFolder.opened(rig).table()
-    return plan_tests(
-        table, _structure(f, xi, alpha), NextTest(), threshold=stated_threshold(threshold), share=share
-    )
-
-
-def compare_rigs(
-    rig: str | Path, other: str | Path | None = None, *, since: str | None = None
-) -> RigComparison:
-    """Say whether a rig became better with a change, or another one is better.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder of the first rig.
-    other : str or pathlib.Path, optional
-        That of the second.
-    since : str, optional
-        In its place the date of a change, in ISO 8601, before and after which the tests are compared.
-
-    Returns
-    -------
-    RigComparison
-        Medians of amplitude error, delay, remainder and error, and the probability that each became smaller.
-
-    Raises
-    ------
-    InputError
-        If neither or both are given, or there are fewer than three tests on a side.
-    """
-    table = RigFolder.opened(rig).table()
-    if (other is None) == (since is None):
-        raise InputError(
-            "A rig is compared with `other`, or with itself `since` a change",
-            value="both" if other else "neither",
-            remedy="Name a second rig, or give the date of the change",
-        )
-    if other is not None:
-        return compare_tables(table, RigFolder.opened(other).table())
-    moment = require_date(str(since))
-    after = [place for place, when in enumerate(table.moments) if when >= moment]
-    before = [place for place, when in enumerate(table.moments) if when < moment]
-    return compare_tables(table.only(before), table.only(after))
 
 
 def _structure(f: Quantity | None, xi: Quantity | None, alpha: Quantity | None) -> Structure:
@@ -291,19 +211,16 @@ def report_rig(
     last = table.rows[-1]
     limit = stated_threshold(float(last["threshold"]) if threshold is None else threshold)
     structure: Structure | None = None
-    plan: Plan | None = None
     if f is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
         structure = _structure_of_next(last, f, xi, alpha)
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
-        plan = plan_tests(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
     document = rig_report(
         Path(rig).resolve().name,
         table,
         prediction,
-        plan,
         structure=structure,
         provenance={"tests": len(table), "checksums of the tests, SHA-256": digest},
     )

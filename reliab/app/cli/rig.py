@@ -192,47 +192,6 @@ def predict(demand: PredictDemand) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanDemand(OfNextTest):
-    """Options of `reliab rig plan`, arguments of `reliab.plan_rig`."""
-
-    rig: Path = RIG
-    share: float = option("SHARE", "Share of the coming tests that should be good.", default=0.95)
-    json_target: str | None = options.JSON_TARGET
-
-
-@dataclass(frozen=True, kw_only=True)
-class CompareDemand(Demand):
-    """Options of `reliab rig compare`, arguments of `reliab.compare_rigs`."""
-
-    rig: Path = RIG
-    other: Path | None = argument("[OTHER]", "Folder of the rig to compare with.", default=None)
-    since: str | None = option("DATE", "Date of a change of this rig, in place of another rig.")
-    json_target: str | None = options.JSON_TARGET
-
-
-@app.command("plan")
-@takes(PlanDemand)
-def plan(demand: PlanDemand) -> None:
-    """Find what to change so that nearly all coming tests are good."""
-    from reliab.app.api.rig_answers import plan_rig
-
-    content = demand.ask(plan_rig, "json_target").to_dict()
-    if not write_json(content, demand.json_target):
-        show_plan(content)
-
-
-@app.command("compare")
-@takes(CompareDemand)
-def compare(demand: CompareDemand) -> None:
-    """Say whether a rig became better, or another is better."""
-    from reliab.app.api.rig_answers import compare_rigs
-
-    content = demand.ask(compare_rigs, "json_target").to_dict()
-    if not write_json(content, demand.json_target):
-        show_comparison(content)
-
-
-@dataclass(frozen=True, kw_only=True)
 class RigReportDemand(options.Reported):
     """Options of `reliab rig report`, arguments of `reliab.report_rig`."""
 
@@ -354,45 +313,6 @@ def show_prediction(content: Mapping[str, Any]) -> None:
     _say(f"Posterior of the variances: R-hat at most {worst:.3f}, at least {least:.0f} independent draws.")
     for note in content["notes"]:
         _say(f"Note: {note}")
-
-
-def show_plan(content: Mapping[str, Any]) -> None:
-    """Print each remedy in a sentence, and what the error depends on."""
-    _say(
-        f"Under the motions that ship {percent(content['share_now'])} of the coming tests would have an "
-        f"error below {percent(content['threshold'])}; {percent(content['share'])} are wanted. Each remedy "
-        "alone:"
-    )
-    for remedy in content["remedies"]:
-        _say(f"- {remedy['sentence']}")
-    rows = table(
-        "Sobol indices of the error's logarithm", {"": "left", "first order": "right", "total": "right"}
-    )
-    for name, indices in content["sobol"].items():
-        rows.add_row(name, f"{indices['first_order']:.2f}", f"{indices['total']:.2f}")
-    console().print(rows)
-
-
-def show_comparison(content: Mapping[str, Any]) -> None:
-    """Print both sides, and the probability that each quantity became smaller."""
-    first, second = content["tests"]
-    rows = table(
-        f"{first} tests against {second}",
-        {"": "left", "first": "right", "second": "right", "P(better)": "right", "next test": "right"},
-    )
-    for name, label in (
-        ("amplitude_error", "|A - 1|"),
-        ("delay_ms", "|d| [ms]"),
-        ("remainder", "remainder"),
-        ("rms", "error RMS^R"),
-    ):
-        contrast = content[name]
-        rows.add_row(
-            label,
-            *(significant(contrast[side]) for side in ("before", "after")),
-            *(f"{contrast[key]:.2f}" for key in ("probability_better", "next_test_better")),
-        )
-    console().print(rows)
 
 
 def _say(text: str) -> None:

@@ -21,7 +21,6 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig.drift import FALSE_ALARMS, DriftChart, drift_chart, known_effects
-from reliab.rig.planning import Plan
 from reliab.rig.prediction import Prediction
 from reliab.rig.rig_table import RigTable
 from reliab.rig.watching import watch
@@ -44,14 +43,13 @@ def rig_report(
     name: str,
     table: RigTable,
     prediction: Prediction,
-    plan: Plan | None,
     *,
     structure: Structure | None,
     provenance: Mapping[str, object],
 ) -> Document:
     """Report what a rig does, what to expect of its next test, and what to change.
 
-    `plan` and `structure` are None where the last test was of a frame.
+    `structure` is None if the last test was of a frame.
     """
     chart = drift_chart(table.rows)
     return Document(
@@ -62,7 +60,6 @@ def rig_report(
         blocks=(
             Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
             Section(title="What to expect of the next test", blocks=_next_test(prediction), new_page=True),
-            Section(title="What to change", blocks=_changes(plan)),
             Section(title="Appendix: diagnostics", blocks=_diagnostics(prediction), new_page=True),
         ),
         provenance=provenance_of(provenance),
@@ -174,34 +171,6 @@ def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]
 
 def _article(cause: str) -> str:
     return "errors that are neither gain nor delay, the " if cause == "remainder" else "the "
-
-
-def _changes(plan: Plan | None) -> tuple[Paragraph | Points | Table, ...]:
-    if plan is None:
-        return (
-            Paragraph(
-                text="Remedies are searched for single-degree-of-freedom structures only; the last "
-                "test had a frame."
-            ),
-        )
-    begins = (
-        f"Under the motions that ship, in place of those of the rig's tests, {percent(plan.share_now)} of "
-        f"the coming tests would have an error below {percent(plan.threshold)}; {percent(plan.share)} are "
-        "wanted. Each remedy alone:"
-    )
-    sobol = quantities_table(
-        [
-            (name[0].upper() + name[1:], f"{indices['first_order']:.2f}", f"{indices['total']:.2f}")
-            for name, indices in plan.sobol.items()
-        ],
-        ("What the error depends on", "Alone", "With others"),
-        caption=(
-            "Sobol indices of the logarithm of the error: share of its variance that goes back to each, "
-            "alone and together with others. The largest is the first to work on, unless it is the motion."
-        ),
-        label="tab:sobol",
-    )
-    return Paragraph(text=begins), Points(items=tuple(remedy.sentence for remedy in plan.remedies)), sobol
 
 
 def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:

@@ -21,7 +21,7 @@ from reliab.app.api.in_loop import export_monitor
 from reliab.app.api.installation import copy_samples, describe_installation, fetch_dataset
 from reliab.app.api.motions import check_motions, import_motions, list_motions, synthesize_motions
 from reliab.app.api.records import calibrate, record
-from reliab.app.api.rig_answers import compare_rigs, plan_rig, predict_rig, report_rig
+from reliab.app.api.rig_answers import predict_rig, report_rig
 from reliab.app.api.rigs import add_to_rig, export_rig, list_rig, remove_from_rig, show_rig_test
 from reliab.app.api.simulated_verdicts import judge_paper_cases, validate_rebuilt_error
 from reliab.app.api.simulation import simulate_suite
@@ -60,8 +60,6 @@ SERVICES: dict[str, Any] = {
     "motions import": [import_motions],
     "motions synthesize": [synthesize_motions],
     "rig predict": [predict_rig],
-    "rig plan": [plan_rig],
-    "rig compare": [compare_rigs],
     "rig add": [add_to_rig],
     "rig list": [list_rig],
     "rig show": [show_rig_test],

@@ -6,7 +6,6 @@ from rig_rows import keep, rig_table, rig_test
 from reliab.app.api.rig_answers import report_rig
 from reliab.report.kinds.rig_report import rig_report
 from reliab.rig.memory import NextTest
-from reliab.rig.planning import Plan, Remedy
 from reliab.rig.prediction import predict_next
 from reliab.structures.structure import Structure
 
@@ -32,20 +31,15 @@ def performed(count, step=0.0):
 def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
     table = rig_table(performed(34, 2.0))
     prediction = predict_next(rig_table(performed(6)), STRUCTURE, NextTest(), threshold=0.05)
-    remedy = Remedy(change="damping", value=0.1, share_of_good_tests=0.96, sentence="More damping.")
-    sobol = {"delay": {"first_order": 0.8, "total": 0.9}}
-    plan = Plan(threshold=0.05, share=0.95, share_now=0.5, remedies=(remedy,), sobol=sobol)
-    text = text_of(rig_report("A & $b$", table, prediction, plan, structure=STRUCTURE, provenance={}))
+    text = text_of(rig_report("A & $b$", table, prediction, structure=STRUCTURE, provenance={}))
     for words in (
         "34 of 34 tests were judged reliable",
         "delay +2",
-        "Each remedy alone",
         "R-hat",
         "the last ten",
     ):
         assert words in text
-    text = text_of(rig_report("frames", table, prediction, None, structure=None, provenance={}))
-    assert "single-degree-of-freedom structures" in text
+    assert "Next test" not in text_of(rig_report("frames", table, prediction, structure=None, provenance={}))
 
 
 def test_the_report_is_written_of_a_folder(tmp_path):
