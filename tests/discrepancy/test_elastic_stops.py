@@ -5,7 +5,7 @@ import pytest
 from discrepancy.test_specimen_forms import STIFFNESS, written
 
 from reliab.discrepancy import Verdict, diagnose
-from reliab.discrepancy.terms import ElasticStops
+from reliab.effects import ElasticStops
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
 from reliab.structures import Specimen
 

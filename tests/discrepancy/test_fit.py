@@ -16,8 +16,8 @@ from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
-from reliab.discrepancy.terms import ClockOffset, ElasticStops, SoftenedSpring, outside_terms
-from reliab.effects import Effect, Role, Setting, SteppedEffect, find_effect, library
+from reliab.discrepancy.terms import ClockOffset
+from reliab.effects import Effect, Role, Setting, SteppedEffect, find_effect, general_terms, library
 from reliab.signals import NoiseModel
 from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_force
 from reliab.simulation.hybrid_test.model import Actuator
@@ -122,7 +122,7 @@ def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
 
 
 LIBRARY: list[type[Effect]] = [
-    *library().values(), *outside_terms(Block.SPECIMEN), SoftenedSpring, ElasticStops
+    *library().values(), *general_terms(Block.SPECIMEN)
 ]  # fmt: skip
 FORCES = [
     kind for kind in LIBRARY

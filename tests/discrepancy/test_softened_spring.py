@@ -7,12 +7,12 @@ from discrepancy.test_specimen_forms import RATE, STIFFNESS, written
 from reliab.discrepancy import Verdict, diagnose
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms.outside_terms import SoftenedSpring
+from reliab.effects import Softening
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load
 from reliab.structures import Specimen
 
 SPRING = Specimen(stiffness=1000.0)
-RUBBER = HybridTest(specimen=SPRING, effects=(SoftenedSpring(lost_n_per_m=400.0, power=2.0),))
+RUBBER = HybridTest(specimen=SPRING, effects=(Softening(lost_n_per_m=400.0, power=2.0),))
 TIME = np.arange(0.0, 3.0, 0.002)
 GROWING = np.sin(2.0 * np.pi * TIME) * TIME / TIME[-1] * 0.1
 

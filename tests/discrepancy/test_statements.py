@@ -191,8 +191,8 @@ def test_a_remainder_is_described_by_what_it_looks_like():
     ]
     gap = a_gap(a=("sine", 0.5, 0.4))
     problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    found = unexplained._remainder(problem, gap, left)  # noqa: SLF001 - what is tested
-    assert found.description.endswith("; 42 % of it: In force_n of the specimen Y")
+    found = unexplained._remainder(problem, gap, left, "all")  # noqa: SLF001 - what is tested
+    assert found.description.endswith("all; 42 % of it: In force_n of the specimen Y")
 
 
 @pytest.mark.parametrize("verdict", Verdict)

@@ -10,8 +10,8 @@ from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.missing_effect import MissingEffect
-from reliab.effects import ExcitationScale, library
+from reliab.discrepancy.result.missing_effect import MissingEffect, estimates
+from reliab.effects import Effect, ExcitationScale, is_general, library
 from reliab.errors import InputError
 from reliab.progress import Progress, silent
 from reliab.renamed import renamed_method
@@ -131,9 +131,9 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     """Put together the model that a diagnosis arrives at.
 
     Calibrated values and effects are those of the best model of the block that saw them. Effects of the
-    library are added when they are named, or when something of their kind acts and they explain it best;
-    a term outside the library is not, because nothing else could simulate it. The nominal structure is kept
-    but for values with which the tests clearly did not run (`BlockDiagnosis.misstated`).
+    library are added when they are named, or when something of their kind acts and they explain it best, and
+    terms of a general kind where they stand in the best model. The nominal structure is kept but for values
+    with which the tests clearly did not run (`BlockDiagnosis.misstated`).
     """
     test = diagnosis.campaign.nominal
     deviations: dict[str, float] = {}
@@ -150,10 +150,8 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     """Take over from a block what it calibrated and what it names."""
     names = {calibration.parameter.name for calibration in diagnosed.block.calibrations}
     model = diagnosed.best.space.model(diagnosed.best.coordinates)
-    believed = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)} & set(
-        library().values()
-    )
-    test = test.adding(*(effect for effect in model.effects if type(effect) in believed))
+    added = _added(diagnosed)
+    test = test.adding(*(effect for effect in model.effects if type(effect) in added))
     if "gain" in names or "delay_s" in names:
         test = replace(test, actuator=model.actuator)
     if any(name.startswith("stiffness") for name in names):
@@ -169,6 +167,13 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     return test
 
 
+def _added(diagnosed: BlockDiagnosis) -> set[type[Effect]]:
+    """Effects that go into the model: named ones, doubtful ones, and what refines or explains beside them."""
+    stated = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)}
+    beside = {kind for kind in diagnosed.best.space.effects if is_general(kind)} | set(diagnosed.refining)
+    return (stated & set(library().values())) | beside
+
+
 def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
     fitted = diagnosed.best
@@ -179,10 +184,15 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
         for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
         if calibration.parameter.name in sizes
     }
+    stated = [*diagnosed.effects, *diagnosed.doubtful]
+    known = {missing.effect for missing in stated}
     effects = {
-        f"{effect.effect.name}.{estimate.name}": estimate.sd
-        for effect in (*diagnosed.effects, *diagnosed.doubtful)
-        for estimate in effect.estimates
+        **{f"{m.effect.name}.{item.name}": item.sd for m in stated for item in m.estimates},
+        **{
+            f"{kind.name}.{item.name}": item.sd
+            for kind in _added(diagnosed) - known
+            for item in estimates(kind, fitted)
+        },
     }
     return {**calibrated, **effects}
 

@@ -10,8 +10,8 @@ from reliab.arrays import Array
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import LeadingReading, outside_terms, with_clock
-from reliab.effects import Role, Scales, SensorBias, library
+from reliab.discrepancy.terms import LeadingReading, with_clock
+from reliab.effects import Role, Scales, SensorBias, general_terms, library
 from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
 from reliab.vocabulary import Block
 
@@ -39,7 +39,7 @@ class ActuatorBlock(ObservedBlock):
         effects = library().values()
         effects_here = (e for e in effects if e.role in roles and e is not SensorBias and e.refines is None)
         self.candidates = (*effects_here, LeadingReading)
-        self.outside = outside_terms(self.block)
+        self.outside = general_terms(self.block)
         parts = _parts(campaign)
         commands = [
             Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=parts) for test in self.tests

@@ -22,7 +22,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import StatedDamping, outside_terms, with_damping
+from reliab.discrepancy.terms import StatedDamping, with_damping
 from reliab.effects import (
     AddedMass,
     Effect,
@@ -32,6 +32,7 @@ from reliab.effects import (
     Scales,
     SensorBias,
     ViscousDamping,
+    general_terms,
     library,
 )
 from reliab.simulation.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
@@ -81,7 +82,7 @@ class LoopBlock(ObservedBlock):
         possible = (effect for effect in effects if _possible(effect, rig=rig) and effect.refines is None)
         self.candidates = (*possible, *((StatedDamping,) if rig and self._damping > 0.0 else ()))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
-        terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
+        terms = (*general_terms(Block.ACTUATOR), *general_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
         self.integrate_at(_rate_of_integration(campaign))
         self.calibrations: tuple[Calibration, ...]

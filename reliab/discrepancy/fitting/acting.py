@@ -6,12 +6,15 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Backlash, Effect, LinearEffect, StrokeSaturation
+from reliab.effects import Backlash, Effect, LinearEffect, RateLimit, StrokeSaturation
 
 _LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
 _ROUNDED = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that
 _TAKEN_OVER = 0.5  # of the calibrated delay, from which a lag says most of it
 _RESTING = (Backlash, StrokeSaturation)
+LIMITS = (StrokeSaturation, RateLimit)
+"""Effects that act where the motion goes furthest or fastest only, so that a single part may show them."""
+
 _DELAY = "delay_s"
 
 

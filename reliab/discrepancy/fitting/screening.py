@@ -10,8 +10,7 @@ from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms.periodic import Disturbance, disturbance
-from reliab.effects import Effect, Role
+from reliab.effects import Disturbance, Effect, Role, disturbance
 from reliab.signals import near_mains
 from reliab.vocabulary import Block
 

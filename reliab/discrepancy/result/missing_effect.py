@@ -156,6 +156,16 @@ class MissingEffect:
         ) or (self,)
 
     @property
+    def parameter_texts(self) -> tuple[str, ...]:
+        """Each parameter with its value, standard deviation and unit, as they are shown."""
+        texts = []
+        for estimate in self.estimates:
+            value, spread = estimate.words
+            mark = " (on a bound)" if estimate.name in self.on_bounds else ""
+            texts.append(f"{estimate.name} {value}{f' ± {spread}' if spread else ''}{mark}")
+        return tuple(texts)
+
+    @property
     def remark(self) -> str:
         """The effect from which it cannot be distinguished, and the test that would distinguish them."""
         rival = self.rivals[0] if self.rivals else None

@@ -1,8 +1,5 @@
-"""Physical terms outside the library, which give an unknown effect an expression."""
+"""Differences of clocks, and a damping that is not as stated: what no model is changed for."""
 
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-# modules of these names would hide what they hold
-from reliab.discrepancy.terms.outside_terms import outside_terms as outside_terms  # noqa: E402
