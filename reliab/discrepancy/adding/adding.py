@@ -90,14 +90,13 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
 
 
 def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
-    """Use standard deviations and intervals of a converged posterior; values stay the most probable ones."""
+    """Use standard deviations and intervals of a posterior; values stay the most probable ones."""
     if posterior is None:
         return block
-    if not posterior.converged:
-        return replace(block, converged=False)
     return replace(
         block,
-        converged=True,
+        converged=posterior.converged,
+        inseparable=posterior.inseparable([str(m.effect.name) for m in (*block.effects, *block.doubtful)]),
         effects=tuple(_with_spread(effect, posterior) for effect in block.effects),
         doubtful=tuple(_with_spread(effect, posterior) for effect in block.doubtful),
     )

@@ -4,11 +4,13 @@ A simulation takes some ten milliseconds and an ensemble sampler asks for a hund
 model the whitened residual is therefore written as a quadratic polynomial of the parameters, exact where
 effects enter linearly, which is fitted at points as far from the most probable model as the data allow. The
 likelihood is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is
-good enough is checked with simulations at draws.
+good enough is checked with simulations at draws. Where it is not, as for a hysteresis that a few cycles show,
+draws are made anew by importance: from a distribution of Student that follows the weighted draws before it
+(population Monte Carlo, Cappé and others 2004, doi:10.1198/106186004X12803), each of them simulated.
 """
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -18,13 +20,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from reliab.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.sampling import Ensembles, Model, Parameter, PosteriorSample, sample
-from reliab.significant import percent
+from reliab.significant import percent, significant
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
 _WIDE = 10.0  # standard deviations within which the mode is looked for
@@ -39,6 +42,14 @@ _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
+_BADLY_KNOWN = 0.2  # relative spread of a parameter
+_TOGETHER = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
+_POPULATION, _POPULATIONS = 300, 6  # draws that are simulated at once, and how often at most
+_LEAST_VARIANCE = 1e-12  # of a coordinate
+_WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
+
+ENOUGH = 100.0
+"""Effective number of simulated draws from which quantiles of 5 and 95 % are trusted."""
 
 
 def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
@@ -155,6 +166,7 @@ class Posterior:
     # Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on which
     # walkers moved is exact
     agreement: float
+    effective: float = 0.0  # Effective number of draws, where each of them was simulated
 
     @property
     def mean(self) -> Array:
@@ -173,12 +185,20 @@ class Posterior:
 
     @property
     def converged(self) -> bool:
-        """Whether walkers mixed and the surface agrees with simulations."""
-        return self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
+        """Whether walkers mixed and the surface agrees with simulations, or enough draws were simulated."""
+        by_surface = self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
+        return by_surface or self.effective >= ENOUGH
 
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
+        if self.effective:
+            if self.converged:
+                return f"Converged: {self.effective:.0f} simulated draws in effect."
+            return (
+                f"Not converged: {self.effective:.0f} simulated draws in effect, {ENOUGH:.0f} are needed. "
+                "The tests hardly tell some parameters apart: measure cycles of other amplitudes and speeds."
+            )
         diagnostics = self.sample.diagnostics
         smallest = min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
         verdict = "Converged" if self.converged else "Not converged"
@@ -204,6 +224,32 @@ class Posterior:
             if name.startswith(f"{effect}.")
         }
 
+    def inseparable(self, effects: Sequence[str]) -> tuple[str, ...]:
+        """Say which pairs of parameters of an effect the tests show in combination only, and how large it is.
+
+        Both are known badly by themselves, and their product or ratio is known well.
+        """
+        sentences = []
+        for effect in effects:
+            places = [k for k, name in enumerate(self.names) if name.startswith(f"{effect}.")]
+            for first, second in combinations(places, 2):
+                pair = self.draws[:, [first, second]]
+                if not (pair > 0.0).all():
+                    continue
+                logs = np.log(pair)
+                along = float(np.corrcoef(logs.T)[0, 1])
+                sign, word = (-1.0, "ratio") if along > 0.0 else (1.0, "product")
+                combined = logs[:, 0] + sign * logs[:, 1]
+                least = logs.std(axis=0).min()
+                if least > _BADLY_KNOWN and combined.std() < _TOGETHER * least:
+                    one, other = (self.names[k].removeprefix(f"{effect}.") for k in (first, second))
+                    sentences.append(
+                        f"The tests do not tell {one} and {other} of {effect.replace('_', ' ')} apart: "
+                        f"their {word} is {significant(float(np.exp(combined.mean())))} ± "
+                        f"{percent(float(combined.std()), 2)}."
+                    )
+        return tuple(sentences)
+
 
 def sample_posterior(
     problem: Problem,
@@ -222,14 +268,45 @@ def sample_posterior(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
         sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=_SEED), file=out)
-    coordinates = surface.coordinates(sampled.spread_out(_DRAWS))
+    coordinates, effective = surface.coordinates(sampled.spread_out(_DRAWS)), 0.0
+    agreement = _agreement(problem, fitted, surface, sampled.spread_out(_CHECKED))
+    if not (sampled.converged and agreement >= SMALLEST_AGREEMENT):
+        coordinates, effective = _simulated_draws(problem.sketch, fitted, coordinates)
     return Posterior(
         names=_names(fitted.space),
         units=tuple(parameter.units for parameter in fitted.space.parameters),
         draws=_values(fitted.space, coordinates),
         sample=sampled,
-        agreement=_agreement(problem, fitted, surface, sampled.spread_out(_CHECKED)),
+        agreement=agreement,
+        effective=effective,
     )
+
+
+def _simulated_draws(problem: Problem, fitted: Fit, begin: Array) -> tuple[Array, float]:
+    """Draw coordinates by importance from what was drawn before; the effective number of draws, too."""
+    rng = np.random.default_rng(_SEED)
+    lower, upper = fitted.space.bounds
+    mean, covariance = begin.mean(axis=0), np.atleast_2d(np.cov(begin.T))
+    best = begin, 1.0
+    for _ in range(_POPULATIONS):
+        shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(mean.size)
+        student = stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng)
+        points = np.asarray(student.rvs(_POPULATION)).reshape(_POPULATION, mean.size)
+        points = points[((points >= lower) & (points <= upper)).all(axis=1)]
+        if len(points) < mean.size + 1:
+            break
+        logs = log_density(simulated(problem, fitted, points), points) - student.logpdf(points)
+        weights = np.exp(logs - logs.max())
+        effective = float(weights.sum() ** 2 / (weights**2).sum())
+        if effective > best[1]:
+            chosen = rng.choice(len(points), _DRAWS, p=weights / weights.sum())
+            best = points[chosen], effective
+        if effective >= ENOUGH:
+            break
+        softer = np.sqrt(weights)
+        mean = np.average(points, axis=0, weights=softer)
+        covariance = np.atleast_2d(np.cov(points.T, aweights=softer))
+    return best
 
 
 def _values(space: ModelSpace, coordinates: Array) -> Array:

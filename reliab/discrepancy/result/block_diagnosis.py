@@ -146,8 +146,9 @@ class BlockDiagnosis:
     refining : tuple of type of Effect, optional
         Effects of the best model that are too little to be named.
     converged : bool, optional
-        Whether the posterior of the parameters has converged, where it was sampled. Where it has not,
-        standard deviations are those of a normal approximation.
+        Whether the posterior of the parameters has converged, where it was sampled.
+    inseparable : tuple of str, optional
+        Sentences on parameters that the tests show in combination only, where the posterior was sampled.
     """
 
     block: ObservedBlock
@@ -174,6 +175,7 @@ class BlockDiagnosis:
     linear: tuple[Estimate, ...] = ()
     refining: tuple[type[Effect], ...] = ()
     converged: bool | None = None
+    inseparable: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> Verdict:

@@ -197,9 +197,10 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         )
     if block.converged is False:
         remarks.append(
-            f"The posterior of the {name} has not converged: standard deviations are those of a normal"
-            " approximation."
+            f"The posterior of the {name} has not converged: intervals of its parameters are rough. Measure "
+            "cycles of other amplitudes and speeds, which tell the parameters apart."
         )
+    remarks += block.inseparable
     if not block.leaves_noise:
         remarks.append(remainder_statement(name, gap, block.structured_share))
     return remarks
