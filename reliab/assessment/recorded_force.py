@@ -6,7 +6,7 @@ motion does no work against it; and where it explains the force by the command, 
 displacement, the columns are exchanged.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,6 +20,7 @@ from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
 from reliab.signals import CubicPath
 from reliab.significant import percent, significant
+from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
@@ -35,8 +36,11 @@ _SPRING = 0.5  # correlation of force and displacement above which a stiffness i
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
 _MOST_STEPS = 3  # per term; collinear terms could take turns for ever
-_STIFFNESSES = (0.01, 3.0)  # over the stated one
+_STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
+_STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
+_AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
+_SAME_UNIT = 0.1
 _UNITS: Final = {
     1e6: "meganewtons for newtons, or newtons for meganewtons",
     1e3: "kilonewtons for newtons, or newtons for kilonewtons",
@@ -49,13 +53,19 @@ _UNITS: Final = {
 
 
 def require_restoring_force(
-    measured: Array, force: Array, time_step: float, *, stiffness: float | None = None, where: str = ""
+    measured: Array,
+    force: Array,
+    time_step: float,
+    *,
+    stiffness: float | None = None,
+    linear: bool = False,
+    where: str = "",
 ) -> None:
     """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
 
     `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
-    stated one of the specimen [N/m], without which the unit is not examined; `where`: what the test is
-    called.
+    stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether the specimen
+    is taken as linear; `where`: what the test is called.
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
@@ -95,7 +105,7 @@ def require_restoring_force(
             where=where,
         )
     if stiffness:
-        _require_unit(measured, force, kernel, stiffness, where)
+        _require_unit(measured, force, kernel, stiffness, where, linear=linear)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,14 +221,33 @@ def _without_line(values: Array) -> Array:
     return np.asarray(centred - place * (float(place @ centred) / float(place @ place)))
 
 
-def unexamined_unit(recording: Recording, structure: Structure) -> str:
-    """Say that no stated mass tells the unit of a recorded force, and which mass it belongs to; else ""."""
+def stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
+    """Stiffness of the specimen [N/m]; None where no mass is stated."""
+    if "mass" not in stated:
+        return None
+    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
+
+
+def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> str:
+    """Say that a force differs from what is stated of a linear specimen, or which mass it belongs to.
+
+    Empty where there is nothing to say.
+    """
     clean, *_ = without_spikes(recording)
     if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
         return ""
-    stiffness = _stiffness(clean.measured, clean.force, kernel)
+    expected = stated_stiffness(structure, stated)
+    least = _SPRING if expected is None else _STRAIGHT
+    stiffness = _stiffness(clean.measured, clean.force, kernel, least)
     if stiffness is None:
         return ""
+    if expected is not None:
+        if abs(stiffness / expected - 1.0) <= _AGREES:
+            return ""
+        return (
+            f"The recorded force is {percent(stiffness / expected, decimals=0)} of what the stated mass, "
+            "frequency and share make of the measured displacement. Check them, and the scale of the force."
+        )
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
     return (
         "The unit of the recorded force was not examined: in newtons it belongs to a structure of "
@@ -226,26 +255,38 @@ def unexamined_unit(recording: Recording, structure: Structure) -> str:
     )
 
 
-def _stiffness(measured: Array, force: Array, kernel: Kernel) -> float | None:
+def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SPRING) -> float | None:
+    """Stiffness where force and displacement are correlated at least so much; else None."""
     moved, resisted = (row - row.mean() for row in (kernel.seen(measured, 0), kernel.seen(force, 0)))
     slope = float(moved @ resisted) / float(moved @ moved)
     of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
-    return slope if of_spring >= _SPRING else None
+    return slope if of_spring >= least else None
 
 
-def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str) -> None:
-    slope = _stiffness(measured, force, kernel)
+def _require_unit(
+    measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str, *, linear: bool
+) -> None:
+    slope = _stiffness(measured, force, kernel, _STRAIGHT)
+    straight, slope = slope is not None, slope or _stiffness(measured, force, kernel)
     if slope is None:
         return
-    ratio, (least, most) = slope / stiffness, _STIFFNESSES
-    if least <= ratio <= most:
-        return
+    ratio = slope / stiffness
+    # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
+    exact = straight and not linear and bool(unit_like(ratio, tolerance=_SAME_UNIT))
+    least, most = _OF_LINEAR if exact or (straight and linear) else _STIFFNESSES
+    if not least <= ratio <= most:
+        raise other_unit_of_force(ratio, where)
+
+
+def other_unit_of_force(ratio: float, where: str) -> InputError:
+    """Ask for the unit of a force that is a ratio of what the stated specimen makes."""
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
     alike = f", as {unit} would have" if unit else ""
-    raise InputError(
+    return InputError(
         "The recorded force must be that of the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
-        remedy="State the unit in the column's name (force_kN), or check mass, frequency and share",
+        remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "
+        "frequency and share of the specimen",
         where=where,
     )
 

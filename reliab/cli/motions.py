@@ -1,7 +1,7 @@
 """``reliab motions``: list, check, import and synthesize ground motions."""
 
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,9 +57,18 @@ def list_motions(demand: MotionsDemand) -> None:
     """List motions with their events and measures of intensity."""
     from reliab import api
 
-    content = demand.ask(api.list_motions, "json_target").to_dict()
+    listed = demand.ask(api.list_motions, "json_target")
+    content = listed.to_dict()
     if not write_json(content, demand.json_target):
         _show_motions(content["motions"])
+        for fault in listed.faults:
+            line = "" if fault.line is None else f", line {fault.line}"
+            value = f"; found {fault.value}" if fault.value else ""
+            text = (
+                f"Left out: {_within(fault.file, demand.sources)}{line}: {fault.rule}{value}. {fault.remedy}."
+            )
+            say(demand.in_options(text), style="yellow", soft_wrap=True)
+        _show_notes(listed.skipped, demand.sources)
 
 
 @app.command("check")
@@ -70,7 +79,8 @@ def check(demand: MotionsDemand) -> None:
 
     checked = demand.ask(check_motions, "json_target")
     if not write_json(checked.to_dict(), demand.json_target):
-        _show_faults(checked.faults, checked.records, demand.sources)
+        faults = [replace(fault, remedy=demand.in_options(fault.remedy)) for fault in checked.faults]
+        _show_faults(faults, checked.records, demand.sources)
         _show_notes(checked.notes, demand.sources)
     if checked.faults:
         raise typer.Exit(2)

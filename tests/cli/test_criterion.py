@@ -192,7 +192,7 @@ def test_rejected_lognormality_is_said():
         (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from exactly one source.*found 2"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
         (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
-        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "lie where the law is valid"),
+        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "holds only for the f with which"),
         (("--ellipses", "none.csv"), "readable CSV file"),
     ],
 )
@@ -231,7 +231,7 @@ def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhe
     assert not posterior["converged"]
     assert posterior["complaints"]
     assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
-    assert "NOT CONVERGED" in Criterion.from_json(out.read_text(encoding="utf-8")).provenance.warnings[0]
+    assert not out.exists()
     drawn = {path.name for path in figures.iterdir()}
     assert drawn == set(found["figures"])
     assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= drawn

@@ -251,7 +251,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     lines = shown_of_several(capsys, SEVERAL, details=False)
     for line in (
         "NOT RELIABLE: RMS^R of x is 1.23 %, below 1 % with probability 0.02", "First of all this.",
-        "What would decide: a longer test",
+        "Next step: a longer test",
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
         "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
