@@ -46,7 +46,7 @@ _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz
 _FINEST = 0.1  # Hz
 _SLIGHT = 0.0015  # s
-_STATED = "stiffness"  # of the specimen, calibrated within its bounds
+_STIFFNESS = "stiffness"  # of the specimen, calibrated within its bounds
 
 
 def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) -> Diagnosis:
@@ -184,8 +184,8 @@ def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
     missed = [block.measured(test) - block.predict(model, test) for test in range(len(block.tests))]
     step, highest = 1.0 / block.rate, block.highest_signal
     return [
-        Motion3(values=piston.values + smoothed_motion(left, step, highest).values, step=piston.step)
-        for piston, left in zip(pistons, missed, strict=True)
+        Motion3(values=piston.values + smoothed_motion(error, step, highest).values, step=piston.step)
+        for piston, error in zip(pistons, missed, strict=True)
     ]
 
 
@@ -237,7 +237,7 @@ def _searched(search: Search) -> Search:
 
 def _beyond_what_is_stated(search: Search) -> bool:
     """Whether the calibrated stiffness lies on a bound, within which a stated one is taken to be."""
-    return _STATED in search.null.space.on_bounds(search.null.coordinates)
+    return _STIFFNESS in search.null.space.on_bounds(search.null.coordinates)
 
 
 def _judged(search: Search, campaign: Campaign) -> Search:

@@ -168,9 +168,9 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
 
 def _added(diagnosed: BlockDiagnosis) -> set[type[Effect]]:
     """Effects that go into the model: named ones, doubtful ones, and what refines or explains beside them."""
-    stated = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)}
+    effects = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)}
     beside = {kind for kind in diagnosed.best.space.effects if is_general(kind)} | set(diagnosed.refining)
-    return (stated & set(library().values())) | beside
+    return (effects & set(library().values())) | beside
 
 
 def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
@@ -183,17 +183,15 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
         for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
         if calibration.parameter.name in sizes
     }
-    stated = [*diagnosed.effects, *diagnosed.doubtful]
-    known = {missing.effect for missing in stated}
-    effects = {
-        **{f"{m.effect.name}.{item.name}": item.sd for m in stated for item in m.estimates},
-        **{
-            f"{kind.name}.{item.name}": item.sd
-            for kind in _added(diagnosed) - known
-            for item in estimates(kind, fitted)
-        },
+    refining = {
+        f"{kind.name}.{item.name}": item.sd for kind in _added(diagnosed) for item in estimates(kind, fitted)
     }
-    return {**calibrated, **effects}
+    effects = {
+        f"{missing.effect.name}.{item.name}": item.sd
+        for missing in (*diagnosed.effects, *diagnosed.doubtful)
+        for item in missing.estimates
+    }
+    return {**calibrated, **refining, **effects}
 
 
 def _sizes(fitted: Fit) -> dict[str, tuple[str, float]]:

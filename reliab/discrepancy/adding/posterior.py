@@ -242,10 +242,10 @@ class Posterior:
                 combined = logs[:, 0] + sign * logs[:, 1]
                 least = logs.std(axis=0).min()
                 if least > _BADLY_KNOWN and combined.std() < _TOGETHER * least:
-                    one, other = (self.names[k].removeprefix(f"{effect}.") for k in (first, second))
+                    names = [self.names[k].removeprefix(f"{effect}.") for k in (first, second)]
                     sentences.append(
-                        f"The tests do not tell {one} and {other} of {effect.replace('_', ' ')} apart: "
-                        f"their {word} is {significant(float(np.exp(combined.mean())))} ± "
+                        f"The tests do not tell {' and '.join(names)} of {effect.replace('_', ' ')} "
+                        f"apart: their {word} is {significant(float(np.exp(combined.mean())))} ± "
                         f"{percent(float(combined.std()), 2)}."
                     )
         return tuple(sentences)

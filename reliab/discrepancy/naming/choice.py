@@ -31,16 +31,16 @@ _LIKELY = 0.5  # the same where clocks may differ, which changes the parameters 
 _EXPLAINS = 0.5  # of what the best model explains of the fitted tests
 _LITTLE = 0.05  # of the error on held-out tests; all that is left out of a model may change that much
 _GENERAL = 0.2  # of the error on held-out tests, by which terms must be better than effects that have a name
+_STANDARD_ERRORS = 2.0  # within which held-out tests do not tell models apart
 _MORE_THAN_LEFT = 2.0  # energy without an effect over that with it, from which it explains more than is left
-_SILENT = 0.2  # of what an effect changes in the fitted tests, over their signal
 
 
 def ranking(search: Search, proof: Problem) -> tuple[Ranked, ...]:
     """All fitted models with their probabilities and errors, the most probable first."""
     models = [*search.fitted.values(), *_with_clocks(search)]
-    left = [residuals(proof, model) for model in models]
+    missed = [residuals(proof, model) for model in models]
     if isinstance(search, ErrorSearch):
-        held_out = [errors_of_parts(proof, one) for one in left]
+        held_out = [errors_of_parts(proof, of_model) for of_model in missed]
         shares = _shares_of_parts(search, models, held_out, sum(observations(proof).values()))
     else:
         shares = _shares_of_scores(search, models)
@@ -51,7 +51,7 @@ def ranking(search: Search, proof: Problem) -> tuple[Ranked, ...]:
             left_out=search.error(model).nrmse,
             held_out=held_out_nrmse(proof, residual),
         )
-        for model, share, residual in zip(models, shares.tolist(), left, strict=True)
+        for model, share, residual in zip(models, shares.tolist(), missed, strict=True)
     ]
     return tuple(sorted(rows, key=lambda row: -row.probability))
 
@@ -141,7 +141,7 @@ class Choice:
     """The model that is believed."""
 
     best: Ranked  # Which
-    named: frozenset[type[Effect]]  # Its effects that are named
+    sure: frozenset[type[Effect]]  # Its effects that are named
     doubtful: frozenset[type[Effect]]  # Its effects of which one acts
     refining: Mapping[type[Effect], float]
     """Its effects that explain less than they leave beside the others, with the errors without them."""
@@ -165,11 +165,11 @@ def choose(search: Search, ranked: Sequence[Ranked], proof: Problem) -> Choice:
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
-    best, named, doubtful = _believed(search, ranked, best)
+    best, sure, doubtful = _believed(search, ranked, best)
     refining = _refining(search, ranked, best, proof)
     return Choice(
         best=best,
-        named=frozenset(named - set(refining)),
+        sure=frozenset(sure - set(refining)),
         doubtful=frozenset(doubtful - set(refining)),
         refining=refining,
         contradicted=contradicted,
@@ -179,8 +179,8 @@ def choose(search: Search, ranked: Sequence[Ranked], proof: Problem) -> Choice:
 
 def best_rival(ranked: Sequence[Ranked], best: Ranked) -> Ranked | None:
     """Find the model of the smallest error on held-out tests that lacks one of a model's effects."""
-    wanted = set(best.names)
-    rivals = [row for row in ranked if not wanted <= set(row.names)]
+    effects = set(best.names)
+    rivals = [row for row in ranked if not effects <= set(row.names)]
     return min(rivals, key=lambda row: row.held_out, default=None)
 
 
@@ -198,17 +198,19 @@ def remarks_on(choice: Choice) -> Iterator[str]:
             f"leaves {percent(rival.held_out)} of the signal, {names_of(best)} {percent(best.held_out)}."
         )
     for effect, without in choice.refining.items():
+        little = not explains_more_than_left(without, best.held_out)
+        reason = "too little to be named" if little else "other effects explain nearly as much"
         yield (
             f"{effect.label().replace('_', ' ').capitalize()} refines the model: without it "
             f"{percent(without)} of the signal remain on held-out tests, with it {percent(best.held_out)}. "
-            "It is in model.toml, and too little to be named."
+            f"It is in model.toml, and {reason}."
         )
     for effect, with_it, without in choice.unchanging:
         worse = without < (1.0 - NO_CHANGE) * with_it
-        found = "is contradicted by the held-out tests" if worse else "changes nothing on held-out tests"
+        verdict = "is contradicted by the held-out tests" if worse else "changes nothing on held-out tests"
         yield (
-            f"{effect.label().replace('_', ' ').capitalize()} {found} ({percent(with_it)} of the signal with "
-            f"it, {percent(without)} without): it is not named."
+            f"{effect.label().replace('_', ' ').capitalize()} {verdict} ({percent(with_it)} of the signal "
+            f"with it, {percent(without)} without): it is not named."
         )
 
 
@@ -249,7 +251,7 @@ def _refining(
     """Find effects that only refine a model whose error follows the motion, all but its main one.
 
     Nearly any effect explains some of such an error. One has a name only if it takes off more of the energy
-    than the whole model leaves.
+    than the whole model leaves, and if models without it are not more probable.
     """
     kinds = best.fit.space.effects
     if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
@@ -259,7 +261,8 @@ def _refining(
     return {
         kind: error
         for kind, error in without.items()
-        if kind is not main and not explains_more_than_left(error, best.held_out)
+        if kind is not main
+        and (not explains_more_than_left(error, best.held_out) or probability(ranked, kind) < _LIKELY)
     }
 
 
@@ -272,9 +275,9 @@ def _without(
     search: Search, ranked: Sequence[Ranked], best: Ranked, kind: type[Effect], proof: Problem
 ) -> Ranked:
     """Return the best model without an effect of another one: refitted, or with still fewer effects."""
-    kept = set(best.fit.space.effects) - {kind}
+    others = set(best.fit.space.effects) - {kind}
     fitted = search.without(best.fit, kind)
-    rows = [row for row in ranked if row.fit is fitted or set(row.fit.space.effects) <= kept]
+    rows = [row for row in ranked if row.fit is fitted or set(row.fit.space.effects) <= others]
     if all(row.fit is not fitted for row in rows):
         error = held_out_nrmse(proof, residuals(proof, fitted))
         rows.append(Ranked(fit=fitted, probability=0.0, left_out=search.error(fitted).nrmse, held_out=error))
@@ -284,23 +287,18 @@ def _without(
 
 
 def _is_silent(search: Search, best: Ranked, smaller: Ranked, proof: Problem) -> bool:
-    """Whether held-out tests do not reach what an effect does to the fitted ones, as a limit of the stroke.
+    """Whether held-out tests could not show an effect of this size, which the fitted ones show.
 
-    They can then say nothing of it, and the fitted tests decide.
+    They do not reach a limit of the stroke, say, or what the effect does to their energy is less than twice
+    its standard error, 2 d σ/√n for a difference d of the predictions. The fitted tests decide then.
     """
-    noise = best.fit.noise
-    if search.energy(smaller.fit, noise) <= (1.0 + NO_CHANGE) ** 2 * search.energy(best.fit, noise):
+    noise, shown = best.fit.noise, (1.0 + NO_CHANGE) ** 2
+    if search.energy(smaller.fit, noise) <= shown * search.energy(best.fit, noise):
         return False
-    changed, unheard = (_change(problem, best.fit, smaller.fit) for problem in (search.problem, proof))
-    return unheard < _SILENT * changed
-
-
-def _change(problem: Problem, one: Fit, other: Fit) -> float:
-    """Largest difference between two models' predictions, over the largest value of the channel."""
-    first, second = (problem.residuals(fitted.space, fitted.coordinates) for fitted in (one, other))
-    parts = [(slice(s.begin, s.end), s.test) for s in problem.segments]
-    difference = max(float(np.abs((first[test] - second[test])[cut]).max()) for cut, test in parts)
-    return difference / max(float(np.abs(problem.block.measured(test)[cut]).max()) for cut, test in parts)
+    scatter = 0.0 if isinstance(search, ErrorSearch) else (2.0 * _STANDARD_ERRORS) ** 2 / proof.rows
+    missed, others = (residuals(proof, row.fit) for row in (best, smaller))
+    change = held_out_nrmse(proof, {test: others[test] - values for test, values in missed.items()})
+    return (change / best.held_out) ** 2 < max(shown - 1.0, scatter)
 
 
 def _believed(
@@ -319,6 +317,6 @@ def _believed(
     fewer = sum(row.probability for row in ranked if len(row.fit.space.effects) < len(effects))
     most = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
     doubtful = less_sure if fewer < most else set()
-    kept = next((row for row in ranked if set(row.fit.space.effects) == sure | doubtful), None)
+    credible = next((row for row in ranked if set(row.fit.space.effects) == sure | doubtful), None)
     none = next(row for row in ranked if not row.fit.space.effects)
-    return kept or none, sure, doubtful
+    return credible or none, sure, doubtful

@@ -25,6 +25,7 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
 from reliab.discrepancy.naming.choice import (
     SURE,
+    Choice,
     best_rival,
     choose,
     explains_more_than_left,
@@ -36,7 +37,7 @@ from reliab.discrepancy.naming.choice import (
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
-from reliab.discrepancy.result.gap import FurtherError
+from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
     Estimate,
     MissingEffect,
@@ -62,13 +63,12 @@ _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     """Draw the conclusions from the search of a block."""
-    problem = search.problem
     ranked = ranking(search, proof)
     choice = choose(search, ranked, proof)
-    best, sure_effects, doubtful = choice.best.fit, set(choice.named), set(choice.doubtful)
-    restated = frozenset({StatedDamping}) & sure_effects  # a contradiction of what is stated, and no effect
+    best = choice.best.fit
+    restated = frozenset({StatedDamping}) & choice.sure  # a contradiction of what is stated, and no effect
     calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
-    judged = _judged_by_noise(problem, best)
+    judged = _judged_by_noise(search.problem, best)
     noise = is_noise(*judged)
     structured = structured_share(*judged)
     naming = _naming(search, ranked, best, proof, structured)
@@ -76,35 +76,24 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     biases = [shift for shift in shifts if shift.probability >= SURE]
     before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
-    missing = [kind for kind in best.space.effects if kind not in restated]
-    inside = [kind for kind in missing if not is_general(kind) and kind not in choice.refining]
-    linear = search.linear
     held_out = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    rival = best_rival(ranked, choice.best)
-    proved = replace(
-        held_out,
-        missing=bool(missing or biases),
-        linear=held_out_nrmse(proof, residuals(proof, linear)) if linear.space.effects else held_out.before,
-        rival=None if rival is None else rival.held_out,
-        rival_effects=() if rival is None else rival.names,
-    )
-    effects, unsettled = naming.settled(inside, sure_effects, doubtful, biases)
-    remaining = None if noise else _located(problem, best, judged)
-    named = bool(effects) and (isinstance(search, ErrorSearch) or not unsettled)
-    general = [kind for kind in missing if issubclass(kind, GeneralTerm) and kind not in choice.refining]
-    unknown = unexplained(judged, best, general, proved, remaining, named=named, tried=_tried(ranked))
+    proved = _beside_others(held_out, search, proof, ranked, choice)
+    proved = replace(proved, missing=bool(set(best.space.effects) - restated or biases))
+    effects, doubtful = naming.settled(choice, biases)
+    is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
+    remaining = None if noise else _located(search.problem, best, judged)
+    general = [kind for kind in _unrefined(choice) if issubclass(kind, GeneralTerm)]
+    unknown = unexplained(judged, best, general, proved, remaining, is_named=is_named, tried=_tried(ranked))
     return BlockDiagnosis(
-        block=problem.block,
-        problem=problem,
+        problem=search.problem,
         proof=proof,
         calibrated=calibrated,
-        best=best,
         ranked=ranked,
         effects=effects,
-        doubtful=unsettled,
+        doubtful=doubtful,
         uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
         unknown=unknown,
-        findings=_located(problem, calibrated, judged),
+        findings=_located(search.problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=replace(proved, missing=bool(proved.missing or unknown)),
@@ -115,9 +104,25 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         believed=choice.best,
         judged_by_parts=isinstance(search, ErrorSearch),
         choice_remarks=tuple(remarks_on(choice)),
-        linear=_linear_estimates(linear),
+        linear=_linear_estimates(search.linear),
         refining=tuple(choice.refining),
     )
+
+
+def _unrefined(choice: Choice) -> list[type[Effect]]:
+    """Effects of the believed model that may have a name."""
+    return [kind for kind in choice.best.fit.space.effects if kind not in choice.refining]
+
+
+def _beside_others(
+    measured: Gap, search: Search, proof: Problem, ranked: Sequence[Ranked], choice: Choice
+) -> Gap:
+    """Add to a gap what the best linear model leaves, and the best model that lacks one of the effects."""
+    linear, rival = search.linear, best_rival(ranked, choice.best)
+    error = held_out_nrmse(proof, residuals(proof, linear)) if linear.space.effects else measured.before
+    if rival is None:
+        return replace(measured, linear=error)
+    return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
 
 
 def _linear_estimates(linear: Fit) -> tuple[Estimate, ...]:
@@ -205,15 +210,13 @@ class _Naming:
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
 
     def settled(
-        self,
-        inside: Sequence[type[Effect]],
-        sure: set[type[Effect]],
-        doubtful: set[type[Effect]],
-        biases: Sequence[MissingEffect],
+        self, choice: Choice, biases: Sequence[MissingEffect]
     ) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
         """State effects: those that are named, offsets among them, and those of which one acts."""
+        inside = [kind for kind in _unrefined(choice) if not is_general(kind)]
+        sure = choice.sure - {StatedDamping}
         likely = [effect for kind in inside if kind in sure for effect in self.members(kind)]
-        doubted = [effect for kind in inside if kind in doubtful for effect in self.members(kind)]
+        doubted = [effect for kind in inside if kind in choice.doubtful for effect in self.members(kind)]
         unsure = [effect for effect in likely if effect.probability < SURE]
         probable = [effect for effect in likely if effect.probability >= SURE]
         return (*probable, *biases), (*unsure, *doubted)
@@ -221,16 +224,18 @@ class _Naming:
     def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
         """State an effect of the library, or the members of a composition.
 
-        Beside the first member of one another has a name only where it explains more than the whole leaves.
+        Where no model is exact, a special form, or a member beside the first one, has a name only if it
+        explains more than the whole leaves.
         """
         first, *others = self.missing(effect).by_member
-        if not others:
+        simple = effect.refines
+        if simple is None:
             return (first,)
         alone = self._error(self.search.simplified(self.best, effect))
         if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
             alone, self._error(self.best)
         ):
-            return (first,)
+            return (first if others or simple.label() == effect.label() else first.named_as(simple),)
         return (first, *(replace(member, error_without=alone) for member in others))
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:

@@ -48,13 +48,13 @@ def unexplained(
     proved: Gap,
     remaining: Sequence[Finding] | None,
     *,
-    named: bool,
+    is_named: bool,
     tried: str,
 ) -> Unknown | None:
     """Return an effect outside the library, or a remainder that is too large.
 
     `outside` holds terms of the best model that are no members of the library; `remaining` what the remainder
-    varies with, None where it is noise; `tried` says how well models do. Where effects would be `named` they
+    varies with, None where it is noise; `tried` says how well models do. Where effects have a name they
     must explain enough of every kind of held-out test, however small the remainder is.
     """
     problem = judged[0]
@@ -66,7 +66,7 @@ def unexplained(
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    if named:
+    if is_named:
         large = not explains_enough(proved)
     else:
         large = remaining is not None and _is_large(problem, best, proved)

@@ -102,14 +102,10 @@ class BlockDiagnosis:
 
     Attributes
     ----------
-    block : ObservedBlock
-        The block.
     problem, proof : Problem
         The block's data on the tests that are not held out, and on those that are.
     calibrated : Fit
         Calibration and offsets alone.
-    best : Fit
-        The model with the effects that are believed.
     ranked : tuple of Ranked
         All fitted models, the most probable first.
     effects : tuple of MissingEffect
@@ -151,11 +147,9 @@ class BlockDiagnosis:
         Sentences on parameters that the tests show in combination only, where the posterior was sampled.
     """
 
-    block: ObservedBlock
     problem: Problem
     proof: Problem
     calibrated: Fit
-    best: Fit
     ranked: tuple[Ranked, ...]
     effects: tuple[MissingEffect, ...]
     doubtful: tuple[MissingEffect, ...]
@@ -178,6 +172,16 @@ class BlockDiagnosis:
     inseparable: tuple[str, ...] = ()
 
     @property
+    def block(self) -> ObservedBlock:
+        """The block."""
+        return self.problem.block
+
+    @property
+    def best(self) -> Fit:
+        """The model with the effects that are believed."""
+        return self.believed.fit
+
+    @property
     def verdict(self) -> Verdict:
         """The answer for this block in one word.
 
@@ -196,10 +200,8 @@ class BlockDiagnosis:
         """Models to compare the believed one with, those of the smallest error on held-out tests first."""
         linear = {effect.label() for effect in self.block.linear}
         alike: dict[frozenset[str], list[Ranked]] = {}
-        known = (
-            self.ranked if any(row.fit is self.best for row in self.ranked) else (self.believed, *self.ranked)
-        )
-        for row in known:
+        is_ranked = any(row.fit is self.best for row in self.ranked)
+        for row in self.ranked if is_ranked else (self.believed, *self.ranked):
             alike.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
         rows = [
             replace(

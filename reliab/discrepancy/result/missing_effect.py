@@ -119,7 +119,7 @@ class MissingEffect:
     on_bounds : tuple of str
         Parameters that lie on a bound of their range, so that their values and deviations mean little.
     member : type of Effect, optional
-        Member of a composition as which it is reported.
+        Member of a composition, or simpler effect, as which it is reported.
     """
 
     effect: type[Effect]
@@ -154,6 +154,16 @@ class MissingEffect:
             )
             for member in members
         ) or (self,)
+
+    def named_as(self, member: type[Effect]) -> "MissingEffect":
+        """State a special form under the name of the effect that it refines, with the parameters of that."""
+        names = _names(member)
+        return replace(
+            self,
+            member=member,
+            estimates=tuple(estimate for estimate in self.estimates if estimate.name in names),
+            on_bounds=tuple(name for name in self.on_bounds if name in names),
+        )
 
     @property
     def parameter_texts(self) -> tuple[str, ...]:
