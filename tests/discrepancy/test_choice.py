@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.error_search import ErrorSearch
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming import choice
 from reliab.discrepancy.naming.choice import best_rival, choose, probability, remarks_on, sustained
 from reliab.discrepancy.result.block_diagnosis import Ranked
@@ -43,7 +44,7 @@ class Known(ErrorSearch):
 @pytest.fixture
 def chosen(monkeypatch):
     """Function that chooses among rows."""
-    monkeypatch.setattr(choice, "_change", lambda *_: 1.0)
+    monkeypatch.setattr(choice, "_is_silent", lambda *_: False)
     return lambda *rows: choose(Known(rows), rows, None)
 
 
@@ -74,7 +75,7 @@ def test_effect_that_changes_nothing_on_held_out_tests_has_no_name(chosen, witho
     found = chosen(
         row(HYSTERESIS, share=0.99, left_out=0.1, held_out=0.2), row(left_out=0.3, held_out=without)
     )
-    assert found.named == named
+    assert found.sure == named
     assert [kind for kind, *_ in found.unchanging] == ([] if named else [HYSTERESIS])
 
 
@@ -84,8 +85,51 @@ def test_effect_that_explains_less_than_is_left_refines_the_model_without_a_name
         both, row(HYSTERESIS, left_out=0.2, held_out=0.27), row(CUBIC, left_out=0.6, held_out=0.7), NONE
     )
     assert found.best is both
-    assert found.named == {HYSTERESIS}
+    assert found.sure == {HYSTERESIS}
     assert found.refining == {CUBIC: 0.27}
+
+
+@pytest.mark.parametrize(("share", "refining"), [(0.9, {}), (0.3, {CUBIC: 0.5})])
+def test_effect_without_which_other_models_explain_as_much_has_no_name(chosen, share, refining):
+    both = row(HYSTERESIS, CUBIC, share=share, left_out=0.1, held_out=0.20)
+    found = chosen(
+        both,
+        row(HYSTERESIS, POWER, share=1.0 - share, left_out=0.1, held_out=0.21),
+        row(HYSTERESIS, left_out=0.5, held_out=0.5),
+        row(CUBIC, left_out=0.6, held_out=0.7),
+        NONE,
+    )
+    assert found.best is both
+    assert found.refining == refining
+    assert all("other effects explain nearly as much" in text for text in remarks_on(found))
+
+
+class Noisy(Search):
+    """The same where noise judges."""
+
+    __init__, energy = Known.__init__, Known.energy
+
+
+@pytest.mark.parametrize(
+    ("search", "change", "rows", "silent"),
+    [
+        (Known, 0.19, 100, True),  # 4 % of the energy is 2 % of the error
+        (Known, 0.21, 100, False),
+        (Noisy, 0.21, 100, True),  # two standard errors are 4/10
+        (Noisy, 0.41, 100, False),
+        (Noisy, 0.21, 10_000, False),
+    ],
+)
+def test_fitted_tests_decide_where_held_out_ones_could_not_show_an_effect(
+    monkeypatch, search, change, rows, silent
+):
+    with_it, without = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
+    monkeypatch.setattr(choice, "residuals", lambda _, fit: {0: change * (fit is without.fit)})
+    monkeypatch.setattr(choice, "held_out_nrmse", lambda _, values: values[0])
+    proof = SimpleNamespace(rows=rows)
+    judged = search((with_it, without))
+    assert choice._is_silent(judged, with_it, without, proof) is silent  # noqa: SLF001
+    assert not choice._is_silent(judged, with_it, with_it, proof)  # noqa: SLF001 - nor do the fitted ones
 
 
 def test_terms_of_a_general_kind_must_be_a_fifth_better_than_effects_with_a_name(chosen):

@@ -150,6 +150,18 @@ def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_o
     assert calibration(fitted)[0].value == pytest.approx(0.99)
 
 
+def test_special_form_is_stated_as_the_simple_effect_with_its_parameters():
+    special = find_effect("degrading_hysteresis")
+    values = [Estimate(name=p.name, value=1.0, sd=0.1, units=p.units) for p in special.parameters]
+    effect = replace(missing(), effect=special, estimates=tuple(values), on_bounds=("slip", "gamma"))
+    simple = find_effect("hysteresis")
+    found = effect.named_as(simple)
+    assert found.name == "hysteresis"
+    assert found.to_dict()["member_of"] == "degrading_hysteresis"
+    assert [item.name for item in found.estimates] == [p.name for p in simple.parameters]
+    assert found.on_bounds == ("gamma",)
+
+
 def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
     posterior = sampled(sd=0.6, interval=(4.0, 6.0))
     effect = missing(value=5.0)

@@ -257,8 +257,9 @@ def structure_of(frequency, mass, *, alike):
         values=lambda _x: np.array([frequency, mass]), covariance_of_values=lambda _x, _c: covariance
     )
     found = object.__new__(BlockDiagnosis)
-    object.__setattr__(found, "block", block)
-    object.__setattr__(found, "best", SimpleNamespace(space=space, coordinates=None, covariance=None))
+    object.__setattr__(found, "problem", SimpleNamespace(block=block))
+    fit = SimpleNamespace(space=space, coordinates=None, covariance=None)
+    object.__setattr__(found, "believed", SimpleNamespace(fit=fit))
     sds = np.sqrt(np.diag(covariance))
     items = [
         Estimate(name=name, value=value, sd=float(sd), units="-", signed=True)
