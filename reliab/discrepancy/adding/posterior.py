@@ -45,7 +45,7 @@ _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
 _TOGETHER = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
 _POPULATION, _POPULATIONS = 300, 6  # draws that are simulated at once, and how often at most
-_LEAST_VARIANCE = 1e-12  # of a coordinate
+_LEAST_VARIANCE = 1e-3  # of a standard coordinate
 _WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
 
 ENOUGH = 100.0
@@ -268,45 +268,46 @@ def sample_posterior(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
         sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=_SEED), file=out)
-    coordinates, effective = surface.coordinates(sampled.spread_out(_DRAWS)), 0.0
+    drawn, effective = sampled.spread_out(_DRAWS), 0.0
     agreement = _agreement(problem, fitted, surface, sampled.spread_out(_CHECKED))
     if not (sampled.converged and agreement >= SMALLEST_AGREEMENT):
-        coordinates, effective = _simulated_draws(problem.sketch, fitted, coordinates)
+        drawn, effective = _simulated_draws(problem.sketch, fitted, surface)
     return Posterior(
         names=_names(fitted.space),
         units=tuple(parameter.units for parameter in fitted.space.parameters),
-        draws=_values(fitted.space, coordinates),
+        draws=_values(fitted.space, np.clip(surface.coordinates(drawn), *surface.bounds)),
         sample=sampled,
         agreement=agreement,
         effective=effective,
     )
 
 
-def _simulated_draws(problem: Problem, fitted: Fit, begin: Array) -> tuple[Array, float]:
-    """Draw coordinates by importance from what was drawn before; the effective number of draws, too."""
+def _simulated_draws(problem: Problem, fitted: Fit, surface: LikelihoodSurface) -> tuple[Array, float]:
+    """Draw standard coordinates by importance, from the normal approximation on; the effective number, too."""
     rng = np.random.default_rng(_SEED)
-    lower, upper = fitted.space.bounds
-    mean, covariance = begin.mean(axis=0), np.atleast_2d(np.cov(begin.T))
-    best = begin, 1.0
+    size = surface.centre.size
+    mean, covariance = np.zeros(size), np.eye(size)
+    drawn, most = rng.standard_normal((_DRAWS, size)), 1.0
     for _ in range(_POPULATIONS):
-        shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(mean.size)
+        shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
         student = stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng)
-        points = np.asarray(student.rvs(_POPULATION)).reshape(_POPULATION, mean.size)
-        points = points[((points >= lower) & (points <= upper)).all(axis=1)]
-        if len(points) < mean.size + 1:
+        points = np.asarray(student.rvs(_POPULATION)).reshape(_POPULATION, size)
+        coordinates = surface.coordinates(points)
+        inside = (coordinates == np.clip(coordinates, *surface.bounds)).all(axis=1)
+        points, coordinates = points[inside], coordinates[inside]
+        if len(points) <= size:
             break
-        logs = log_density(simulated(problem, fitted, points), points) - student.logpdf(points)
+        logs = log_density(simulated(problem, fitted, coordinates), coordinates) - student.logpdf(points)
         weights = np.exp(logs - logs.max())
         effective = float(weights.sum() ** 2 / (weights**2).sum())
-        if effective > best[1]:
-            chosen = rng.choice(len(points), _DRAWS, p=weights / weights.sum())
-            best = points[chosen], effective
+        if effective > most:
+            drawn, most = points[rng.choice(len(points), _DRAWS, p=weights / weights.sum())], effective
         if effective >= ENOUGH:
             break
         softer = np.sqrt(weights)
         mean = np.average(points, axis=0, weights=softer)
         covariance = np.atleast_2d(np.cov(points.T, aweights=softer))
-    return best
+    return drawn, most
 
 
 def _values(space: ModelSpace, coordinates: Array) -> Array:
@@ -326,8 +327,11 @@ def _names(space: ModelSpace) -> tuple[str, ...]:
 
 
 def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
-    """Effective share of draws under importance weights from surface to simulation."""
-    coordinates = surface.coordinates(drawn)
+    """Effective share of draws under importance weights from surface to simulation.
+
+    Walkers may have stayed where they started, beyond a bound: simulations on it do not confirm the surface.
+    """
+    coordinates = np.clip(surface.coordinates(drawn), *surface.bounds)
     exact = log_density(simulated(problem, fitted, coordinates), coordinates)
     ratios = exact - surface.log_posterior(drawn)
     weights = np.exp(ratios - ratios.max())

@@ -257,12 +257,12 @@ def _refining(
     if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
         return {}
     without = {kind: _without(search, ranked, best, kind, proof).held_out for kind in kinds}
-    main = max(without, key=lambda kind: without[kind])
+    likely = {kind: probability(ranked, kind) >= _LIKELY for kind in kinds}
+    main = max(without, key=lambda kind: (likely[kind], without[kind]))
     return {
         kind: error
         for kind, error in without.items()
-        if kind is not main
-        and (not explains_more_than_left(error, best.held_out) or probability(ranked, kind) < _LIKELY)
+        if kind is not main and not (likely[kind] and explains_more_than_left(error, best.held_out))
     }
 
 
