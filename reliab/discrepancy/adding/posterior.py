@@ -283,7 +283,7 @@ def sample_posterior(
 
 
 def _simulated_draws(problem: Problem, fitted: Fit, surface: LikelihoodSurface) -> tuple[Array, float]:
-    """Draw standard coordinates by importance, from the normal approximation on; the effective number, too."""
+    """Draw standard coordinates by importance, beginning at the normal approximation."""
     rng = np.random.default_rng(_SEED)
     size = surface.centre.size
     mean, covariance = np.zeros(size), np.eye(size)
