@@ -75,7 +75,7 @@ def _show(diagnosis: "Diagnosis") -> None:
         if block.unknown is not None:
             what = block.unknown.expression or block.unknown.description
             screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
-        if block.effects or block.doubtful or block.unknown is not None:
+        if len(block.candidates) > 1:
             _show_candidates(block)
     for remark in diagnosis.remarks:
         screen.print(remark)
@@ -118,7 +118,7 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
 
 def _show_candidates(block: "BlockDiagnosis") -> None:
     """Print the models that were tried with their errors on left-out parts of fitted tests and on others."""
-    shown = table(f"Models of the {block.block.block}, error over the signal's RMS", _CANDIDATES)
+    shown = table(f"Models of the {block.block.block} block, error over the signal's RMS", _CANDIDATES)
     for row in block.candidates:
         mark = "→ " if row.fit is block.best else ""
         name = mark + (" + ".join(row.names) or "calibration alone")

@@ -182,7 +182,8 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
         "Residuals on held-out data before and after the effects are added, and their size over all "
-        "held-out tests compared with that of the noise."
+        "held-out tests: of the calibrated model (before), the best linear one, the best rival that lacks "
+        "one of the effects, the model with the effects (after), and the noise, where they are known."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)
@@ -199,33 +200,33 @@ def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
         before=factor * before,
         after=factor * after,
         noise=None if noise is None else factor * noise,
-        errors=tuple(
-            e for e in (diagnosed.gap.before, diagnosed.gap.after, diagnosed.gap.floor) if e is not None
-        ),
+        errors=_errors(diagnosed),
     )
 
 
-def _meanings(diagnosed: BlockDiagnosis) -> dict[str, str]:
-    """Words for every parameter of a block's effects, of the library or not, by "effect.parameter"."""
-    space = diagnosed.best.space
-    return {
-        f"{effect.name}.{parameter.name}": parameter.meaning
-        for effect in (*space.block.offsets, *space.effects)
-        for parameter in effect.parameters
+def _errors(diagnosed: BlockDiagnosis) -> dict[str, float]:
+    """Errors on held-out tests of the models that are compared, and of the noise, where it is known."""
+    gap = diagnosed.gap
+    errors = {
+        "before": gap.before,
+        "linear": gap.linear if diagnosed.linear else None,
+        "rival": gap.rival,
+        "after": gap.after,
+        "noise": gap.floor,
     }
+    return {name: error for name, error in errors.items() if error is not None}
 
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
-    """Draw the posterior of the effects that are named in a block, None where none has parameters."""
+    """Draw the posterior of the effects that are named in a block, None where it has not converged."""
     diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
     effects = {str(effect.effect.name) for effect in diagnosed.effects}
     places = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in effects][
         :_MOST_PARAMETERS
     ]
-    if not places:
+    if not (places and posterior.converged):
         return None
-    meanings = _meanings(diagnosed)
-    names = [f"{meanings[posterior.names[k]]} [{posterior.units[k]}]" for k in places]
+    names = [f"{posterior.names[k].rpartition('.')[2]} [{posterior.units[k]}]" for k in places]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,
