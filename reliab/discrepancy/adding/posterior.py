@@ -6,7 +6,7 @@ effects enter linearly, which is fitted at points as far from the most probable 
 likelihood is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is
 good enough is checked with simulations at draws. Where it is not, as for a hysteresis that a few cycles show,
 draws are made anew by importance: from a distribution of Student that follows the weighted draws before it
-(population Monte Carlo, Cappé and others 2004, doi:10.1198/106186004X12803), each of them simulated.
+(Cornuet and others 2012, doi:10.1111/j.1467-9469.2011.00756.x), each of them simulated.
 """
 
 import warnings
@@ -44,7 +44,8 @@ _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
 _TOGETHER = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
-_POPULATION, _POPULATIONS = 300, 6  # draws that are simulated at once, and how often at most
+_POPULATION, _POPULATIONS = 300, 8  # draws that are simulated at once, and how often at most
+_GUIDING = 40.0  # effective number of draws around which the next ones are drawn
 _LEAST_VARIANCE = 1e-3  # of a standard coordinate
 _WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
 
@@ -283,31 +284,50 @@ def sample_posterior(
 
 
 def _simulated_draws(problem: Problem, fitted: Fit, surface: LikelihoodSurface) -> tuple[Array, float]:
-    """Draw standard coordinates by importance, beginning at the normal approximation."""
+    """Draw standard coordinates by importance, beginning at the normal approximation; the effective number.
+
+    Every population is drawn around the weighted draws before it, and all of them count as draws of one
+    mixture (adaptive multiple importance sampling).
+    """
     rng = np.random.default_rng(_SEED)
     size = surface.centre.size
     mean, covariance = np.zeros(size), np.eye(size)
-    drawn, most = rng.standard_normal((_DRAWS, size)), 1.0
+    points, logs = np.zeros((0, size)), np.zeros(0)
+    weights, mixture = np.zeros(0), []
     for _ in range(_POPULATIONS):
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
-        student = stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng)
-        points = np.asarray(student.rvs(_POPULATION)).reshape(_POPULATION, size)
-        coordinates = surface.coordinates(points)
+        mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
+        fresh = np.asarray(mixture[-1].rvs(_POPULATION)).reshape(_POPULATION, size)
+        coordinates = surface.coordinates(fresh)
         inside = (coordinates == np.clip(coordinates, *surface.bounds)).all(axis=1)
-        points, coordinates = points[inside], coordinates[inside]
+        simulations = simulated(problem, fitted, coordinates[inside]) if inside.any() else np.zeros((0, 1))
+        points = np.concatenate([points, fresh[inside]])
+        logs = np.concatenate([logs, log_density(simulations, coordinates[inside])])
         if len(points) <= size:
             break
-        logs = log_density(simulated(problem, fitted, coordinates), coordinates) - student.logpdf(points)
-        weights = np.exp(logs - logs.max())
-        effective = float(weights.sum() ** 2 / (weights**2).sum())
-        if effective > most:
-            drawn, most = points[rng.choice(len(points), _DRAWS, p=weights / weights.sum())], effective
-        if effective >= ENOUGH:
+        densities = np.logaddexp.reduce([each.logpdf(points) for each in mixture])
+        weights = _weights(logs - densities)
+        if _effective(weights) >= ENOUGH:
             break
-        softer = np.sqrt(weights)
+        softer = weights
+        while _effective(softer) < _GUIDING:
+            softer = np.sqrt(softer)
         mean = np.average(points, axis=0, weights=softer)
         covariance = np.atleast_2d(np.cov(points.T, aweights=softer))
-    return drawn, most
+    if not weights.size:
+        return rng.standard_normal((_DRAWS, size)), 1.0
+    return points[rng.choice(len(points), _DRAWS, p=weights)], _effective(weights)
+
+
+def _weights(logarithms: Array) -> Array:
+    """Weights that sum to one, of their logarithms."""
+    weights = np.exp(logarithms - logarithms.max())
+    return np.asarray(weights / weights.sum())
+
+
+def _effective(weights: Array) -> float:
+    """Effective number of weighted draws."""
+    return float(weights.sum() ** 2 / (weights**2).sum())
 
 
 def _values(space: ModelSpace, coordinates: Array) -> Array:
@@ -334,5 +354,4 @@ def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn:
     coordinates = np.clip(surface.coordinates(drawn), *surface.bounds)
     exact = log_density(simulated(problem, fitted, coordinates), coordinates)
     ratios = exact - surface.log_posterior(drawn)
-    weights = np.exp(ratios - ratios.max())
-    return float(weights.sum() ** 2 / (weights**2).sum() / len(drawn))
+    return _effective(_weights(ratios)) / len(drawn)

@@ -209,7 +209,8 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
 def linear_statement(name: str, block: BlockDiagnosis) -> str:
     """Say what the best linear model of a block is, whatever was stated, and what it leaves."""
     values = ", ".join(
-        f"{item.name.replace('_', ' ')} {item.value:.4g} {item.units}".replace(" -", " times the stated one")
+        f"{item.name.partition('_')[0]} {item.value:.4g} "
+        f"{'times the stated one' if item.units == '-' else item.units}"
         for item in block.linear
     )
     return (

@@ -283,7 +283,7 @@ def _parameters(diagnosis: Diagnosis) -> Table:
         for effect in (*diagnosed.effects, *diagnosed.doubtful):
             for estimate in effect.estimates:
                 shown = estimate.determined
-                low, high = (estimate.interval if shown else None) or (np.nan, np.nan)
+                low, high = estimate.interval or (np.nan, np.nan)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
                 mark += "" if shown else " (not determined)"
                 rows.append(
