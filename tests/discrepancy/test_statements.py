@@ -258,7 +258,7 @@ def structure_of(frequency, mass, *, alike):
         values=lambda _x: np.array([frequency, mass]), covariance_of_values=lambda _x, _c: covariance
     )
     found = object.__new__(BlockDiagnosis)
-    object.__setattr__(found, "problem", SimpleNamespace(block=block))
+    object.__setattr__(found, "problem", SimpleNamespace(block=block, flat=False))
     fit = SimpleNamespace(space=space, coordinates=None, covariance=None)
     object.__setattr__(found, "believed", SimpleNamespace(fit=fit))
     sds = np.sqrt(np.diag(covariance))

@@ -127,11 +127,11 @@ def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Findin
     """
     residual = problem.whitened(calibrated.space, calibrated.coordinates, noise)
     excess = max(float(residual @ residual) - residual.size, 1e-300)
-    basis, left = np.linalg.qr(calibrated.jacobian)[0], residual
+    basis, remainder = np.linalg.qr(calibrated.jacobian)[0], residual
     families = {family: _columns(problem, noise, family) for family in _FAMILIES}
     found: list[tuple[Array, str, str, float, float]] = []
     while families:
-        explained = {family: _explained(left, basis, columns) for family, columns in families.items()}
+        explained = {family: _explained(remainder, basis, columns) for family, columns in families.items()}
         family = max(explained, key=lambda one: float(np.sum(explained[one][0] ** 2)))
         rows, axes = explained[family]
         energy = float(rows @ rows)
@@ -139,12 +139,12 @@ def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Findin
         if p_value >= _SIGNIFICANT or energy < _LEAST_SHARE * excess:
             break
         found.append((rows, family.kind, family.sentence, energy / excess, p_value))
-        basis, left = np.concatenate([basis, axes], axis=1), left - rows
+        basis, remainder = np.concatenate([basis, axes], axis=1), remainder - rows
         del families[family]
-    rest = float(left @ left)
-    p_value = float(stats.chi2.sf(rest, left.size))
-    if rest - left.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
-        found.append((left, _REST, "no quantity of the motion explains the rest", 1.0, p_value))
+    rest = float(remainder @ remainder)
+    p_value = float(stats.chi2.sf(rest, remainder.size))
+    if rest - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
+        found.append((remainder, _REST, "no quantity of the motion explains the rest", 1.0, p_value))
     whole = 0.0
     findings = []
     for rows, kind, sentence, most, p in found:

@@ -292,13 +292,13 @@ def _is_silent(search: Search, best: Ranked, smaller: Ranked, proof: Problem) ->
     They do not reach a limit of the stroke, say, or what the effect does to their energy is less than twice
     its standard error, 2 d σ/√n for a difference d of the predictions. The fitted tests decide then.
     """
-    noise, shown = best.fit.noise, (1.0 + NO_CHANGE) ** 2
-    if search.energy(smaller.fit, noise) <= shown * search.energy(best.fit, noise):
+    noise, least = best.fit.noise, (1.0 + NO_CHANGE) ** 2
+    if search.energy(smaller.fit, noise) <= least * search.energy(best.fit, noise):
         return False
     scatter = 0.0 if isinstance(search, ErrorSearch) else (2.0 * _STANDARD_ERRORS) ** 2 / proof.rows
     missed, others = (residuals(proof, row.fit) for row in (best, smaller))
     change = held_out_nrmse(proof, {test: others[test] - values for test, values in missed.items()})
-    return (change / best.held_out) ** 2 < max(shown - 1.0, scatter)
+    return (change / best.held_out) ** 2 < max(least - 1.0, scatter)
 
 
 def _believed(

@@ -42,6 +42,7 @@ from reliab.discrepancy.result.missing_effect import (
     Estimate,
     MissingEffect,
     Rival,
+    Unknown,
     calibration,
     estimates,
     widened,
@@ -69,11 +70,9 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     restated = frozenset({StatedDamping}) & choice.sure  # a contradiction of what is stated, and no effect
     calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
     judged = _judged_by_noise(search.problem, best)
-    noise = is_noise(*judged)
-    structured = structured_share(*judged)
+    noise, structured = is_noise(*judged), structured_share(*judged)
     naming = _naming(search, ranked, best, proof, structured)
-    shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
-    biases = [shift for shift in shifts if shift.probability >= SURE]
+    biases, uncertain = naming.offsets()
     before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
     held_out = gap(proof, before, after, noise_like_tests(proof, judged[1]))
@@ -82,8 +81,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     effects, doubtful = naming.settled(choice, biases)
     is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
     remaining = None if noise else _located(search.problem, best, judged)
-    general = [kind for kind in _unrefined(choice) if issubclass(kind, GeneralTerm)]
-    unknown = unexplained(judged, best, general, proved, remaining, is_named=is_named, tried=_tried(ranked))
+    unknown = _unknown(choice, ranked, judged, proved, remaining, is_named=is_named)
     return BlockDiagnosis(
         problem=search.problem,
         proof=proof,
@@ -91,7 +89,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         ranked=ranked,
         effects=effects,
         doubtful=doubtful,
-        uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
+        uncertain_offsets=uncertain,
         unknown=unknown,
         findings=_located(search.problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
@@ -102,7 +100,6 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibration=calibration(best, restated=bool(restated)),
         further=expected_error(_as_recorded(search, best)),
         believed=choice.best,
-        judged_by_parts=isinstance(search, ErrorSearch),
         choice_remarks=tuple(remarks_on(choice)),
         linear=_linear_estimates(search.linear),
         refining=tuple(choice.refining),
@@ -112,6 +109,21 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
 def _unrefined(choice: Choice) -> list[type[Effect]]:
     """Effects of the believed model that may have a name."""
     return [kind for kind in choice.best.fit.space.effects if kind not in choice.refining]
+
+
+def _unknown(
+    choice: Choice,
+    ranked: Sequence[Ranked],
+    judged: tuple[Problem, Fit],
+    proved: Gap,
+    remaining: Sequence[Finding] | None,
+    *,
+    is_named: bool,
+) -> Unknown | None:
+    """State what no effect of the library explains: terms that do not only refine a model, or a remainder."""
+    terms = [kind for kind in _unrefined(choice) if issubclass(kind, GeneralTerm)]
+    best, tried = choice.best.fit, _tried(ranked)
+    return unexplained(judged, best, terms, proved, remaining, is_named=is_named, tried=tried)
 
 
 def _beside_others(
@@ -237,6 +249,13 @@ class _Naming:
         ):
             return (first if others or simple.label() == effect.label() else first.named_as(simple),)
         return (first, *(replace(member, error_without=alone) for member in others))
+
+    def offsets(self) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
+        """State offsets: those that are named, and those in whose place another effect may stand."""
+        search, best = self.search, self.best
+        shifts = [self.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
+        sure = tuple(shift for shift in shifts if shift.probability >= SURE)
+        return sure, tuple(shift for shift in shifts if shift not in sure)
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""

@@ -133,8 +133,6 @@ class BlockDiagnosis:
         Error to expect on a further test, None from too few tests.
     believed : Ranked
         The best model in the ranking.
-    judged_by_parts : bool, optional
-        Whether models were chosen by their errors on left-out parts, since the best one leaves no noise.
     choice_remarks : tuple of str, optional
         Sentences on models that held-out tests contradict, and on effects that change nothing there.
     linear : tuple of Estimate, optional
@@ -164,7 +162,6 @@ class BlockDiagnosis:
     calibration: tuple[Estimate, ...]
     further: FurtherError | None
     believed: Ranked
-    judged_by_parts: bool = False
     choice_remarks: tuple[str, ...] = ()
     linear: tuple[Estimate, ...] = ()
     refining: tuple[type[Effect], ...] = ()
@@ -175,6 +172,11 @@ class BlockDiagnosis:
     def block(self) -> ObservedBlock:
         """The block."""
         return self.problem.block
+
+    @property
+    def judged_by_parts(self) -> bool:
+        """Whether models were chosen by their errors on left-out parts: the best one leaves no noise."""
+        return self.problem.flat
 
     @property
     def best(self) -> Fit:

@@ -68,8 +68,8 @@ def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDAr
 
 def _test_in_words(diagnosed: BlockDiagnosis, file: str) -> str:
     """Name the test that a figure shows whole, and what of it is held out."""
-    part = diagnosed.held_out.partition(" of ")[0]
-    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, {part} held out"
+    third = diagnosed.held_out.partition(" of ")[0]
+    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, {third} held out"
 
 
 def _noise(diagnosed: BlockDiagnosis) -> float | None:

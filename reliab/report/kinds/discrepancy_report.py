@@ -282,17 +282,17 @@ def _parameters(diagnosis: Diagnosis) -> Table:
     for diagnosed in diagnosis.blocks:
         for effect in (*diagnosed.effects, *diagnosed.doubtful):
             for estimate in effect.estimates:
-                shown = estimate.determined
+                determined = estimate.determined
                 low, high = estimate.interval or (np.nan, np.nan)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
-                mark += "" if shown else " (not determined)"
+                mark += "" if determined else " (not determined)"
                 rows.append(
                     {
                         "effect": spelled_out(effect.name),
                         "probability": effect.probability,
                         "parameter": f"{estimate.name} [{estimate.units}]{mark}",
-                        "value": estimate.value if shown else np.nan,
-                        "sd": estimate.sd if shown else np.nan,
+                        "value": estimate.value if determined else np.nan,
+                        "sd": estimate.sd if determined else np.nan,
                         "low": low,
                         "high": high,
                     }
