@@ -8,17 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
-from reliab.criterion.methods import METHODS, method_of
-from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
-from reliab.effects import find_effect, library
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.core.registry import read_entry_points
+from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.methods.registry import METHODS, method_of
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import diagnose
+from reliab.effects.registry import find_effect, library
+from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
-from reliab.registry import read_entry_points
 from reliab.report.wording import meaning_of_confidence
-from reliab.simulation.compensators import compensators
-from reliab.structures import Specimen
+from reliab.simulation.compensators.registry import compensators
+from reliab.structures.specimen import Specimen
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.effects.bouc_wen import require_followed
 from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.vocabulary import Block
 
 _LARGEST_PART = 0.1  # of the yield displacement, or of the time in which the second dashpot gives way
 _MOST_PARTS = 100

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from reliab.core.registry import Registry
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
 from reliab.effects.coulomb_friction import CoulombFriction
@@ -15,7 +16,7 @@ from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.first_order_lag import FirstOrderLag
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.gap import Gap
-from reliab.effects.general import general_term
+from reliab.effects.general.general_terms import general_term
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.hysteresis_with_play import HysteresisWithPlay
 from reliab.effects.integration_error import IntegrationError
@@ -34,7 +35,6 @@ from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
 from reliab.effects.viscoelastic_branch import TwoViscoelasticBranches, ViscoelasticBranch
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.registry import Registry
 
 ENTRY_POINT_GROUP = "reliab.effects"
 """Group under which other packages register classes derived from `Effect`."""

@@ -7,10 +7,10 @@ Maxwell model, after Ferry (1980), *Viscoelastic properties of polymers*, chapte
 import math
 from dataclasses import dataclass, replace
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.vocabulary import Block
 
 
 def _branch(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:

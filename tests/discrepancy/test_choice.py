@@ -5,13 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming import choice
 from reliab.discrepancy.naming.choice import best_rival, choose, probability, remarks_on, sustained
 from reliab.discrepancy.result.block_diagnosis import Ranked
-from reliab.effects import find_effect, general_terms
-from reliab.vocabulary import Block
+from reliab.effects.general.general_terms import general_terms
+from reliab.effects.registry import find_effect
 
 HYSTERESIS, POWER = find_effect("hysteresis"), find_effect("power_law_damping")
 CUBIC, DEGRADING = find_effect("cubic_stiffness"), find_effect("degrading_hysteresis")

@@ -6,12 +6,13 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import find_effect, general_terms
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.general.general_terms import general_terms
+from reliab.effects.registry import find_effect
 
 CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")
 TERM = general_terms(Block.SPECIMEN)[0]

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reliab.effects import Setting, find_effect
-from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Specimen
+from reliab.effects.effect import Setting
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load
+from reliab.structures.specimen import Specimen
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)

@@ -9,15 +9,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Effect
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.effect import Effect
 
 WORTH = 0.1
 """Share of the error's energy on left-out parts, a twentieth of its RMS, that further effects must remove."""

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Effect, is_general
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
 
 COST = 4.0
 """Logarithm of the prior odds against one more effect."""

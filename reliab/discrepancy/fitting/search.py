@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.acting import LIMITS, acts, exceeds_rounding, takes_over_delay
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
@@ -16,9 +16,11 @@ from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Effect, is_general, library
-from reliab.signals import NoiseModel
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
+from reliab.effects.registry import library
+from reliab.signals.noise import NoiseModel
 
 LEAST_SHARE = 0.01
 """Share of the gap's energy that an effect must close to be named beside others.

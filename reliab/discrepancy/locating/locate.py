@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.renamed import renamed_method
-from reliab.signals import NoiseModel
-from reliab.significant import significant
-from reliab.simulation.hybrid_test import Motion3
-from reliab.vocabulary import MILLI
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _SIGNIFICANT = 1e-4
 _LEAST_SHARE = 0.02  # of the residual's power above the noise, of a finding

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut, errors_of_parts
@@ -15,9 +16,10 @@ from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.proof import held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import Ranked
-from reliab.discrepancy.terms import ClockOffset, StatedDamping
-from reliab.effects import Effect, is_general
-from reliab.significant import percent
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
 
 NO_CHANGE = 0.02
 """Change of the error on held-out tests, over the error, below which an effect changes nothing."""

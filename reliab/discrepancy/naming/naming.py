@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import counted, percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
@@ -47,9 +48,11 @@ from reliab.discrepancy.result.missing_effect import (
     estimates,
     widened,
 )
-from reliab.discrepancy.terms import StatedDamping
-from reliab.effects import Effect, GeneralTerm, StrokeSaturation, ViscousDamping, is_general
-from reliab.significant import counted, percent
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import GeneralTerm, is_general
+from reliab.effects.stroke_saturation import StrokeSaturation
+from reliab.effects.viscous_damping import ViscousDamping
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""

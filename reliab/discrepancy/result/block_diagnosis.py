@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import held_out_in_words
 from reliab.discrepancy.fitting.fit import Fit
@@ -16,7 +16,7 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
-from reliab.effects import Effect
+from reliab.effects.effect import Effect
 from reliab.renamed import renamed_method
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong

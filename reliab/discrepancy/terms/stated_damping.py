@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-from reliab.effects import Effect, Role, ViscousDamping
-from reliab.physical_range import RANGES
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.vocabulary import Block
+from reliab.core.physical_range import RANGES
+from reliab.core.vocabulary import Block
+from reliab.effects.effect import Effect, Role
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.simulation.hybrid_test.model import HybridTest
 
 _LEAST = RANGES["damping ratio"].lowest  # a structure has some
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, Final
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Effect, Parameter, Role
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.monomial import monomial
 from reliab.effects.general.periodic import DISTURBANCES
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 _TERMS: Final[Mapping[Role, tuple[dict[str, Any], ...]]] = {
     Role.FORCE: (

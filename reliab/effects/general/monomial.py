@@ -6,11 +6,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.core.compiled import compiled
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, Setting
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 _SYMBOLS = ("t", "x", "|x|", "v", "|v|")
 _UNITS = {

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _wave(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
