@@ -1,6 +1,9 @@
 """One new law, method, effect, format, compensator or kind of study is one file and one entry point."""
 
+import re
 import sys
+import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +12,14 @@ from reliab.core.errors import InputError
 from reliab.core.registry import read_entry_points
 from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
 from reliab.criterion.methods.registry import METHODS, method_of
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import diagnose
 from reliab.effects.registry import find_effect, library
 from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
 from reliab.report.wording import meaning_of_confidence
 from reliab.simulation.compensators.registry import compensators
+from reliab.structures.specimen import Specimen
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
 
@@ -126,10 +132,9 @@ def forget() -> None:
 def plugin(tmp_path, monkeypatch):
     """Return what installs one addition as a package of one file."""
 
-    def install(thing: str) -> None:
-        group, item, text = ADDITIONS[thing]
-        lines = [line.removeprefix(" " * 8) for line in text.splitlines()]
-        (tmp_path / f"plugin_{thing}.py").write_text("\n".join(lines), encoding="utf-8")
+    def install(thing: str, addition: tuple[str, str, str] | None = None) -> None:
+        group, item, text = addition or ADDITIONS[thing]
+        (tmp_path / f"plugin_{thing}.py").write_text(textwrap.dedent(text), encoding="utf-8")
         about = tmp_path / f"plugin_{thing}-1.dist-info"
         about.mkdir()
         (about / "METADATA").write_text(f"Name: plugin_{thing}\nVersion: 1\n", encoding="utf-8")
@@ -140,7 +145,7 @@ def plugin(tmp_path, monkeypatch):
 
     monkeypatch.syspath_prepend(tmp_path)
     yield install
-    for thing in ADDITIONS:
+    for thing in (*ADDITIONS, "guide"):
         sys.modules.pop(f"plugin_{thing}", None)
     forget()
 
@@ -163,6 +168,31 @@ def test_effect_and_compensator_are_known_by_name(plugin):
     plugin("compensator")
     assert find_effect("thermal_bias").__name__ == "Thermal"
     assert compensators().find("twin").__name__ == "Twin"
+
+
+def test_effect_of_the_guide_is_named_with_its_parameters(plugin):
+    """The module as the page prints it; the tests are computed here, f = 40 N at w = 4 mm beside a spring."""
+    page = (Path(__file__).parents[1] / "reports/site/guides/plugins.md").read_text(encoding="utf-8")
+    (module,) = re.findall(r"```python\n# magnetic_centring\.py\n(.*?)```", page, flags=re.DOTALL)
+    plugin("guide", ("reliab.effects", "MagneticCentring", module))
+    rng, tests = np.random.default_rng(3), []
+    t = np.arange(0.0, 12.0, 1.0 / 128.0)
+    for k in range(3):
+        waves = [np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 1.5, 5)]
+        x = 0.005 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1])
+        force = 8e3 * x + 40.0 * x / 0.004 * np.exp(0.5 - 0.5 * (x / 0.004) ** 2)
+        force += 0.5 * rng.standard_normal(t.size)
+        channels = {Channel.MEASURED: x, Channel.FORCE: force}
+        tests.append(MeasuredTest(file=f"{k}.csv", motion="waves", held_out=k == 2, channels=channels))
+    specimen = Specimen(stiffness=8e3)
+    campaign = Campaign(
+        name="", structure=None, mass=1.0, actuator=None, specimen=specimen, rate=128.0, tests=tuple(tests)
+    )
+    (effect,) = diagnose(campaign).effects
+    assert effect.name == "magnetic_centring"
+    for estimate, truth in zip(effect.estimates, (40.0, 0.004), strict=True):
+        assert estimate.value == pytest.approx(truth, abs=4.0 * estimate.sd)
+        assert estimate.sd < 0.1 * truth
 
 
 def test_format_is_read_from_a_folder(plugin, tmp_path):

@@ -77,18 +77,20 @@ def require_drawable(recording: Recording, structure: Partition) -> None:
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
 
 
-def require_plausible(recording: Recording, *, stiffness: float | None = None, linear: bool = False) -> None:
+def require_plausible(
+    recording: Recording, *, stiffness: float | None = None, linear: bool = False, fitted: bool = False
+) -> None:
     """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
 
     `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined;
-    `linear`: whether the specimen is taken as linear.
+    `linear`: whether the specimen is taken as linear; `fitted`: whether its stiffness is fitted.
     """
     clean, *_ = without_spikes(recording)
     _require_following(clean)
     if clean.force is not None:
         step, where = clean.time_step, clean.name
         require_restoring_force(
-            clean.measured, clean.force, step, stiffness=stiffness, linear=linear, where=where
+            clean.measured, clean.force, step, stiffness=stiffness, linear=linear, fitted=fitted, where=where
         )
         require_order(clean.command, clean.measured, clean.force, step, where)
 

@@ -38,6 +38,7 @@ _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elasti
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
 _MOST_STEPS = 3  # per term; collinear terms could take turns for ever
 _STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
+_FITTED = (0.01, 100.0)  # the same where what is stated is a first value only
 _STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
 _AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
@@ -60,13 +61,15 @@ def require_restoring_force(
     *,
     stiffness: float | None = None,
     linear: bool = False,
+    fitted: bool = False,
     where: str = "",
 ) -> None:
     """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
 
     `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
     stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether the specimen
-    is taken as linear; `where`: what the test is called.
+    is taken as linear; `fitted`: whether its stiffness is fitted, so that the unit alone counts; `where`:
+    what the test is called.
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
@@ -106,7 +109,7 @@ def require_restoring_force(
             where=where,
         )
     if stiffness:
-        _require_unit(measured, force, kernel, stiffness, where, linear=linear)
+        _require_unit(measured, force, kernel, stiffness, where, linear=linear, fitted=fitted)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -265,7 +268,14 @@ def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SP
 
 
 def _require_unit(
-    measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str, *, linear: bool
+    measured: Array,
+    force: Array,
+    kernel: Kernel,
+    stiffness: float,
+    where: str,
+    *,
+    linear: bool,
+    fitted: bool,
 ) -> None:
     slope = _stiffness(measured, force, kernel, _STRAIGHT)
     straight, slope = slope is not None, slope or _stiffness(measured, force, kernel)
@@ -274,7 +284,8 @@ def _require_unit(
     ratio = slope / stiffness
     # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
     exact = straight and not linear and bool(unit_like(ratio, tolerance=_SAME_UNIT))
-    least, most = _OF_LINEAR if exact or (straight and linear) else _STIFFNESSES
+    of_unknown = _FITTED if fitted else _STIFFNESSES
+    least, most = _OF_LINEAR if exact or (straight and linear) else of_unknown
     if not least <= ratio <= most:
         raise other_unit_of_force(ratio, where)
 

@@ -22,15 +22,16 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.clocks import fit_beside_clocks, fitted_with_clock
+from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import BESIDE, Search
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
-from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, smoothed_motion
 from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel
@@ -45,7 +46,7 @@ _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz
 _FINEST = 0.1  # Hz
 _SLIGHT = 0.0015  # s
-_STATED = "stiffness"  # of the specimen, calibrated within its bounds
+_STIFFNESS = "stiffness"  # of the specimen, calibrated within its bounds
 
 
 def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) -> Diagnosis:
@@ -169,12 +170,23 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
 
 
 def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
-    """Motion of the piston in every test, as the actuator's best model gives it."""
+    """Motion of the piston in every test: the actuator's best model, and what the sensor saw beside it.
+
+    What the model leaves beyond noise is motion of the piston, of which the specimen must not be blamed.
+    """
     block, best = actuator.block, actuator.best
     if not isinstance(block, ActuatorBlock):
         raise TypeError
     model = best.space.model(best.coordinates)
-    return [block.piston(model, test) for test in range(len(block.tests))]
+    pistons = [block.piston(model, test) for test in range(len(block.tests))]
+    if actuator.leaves_noise:
+        return pistons
+    missed = [block.measured(test) - block.predict(model, test) for test in range(len(block.tests))]
+    step, highest = 1.0 / block.rate, block.highest_signal
+    return [
+        Motion3(values=piston.values + smoothed_motion(error, step, highest).values, step=piston.step)
+        for piston, error in zip(pistons, missed, strict=True)
+    ]
 
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
@@ -189,14 +201,14 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     if isinstance(block, BalanceBlock) and _samples(searched.best):
         searched = _where_informed(block, campaign, searched)
     advance()
-    searched = _judged(searched)
-    if isinstance(block, SpecimenBlock | LoopBlock) and _beyond_what_is_stated(searched):
-        searched = _with_open_stiffness(block, campaign, searched)
-    searched = _refined(searched)
+    searched = _judged(searched, campaign)
+    if _beyond_what_is_stated(searched):
+        searched = _with_open_stiffness(searched, campaign)
     advance()
-    finally_judged = _judged(searched)  # refinement may have uncovered an error of the model
-    if finally_judged is not searched:
-        searched = _refined(finally_judged)
+    if not isinstance(searched, ErrorSearch):
+        searched = _judged(
+            _refined(searched), campaign
+        )  # refinement may have uncovered an error of the model
     advance()
     searched.sharpen()
     fit_beside_clocks(searched)
@@ -225,22 +237,28 @@ def _searched(search: Search) -> Search:
 
 def _beyond_what_is_stated(search: Search) -> bool:
     """Whether the calibrated stiffness lies on a bound, within which a stated one is taken to be."""
-    return _STATED in search.null.space.on_bounds(search.null.coordinates)
+    return _STIFFNESS in search.null.space.on_bounds(search.null.coordinates)
 
 
-def _judged(search: Search) -> Search:
-    """Judge models by their errors where the best one leaves an error, else by noise as before.
+def _judged(search: Search, campaign: Campaign) -> Search:
+    """Judge models by left-out parts where the best one leaves an error, else by noise as before.
 
-    What an offset of the clocks beside the model would explain is no error of it.
+    What an offset of the clocks beside the model would explain is no error of it. Nothing that is stated of a
+    specimen counts then: any part of it may be made up for by what the model lacks.
     """
-    if search.problem.flat:
+    if isinstance(search, ErrorSearch):
         return search
     fit_beside_clocks(search)
     late = fitted_with_clock(search, search.best)
     likely = [search.best] if late is None else [search.best, late]
     if not all(is_model_error(search.problem, fitted) for fitted in likely):
         return search
-    return search.tempered()
+    problem = search.problem
+    if isinstance(problem.block, SpecimenBlock):
+        problem = _problem(problem.block.with_open_stiffness(), campaign, campaign.training)
+    judged = ErrorSearch(problem)
+    judged.whole()
+    return judged
 
 
 def _refined(search: Search) -> Search:
@@ -259,23 +277,22 @@ def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stret
     return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, every))
 
 
-def _with_open_stiffness(block: SpecimenBlock | LoopBlock, campaign: Campaign, stated: Search) -> Search:
-    """Search with a stiffness that may have any value.
-
-    It is believed where fewer parameters say more with it, or where left-out tests are predicted far better.
+def _with_open_stiffness(stated: Search, campaign: Campaign) -> Search:
+    """Search with a stiffness that may have any value; believed where fewer parameters say more with it.
 
     A stiffness that is stated wrongly, or a force in another unit, would otherwise be taken for an effect
     that happens to bring the missing stiffness.
     """
+    block = stated.problem.block
+    if not isinstance(block, SpecimenBlock | LoopBlock):
+        return stated
     search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
     if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated.null, stated):
         return stated
-    opened = _judged(_searched(search))
+    opened = _judged(_searched(search), campaign)
     best, former = opened.best, stated.best
-    if opened.error(best).at_most(1.0 - BESIDE, stated.error(former)):
-        return opened
-    alike = opened.problem.flat is stated.problem.flat
-    better = opened.score(best) > stated.score(former) if alike else stated.problem.flat
+    alike = isinstance(opened, ErrorSearch) is isinstance(stated, ErrorSearch)
+    better = opened.score(best) > stated.score(former) if alike else isinstance(stated, ErrorSearch)
     return opened if better and best.space.size < former.space.size else stated
 
 

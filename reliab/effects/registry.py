@@ -9,15 +9,18 @@ from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
 from reliab.effects.degrading_hysteresis import DegradingHysteresis
 from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.directional_delay import DirectionalDelay
 from reliab.effects.directional_friction import DirectionalFriction
 from reliab.effects.effect import Effect
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.first_order_lag import FirstOrderLag
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.gap import Gap
+from reliab.effects.general.general_terms import general_term
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.hysteresis_with_play import HysteresisWithPlay
 from reliab.effects.integration_error import IntegrationError
+from reliab.effects.magnetorheological_damper import MagnetorheologicalDamper
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
 from reliab.effects.quadratic_stiffness import QuadraticStiffness
@@ -27,8 +30,10 @@ from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
+from reliab.effects.softening import Damage, Softening
 from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
+from reliab.effects.viscoelastic_branch import TwoViscoelasticBranches, ViscoelasticBranch
 from reliab.effects.viscous_damping import ViscousDamping
 
 ENTRY_POINT_GROUP = "reliab.effects"
@@ -39,6 +44,7 @@ _SHIPPED: tuple[type[Effect], ...] = (
     FirstOrderLag,
     SecondOrderDynamics,
     DelayDrift,
+    DirectionalDelay,
     RateLimit,
     Backlash,
     StrokeSaturation,
@@ -57,6 +63,11 @@ _SHIPPED: tuple[type[Effect], ...] = (
     Hysteresis,
     DegradingHysteresis,
     HysteresisWithPlay,
+    MagnetorheologicalDamper,
+    ViscoelasticBranch,
+    TwoViscoelasticBranches,
+    Softening,
+    Damage,
     AddedMass,
     Gap,
     ExcitationScale,
@@ -84,11 +95,11 @@ def library() -> Registry[type[Effect]]:
 
 
 def find_effect(name: str) -> type[Any]:  # a class derived from `Effect` with parameters of its own
-    """Return the effect of a name.
+    """Return the effect of a name, in the library or of a general kind.
 
     `name`: name as in files and reports. Returns the class of the effect. Raises InputError if there is none.
 
     >>> find_effect("backlash").__name__
     'Backlash'
     """
-    return _LIBRARY.find(name)
+    return general_term(name) or _LIBRARY.find(name)

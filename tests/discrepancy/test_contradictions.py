@@ -13,6 +13,7 @@ from reliab.discrepancy.campaign.contradictions import _crossed, require_consist
 from reliab.discrepancy.campaign.reading import read_campaign, read_channels
 from reliab.discrepancy.diagnose import diagnose
 from reliab.recordings.recording import StatedChannels
+from reliab.structures.specimen import Specimen
 
 RIGS = {name: read_campaign(name) for name in ("rig_a", "rig_b", "rig_c")}
 FORCE, GROUND, COMMAND, MEASURED = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED
@@ -72,6 +73,19 @@ def test_a_blunder_in_every_run_is_refused_as_in_an_assessment(name, channel, fa
     with pytest.raises(InputError, match=rule) as refused:
         diagnose(spoiled(RIGS[name], channel, factor))
     assert refused.value.where == RIGS[name].tests[0].file
+
+
+@pytest.mark.parametrize("times", [1.0, 0.06, 12.0, 28.0])
+def test_no_specimen_is_refused_for_another_stiffness_than_the_stated_one(times):
+    """The stiffness is fitted: what is stated of it is a first value, and no unit has these ratios."""
+    moved = 1e-3 * np.sin(np.linspace(0.0, 60.0, 3000)) * np.linspace(0.5, 1.0, 3000)
+    force = 1e3 * (moved + 0.1 * np.gradient(moved))
+    channels = {MEASURED: moved, FORCE: force}
+    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels=channels)
+    stated = replace(
+        RIGS["rig_a"], structure=None, specimen=Specimen(stiffness=1e3 / times), tests=(test, test)
+    )
+    assert require_consistent(stated) == ()
 
 
 @pytest.mark.default_cases(3)

@@ -6,7 +6,7 @@ from discrepancy.test_specimen_forms import STIFFNESS, written
 
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
-from reliab.discrepancy.terms.outside_terms import ElasticStops
+from reliab.effects.general.general_terms import ElasticStops
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
 from reliab.structures.specimen import Specimen

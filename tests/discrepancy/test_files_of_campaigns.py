@@ -1,6 +1,7 @@
 """A campaign is the same whatever layouts the files have that its campaign.toml names."""
 
 import shutil
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -10,7 +11,7 @@ from nptdms import ChannelObject, TdmsWriter
 from scipy.io import netcdf_file, savemat
 
 from reliab.core.shipped import shipped
-from reliab.discrepancy.campaign.campaign import MeasuredTest, held_out_in_words
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest, held_out_in_words
 from reliab.discrepancy.campaign.reading import read_campaign
 
 RIG = shipped("datasets", "campaigns") / "rig_a"
@@ -78,7 +79,14 @@ def test_a_campaign_of_other_files_is_the_same(tmp_path, write, ending):
             np.testing.assert_allclose(values, expected.channels[name], rtol=1e-12, atol=1e-15)
 
 
-def test_end_of_the_only_test_is_not_called_a_test():
-    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels={})
-    assert held_out_in_words([test], ["a.csv"]) == "last third of a.csv"
+@pytest.mark.parametrize(("growth", "part", "begin"), [(0.0, "last", 600), (1.0, "middle", 300)])
+def test_third_of_the_only_test_that_moves_no_further_than_the_others_is_held_out(growth, part, begin):
+    time = np.arange(900) / 900.0
+    moved = (1.0 + growth * time) * np.sin(60.0 * time)
+    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels={Channel.MEASURED: moved})
+    campaign = replace(read_campaign("rig_a"), tests=(test,))
+    (proof,) = campaign.proof
+    assert (proof.begin, proof.end) == (begin, begin + 300)
+    assert sum(stretch.end - stretch.begin for stretch in campaign.training) == 600
+    assert campaign.held_out == f"{part} third of a.csv"
     assert held_out_in_words([test, test], ["b.csv", "c.csv"]) == "b.csv, c.csv"

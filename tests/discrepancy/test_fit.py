@@ -18,8 +18,8 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
 from reliab.discrepancy.terms.clock_offset import ClockOffset
-from reliab.discrepancy.terms.outside_terms import ElasticStops, SoftenedSpring, outside_terms
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
+from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
@@ -125,7 +125,7 @@ def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
 
 
 LIBRARY: list[type[Effect]] = [
-    *library().values(), *outside_terms(Block.SPECIMEN), SoftenedSpring, ElasticStops
+    *library().values(), *general_terms(Block.SPECIMEN)
 ]  # fmt: skip
 FORCES = [
     kind for kind in LIBRARY

@@ -7,7 +7,14 @@ import pytest
 from scipy import stats
 
 from reliab.core.errors import InputError
-from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, LikelihoodSurface, sample_posterior
+from reliab.discrepancy.adding.posterior import (
+    ENOUGH,
+    SMALLEST_AGREEMENT,
+    LikelihoodSurface,
+    _agreement,
+    _simulated_draws,
+    sample_posterior,
+)
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit
@@ -167,10 +174,55 @@ def test_a_surface_that_does_not_hold_is_seen(rubbing):
     assert sample_posterior(problem, careless).agreement < 0.95
 
 
+def test_draws_beyond_a_bound_are_not_simulated_and_do_not_confirm_a_surface(damped):
+    problem, fitted, _ = damped
+    lower, upper = fitted.space.bounds
+    near = fitted.coordinates[2] + 2.0 * np.sqrt(fitted.covariance[2, 2])
+    surface = replace(
+        LikelihoodSurface.around(problem, fitted), bounds=(lower, np.minimum(upper, [np.inf, np.inf, near]))
+    )
+    inside, beyond = 0.01 * np.ones((8, 3)), np.linalg.solve(surface.axes, [0.0, 0.0, 50.0])
+    assert _agreement(problem, fitted, surface, inside) > 0.99
+    assert _agreement(problem, fitted, surface, np.vstack([inside, beyond])) < 0.2
+
+
 def test_a_surface_that_is_not_trusted_has_not_converged(damped):
     doubtful = replace(damped[2], agreement=0.9 * SMALLEST_AGREEMENT)
     assert not doubtful.converged
     assert doubtful.statement.startswith("Not converged")
+
+
+@pytest.mark.parametrize(("wider", "shifted"), [(3.0, 1.0), (0.4, 0.5), (1.0, 2.0)])
+def test_draws_by_importance_find_the_posterior_from_a_poor_beginning(damped, wider, shifted):
+    """The posterior is that of least squares; the normal approximation stands apart and has another width."""
+    problem, fitted, _ = damped
+    sd = np.sqrt(np.diag(fitted.covariance))
+    slope = fitted.jacobian.T @ fitted.residual + fitted.coordinates
+    mode = fitted.coordinates - fitted.covariance @ slope
+    surface = LikelihoodSurface.around(problem, fitted)
+    poor = replace(surface, centre=surface.centre + shifted * sd, axes=wider * surface.axes)
+    standard, effective = _simulated_draws(problem, fitted, poor)
+    drawn = poor.coordinates(standard)
+    assert effective >= ENOUGH
+    np.testing.assert_allclose((drawn.mean(axis=0) - mode) / sd, 0.0, atol=4.0 / np.sqrt(effective))
+    np.testing.assert_allclose(drawn.std(axis=0) / sd, 1.0, atol=4.0 / np.sqrt(2.0 * effective))
+
+
+@pytest.mark.parametrize(
+    ("spread", "along", "said"),
+    [(0.5, 1.0, "ratio"), (0.5, -1.0, "product"), (0.1, 1.0, None), (0.5, 0.0, None)],
+)
+def test_parameters_that_only_act_together_are_told_as_their_combination(damped, spread, along, said):
+    rng = np.random.default_rng(3)
+    first, second, fine = rng.standard_normal((3, 4000))
+    logs = spread * np.stack([first, along * first + (1.0 - abs(along)) * second + 0.02 * fine])
+    posterior = replace(
+        damped[2], names=("damper.c_n_s_per_m", "damper.x_m"), draws=np.exp(logs.T) * np.array([6.0, 2.0])
+    )
+    sentences = posterior.inseparable(["damper"])
+    value = {"ratio": "3", "product": "12", None: ""}[said]
+    assert len(sentences) == (said is not None)
+    assert all(f"their {said} is {value}" in sentence for sentence in sentences)
 
 
 @pytest.mark.slow

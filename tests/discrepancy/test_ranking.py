@@ -1,4 +1,4 @@
-"""Models of the same names: left-out tests tell them apart where these decide, else all tests together."""
+"""How probable each of all fitted models is."""
 
 from types import SimpleNamespace
 
@@ -8,15 +8,12 @@ import pytest
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.naming.naming import believed, ranking
+from reliab.discrepancy.naming.choice import _believed, _shares_of_parts, _shares_of_scores, _with_clocks
 from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.registry import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")
 BACKLASH = find_effect("backlash")
-STEADY = [1.0, 1.1, 0.9, 1.0]
-ONE_WORSE = [3.3, 0.65, 0.8, 0.5]  # of what a limit shows in one test only, which is left out once
-ALL_WORSE = [3.3, 3.0, 3.5, 3.1]
 
 
 def model(effect, evidence):
@@ -28,57 +25,31 @@ def errors(energies):
     return LeftOut(energies=np.array(energies), signals=one, units=one, foretold=one > 0.0)
 
 
-def first_of(*models, flat=True):
-    """Effect of the most probable of models with their left-out errors."""
-    fits = {str(k): fit for k, (fit, _) in enumerate(models)}
-    left = {id(fit): errors(energies) for fit, energies in models}
-    search = SimpleNamespace(
-        fitted=fits,
-        with_clocks={},
-        problem=SimpleNamespace(flat=flat, block=SimpleNamespace(twins={})),
-        observations=20.0,
-        error=lambda fit: left[id(fit)],
-        score=lambda fit: -10.0 * np.log(left[id(fit)].energy),
-    )
-    return ranking(search)[0].fit.space.effects[0]
-
-
-def test_all_tests_tell_the_place_where_left_out_ones_do_not():
-    after, before = (model(AFTER, 68.0), STEADY), (model(BEFORE, 78.0), ONE_WORSE)
-    assert first_of(after, before) is BEFORE
-
-
-@pytest.mark.parametrize(
-    ("other", "energies", "evidence", "flat"),
-    [
-        (BEFORE, ALL_WORSE, 78.0, True),  # left-out tests decide
-        (BEFORE, ONE_WORSE, 58.0, True),  # the likelihood says the same
-        (BACKLASH, ONE_WORSE, 78.0, True),  # another effect
-        (BEFORE, ONE_WORSE, 78.0, False),  # noise judges by the evidence itself
-    ],
-)
-def test_the_first_model_stays_first_otherwise(other, energies, evidence, flat):
-    assert first_of((model(AFTER, 68.0), STEADY), (model(other, evidence), energies), flat=flat) is AFTER
-
-
 def test_a_model_that_wins_by_a_single_test_is_less_probable_than_one_that_wins_by_all():
     """Their summed errors are the same; a flat Dirichlet distribution weighs the tests anew."""
 
     def sure_of(energies):
-        fits = {"rival": model(BACKLASH, 0.0), "first": model(AFTER, 0.0)}
-        left = {id(fits["rival"]): errors(np.ones(4)), id(fits["first"]): errors(energies)}
-        search = SimpleNamespace(
-            fitted=fits,
-            with_clocks={},
-            problem=SimpleNamespace(flat=True),
-            observations=72.0,
-            error=lambda fit: left[id(fit)],
+        rival, first = model(BACKLASH, 0.0), model(AFTER, 0.0)
+        left = {id(rival): errors(np.ones(4)), id(first): errors(energies)}
+        search = SimpleNamespace(observations=72.0, error=lambda fit: left[id(fit)])
+        none = LeftOut(
+            energies=np.zeros(0), signals=np.zeros(0), units=np.zeros(0), foretold=np.zeros(0, dtype=bool)
         )
-        return next(r.probability for r in ranking(search) if r.fit is fits["first"])
+        return _shares_of_parts(search, [rival, first], [none, none], 0.0)[1]
 
     by_all, by_one = sure_of([0.9, 0.9, 0.9, 0.9]), sure_of([0.3, 1.1, 1.1, 1.1])
     assert by_all == pytest.approx(1.0 / (1.0 + 0.9**36), rel=1e-6)  # of (energy)^(-observations / 2)
     assert by_one < 0.8
+
+
+def test_held_out_tests_count_as_left_out_ones_do():
+    """One model is better in training by as much as the other one is on held-out tests."""
+    rival, first = model(BACKLASH, 0.0), model(AFTER, 0.0)
+    good, bad = errors([0.5, 0.5, 0.5, 0.5]), errors([2.0, 2.0, 2.0, 2.0])
+    left = {id(rival): good, id(first): bad}
+    search = SimpleNamespace(observations=10.0, error=lambda fit: left[id(fit)])
+    shares = _shares_of_parts(search, [rival, first], [bad, good], 10.0)
+    assert shares[1] == pytest.approx(0.5, abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -96,16 +67,16 @@ def test_between_twins_the_data_alone_decide(twins, lost, expected):
 
     first, twin = fitted(AFTER, 50.0, 90.0), fitted(BEFORE, 41.0, 90.0 - lost)
     block = SimpleNamespace(twins=twins)
-    problem = SimpleNamespace(flat=False, block=block, loudness=lambda _noise: 1.0 / MODEL_ERROR**2)
+    problem = SimpleNamespace(block=block, loudness=lambda _noise: 1.0 / MODEL_ERROR**2)
     search = SimpleNamespace(
         fitted={"first": first, "twin": twin},
         with_clocks={},
         problem=problem,
         score=lambda fit: fit.score,
     )
-    ranked = ranking(search)
-    assert ranked[0].fit is first
-    assert ranked[0].probability == pytest.approx(expected)
+    shares = _shares_of_scores(search, [first, twin])
+    assert shares[0] == pytest.approx(expected)
+    assert np.argmax(shares) == 0
 
 
 @pytest.mark.parametrize(("beside", "expected"), [(58.0, 0.5), (49.0, 1.0 / (1.0 + np.exp(-1.0)))])
@@ -119,12 +90,12 @@ def test_a_model_is_as_credible_as_with_an_offset_of_the_clocks_that_is_not_name
     search = SimpleNamespace(
         fitted={frozenset(fit.space.names): fit for fit in (alone, other)},
         with_clocks={frozenset(late.space.names): late},
-        problem=SimpleNamespace(flat=False, block=SimpleNamespace(twins={})),
+        problem=SimpleNamespace(block=SimpleNamespace(twins={})),
         score=lambda fit: fit.score,
     )
-    shares = {id(ranked.fit): ranked.probability for ranked in ranking(search)}
-    assert shares[id(alone)] == pytest.approx(expected, abs=1e-6)
-    assert shares[id(alone)] + shares[id(late)] == pytest.approx(1.0, abs=1e-6)
+    shares = _shares_of_scores(search, [alone, other, *_with_clocks(search)])
+    assert shares[0] == pytest.approx(expected, abs=1e-6)
+    assert shares[0] + shares[2] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_an_offset_of_the_clocks_beside_rejected_effects_takes_no_part():
@@ -136,10 +107,10 @@ def test_an_offset_of_the_clocks_beside_rejected_effects_takes_no_part():
     search = SimpleNamespace(
         fitted={frozenset(alone.space.names): alone},
         with_clocks={frozenset(late.space.names): late},
-        problem=SimpleNamespace(flat=False, block=SimpleNamespace(twins={})),
+        problem=SimpleNamespace(block=SimpleNamespace(twins={})),
         score=lambda fit: fit.score,
     )
-    assert [ranked.fit for ranked in ranking(search)] == [alone]
+    assert _with_clocks(search) == []
 
 
 def test_an_offset_of_the_clocks_costs_nothing_beside_an_effect():
@@ -154,8 +125,8 @@ def ranked_as(probability, *effects):
 
 @pytest.mark.parametrize(("alone", "doubted"), [(0.6, False), (0.4, True)])
 def test_an_offset_of_the_clocks_is_doubtful_where_it_is_more_probable_than_none(alone, doubted):
-    ranked = [ranked_as(1.0 - alone, AFTER, ClockOffset), ranked_as(alone, AFTER)]
-    best, sure, doubtful = believed(ranked, None)
+    ranked = [ranked_as(1.0 - alone, AFTER, ClockOffset), ranked_as(alone, AFTER), ranked_as(0.0)]
+    best, sure, doubtful = _believed(None, ranked, ranked[0])
     assert sure == {AFTER}
     assert doubtful == ({ClockOffset} if doubted else set())
-    assert set(best.space.effects) == sure | doubtful
+    assert set(best.fit.space.effects) == sure | doubtful

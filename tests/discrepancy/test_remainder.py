@@ -58,7 +58,7 @@ def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, err
     )
     judged = problem(Block.NUMERICAL, 0.0), MODEL
     for remaining in (None, ()):
-        found = unexplained.unexplained(judged, MODEL, gap, remaining, named=True)
+        found = unexplained.unexplained(judged, MODEL, (), gap, remaining, is_named=True, tried="")
         assert (found is None) is enough
         assert (gap.worst_unexplained_share <= unexplained.LARGEST_REMAINDER) is enough
 

@@ -31,6 +31,16 @@ class Block:
     effects: tuple
     doubtful: tuple
     converged: bool | None
+    inseparable: tuple = ()
+
+
+def sampled(*, sd, interval, converged=True):
+    """Stand for a posterior of a force."""
+    return SimpleNamespace(
+        converged=converged,
+        parameters_of=lambda _name: {"force_n": {"sd": sd, "interval_90": interval}},
+        inseparable=lambda _names: (),
+    )
 
 
 FRICTION = find_effect("coulomb_friction")
@@ -140,10 +150,20 @@ def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_o
     assert calibration(fitted)[0].value == pytest.approx(0.99)
 
 
+def test_special_form_is_stated_as_the_simple_effect_with_its_parameters():
+    special = find_effect("degrading_hysteresis")
+    values = [Estimate(name=p.name, value=1.0, sd=0.1, units=p.units) for p in special.parameters]
+    effect = replace(missing(), effect=special, estimates=tuple(values), on_bounds=("slip", "gamma"))
+    simple = find_effect("hysteresis")
+    found = effect.named_as(simple)
+    assert found.name == "hysteresis"
+    assert found.to_dict()["member_of"] == "degrading_hysteresis"
+    assert [item.name for item in found.estimates] == [p.name for p in simple.parameters]
+    assert found.on_bounds == ("gamma",)
+
+
 def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
-    posterior = SimpleNamespace(
-        converged=True, parameters_of=lambda _name: {"force_n": {"sd": 0.6, "interval_90": (4.0, 6.0)}}
-    )
+    posterior = sampled(sd=0.6, interval=(4.0, 6.0))
     effect = missing(value=5.0)
     apart = replace(effect, estimates=(replace(effect.estimates[0], between=0.8),))
     found = _sampled(Block(effects=(apart,), doubtful=(), converged=None), posterior)
@@ -162,19 +182,21 @@ def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
 
 @pytest.mark.parametrize(("value", "interval"), [(5.0, (4.0, 7.0)), (3.0, (3.0, 7.0)), (8.0, (4.0, 8.0))])
 def test_a_sampled_parameter_keeps_its_value_within_its_interval(value, interval):
-    posterior = SimpleNamespace(
-        converged=True, parameters_of=lambda _name: {"force_n": {"sd": 0.7, "interval_90": (4.0, 7.0)}}
-    )
+    posterior = sampled(sd=0.7, interval=(4.0, 7.0))
     block = Block(effects=(missing(value=value),), doubtful=(missing(0.3, value=value),), converged=None)
     found = _sampled(block, posterior)
     assert found.converged is True
     for effect in (*found.effects, *found.doubtful):
         (estimate,) = effect.estimates
         assert (estimate.value, estimate.sd, estimate.interval) == (value, 0.7, interval)
-    stuck = _sampled(block, SimpleNamespace(converged=False))
-    assert stuck.converged is False
-    assert stuck.effects is block.effects
     assert _sampled(block, None) is block
+
+
+def test_a_posterior_that_has_not_converged_still_gives_its_intervals():
+    block = Block(effects=(missing(value=5.0),), doubtful=(), converged=None)
+    found = _sampled(block, sampled(sd=0.7, interval=(4.0, 7.0), converged=False))
+    assert found.converged is False
+    assert found.effects[0].estimates[0].interval == (4.0, 7.0)
 
 
 @pytest.mark.parametrize("begin", [300, 2500])

@@ -8,13 +8,13 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms.outside_terms import SoftenedSpring
+from reliab.effects.softening import Softening
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
 from reliab.structures.specimen import Specimen
 
 SPRING = Specimen(stiffness=1000.0)
-RUBBER = HybridTest(specimen=SPRING, effects=(SoftenedSpring(lost_n_per_m=400.0, power=2.0),))
+RUBBER = HybridTest(specimen=SPRING, effects=(Softening(lost_n_per_m=400.0, power=2.0),))
 TIME = np.arange(0.0, 3.0, 0.002)
 GROWING = np.sin(2.0 * np.pi * TIME) * TIME / TIME[-1] * 0.1
 

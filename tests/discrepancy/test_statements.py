@@ -16,6 +16,7 @@ from reliab.discrepancy.naming.naming import offset_odds
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import (
     contradiction,
+    linear_statement,
     one_of_two,
     remainder_statement,
     scale_of_displacement,
@@ -191,8 +192,8 @@ def test_a_remainder_is_described_by_what_it_looks_like():
     ]
     gap = a_gap(a=("sine", 0.5, 0.4))
     problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    found = unexplained._remainder(problem, gap, left)  # noqa: SLF001 - what is tested
-    assert found.description.endswith("; 42 % of it: In force_n of the specimen Y")
+    found = unexplained._remainder(problem, gap, left, "all")  # noqa: SLF001 - what is tested
+    assert found.description.endswith("all; 42 % of it: In force_n of the specimen Y")
 
 
 @pytest.mark.parametrize("verdict", Verdict)
@@ -257,8 +258,9 @@ def structure_of(frequency, mass, *, alike):
         values=lambda _x: np.array([frequency, mass]), covariance_of_values=lambda _x, _c: covariance
     )
     found = object.__new__(BlockDiagnosis)
-    object.__setattr__(found, "block", block)
-    object.__setattr__(found, "best", SimpleNamespace(space=space, coordinates=None, covariance=None))
+    object.__setattr__(found, "problem", SimpleNamespace(block=block, flat=False))
+    fit = SimpleNamespace(space=space, coordinates=None, covariance=None)
+    object.__setattr__(found, "believed", SimpleNamespace(fit=fit))
     sds = np.sqrt(np.diag(covariance))
     items = [
         Estimate(name=name, value=value, sd=float(sd), units="-", signed=True)
@@ -266,6 +268,16 @@ def structure_of(frequency, mass, *, alike):
     ]
     object.__setattr__(found, "calibration", tuple(items))
     return found
+
+
+def test_best_linear_model_is_stated_with_its_values_and_what_it_leaves():
+    values = (("stiffness", 1.25, "-"), ("damping_n_s_per_m", 40.0, "N·s/m"), ("mass_kg", 0.5, "kg"))
+    linear = tuple(Estimate(name=name, value=value, sd=0.1, units=units) for name, value, units in values)
+    block = SimpleNamespace(linear=linear, gap=SimpleNamespace(linear=0.427))
+    assert linear_statement("specimen", block) == (
+        "The best linear model of the specimen (stiffness 1.25 times the stated one, damping 40 N·s/m, mass "
+        "0.5 kg) leaves 42.7 % of the signal on held-out tests."
+    )
 
 
 def test_frequency_and_mass_contradict_together_what_neither_does_alone():

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.adding.adding import updated_model
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
+from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.simulation.hybrid_test.model_file import read_model, write_model
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model, write_model
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
@@ -80,6 +82,21 @@ def test_the_effect_is_added(updated):
 def test_it_survives_its_file(updated, tmp_path):
     write_model(tmp_path / "model.toml", updated)
     assert read_model(tmp_path / "model.toml") == updated
+
+
+@pytest.mark.parametrize(
+    "kind", [*general_terms(Block.SPECIMEN), *general_terms(Block.ACTUATOR)], ids=lambda kind: str(kind.name)
+)
+def test_terms_of_a_general_kind_survive_the_file(kind, tmp_path):
+    values = np.linspace(1.0, 1.5, len(kind.parameters))
+    term = kind.from_values(values)
+    model = UpdatedModel(
+        name="terms",
+        test=replace(NOMINAL, effects=(term,)),
+        deviations={f"{kind.name}.{p.name}": 0.1 for p in kind.parameters},
+    )
+    write_model(tmp_path / "model.toml", model)
+    assert read_model(tmp_path / "model.toml") == model
 
 
 def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):

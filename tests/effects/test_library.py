@@ -65,6 +65,7 @@ DIMENSIONS = {  # exponents of force, length and time
     "s/s": (0, 0, 0),
     "m/s": (0, 1, -1),
     "N": (1, 0, 0),
+    "N/m": (1, -1, 0),
     "N/m²": (1, -2, 0),
     "N/m³": (1, -3, 0),
     "N·s/m": (1, -1, 1),

@@ -69,7 +69,9 @@ def test_what_is_missing_is_said_first(damped):
     found = text_of(discrepancy_report(damped, provenance={"seed": 1}))
     verdict = "".join(piece["text"] for piece in found["verdict"])
     assert verdict.startswith("The model lacks viscous damping. With it the error in force_n on held-out")
-    assert verdict.endswith(" of the signal: what remains is at the level of the noise.")
+    assert verdict.endswith("): what remains is at the level of the noise.")
+    assert " (the best linear model leaves " in verdict
+    assert ", the best rival (" in verdict
 
 
 @pytest.mark.slow
@@ -117,10 +119,12 @@ def test_posterior_with_an_offset_of_the_clocks_is_drawn(monkeypatch):
         lambda names, draws: drawn.append((names, draws.shape)),
     )
     names = ("clock_offset.lag_s", "cubic_stiffness.cubic_n_per_m3")
-    posterior_figure(
-        late, "specimen", SimpleNamespace(names=names, units=("s", "N/m³"), draws=np.zeros((5, 2)))
-    )
-    assert drawn == [(["time by which the force is recorded later [s]", "cubic stiffness [N/m³]"], (5, 2))]
+    for converged in (True, False):
+        posterior = SimpleNamespace(
+            names=names, units=("s", "N/m³"), draws=np.zeros((5, 2)), converged=converged
+        )
+        posterior_figure(late, "specimen", posterior)
+    assert drawn == [(["lag_s [s]", "cubic_n_per_m3 [N/m³]"], (5, 2))]
 
 
 def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
@@ -129,6 +133,7 @@ def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
     assert effect.error_without > 5.0 * effect.error_with
     assert "remain on held-out tests, without it" in content
     assert "The same for each held-out test by itself" in content
+    assert "Models that were tried" in content
     assert "is noise (band above the motion)" in content
 
 

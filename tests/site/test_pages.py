@@ -70,7 +70,7 @@ def test_the_cluster_on_a_page_is_the_one_that_the_readme_s_test_starts():
 def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
     """Its files as the page prints them, laid out as `pip install` lays them out."""
     page = (SITE / "guides" / "plugins.md").read_text(encoding="utf-8")
-    (module,) = blocks(page, "python")
+    module = blocks(page, "python")[0]
     name = re.match(r"# (\w+)\.py\n", module)[1]
     project = tomllib.loads(blocks(page, "toml")[0])["project"]
     ((group, items),) = project["entry-points"].items()

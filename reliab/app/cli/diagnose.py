@@ -9,7 +9,7 @@ from reliab.app.cli.completion import campaigns
 from reliab.app.cli.demand import argument, option, takes
 from reliab.app.cli.options import JSON_TARGET, OF_REPORT, Reported
 from reliab.app.cli.output import console, progress_bar, table, write_json
-from reliab.core.significant_digits import percent
+from reliab.core.significant_digits import percent, significant
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
@@ -17,13 +17,16 @@ if TYPE_CHECKING:
 
 _WHERE = {
     "block": "left",
-    "channel": "left",
-    "kind": "left",
+    "varies with": "left",
     "share": "right",
-    "p-value": "right",
-    "test": "left",
+    "p": "right",
+    "most in": "left",
+    "Hz": "right",
+    "s": "right",
+    "begins at": "right",
 }
-_EFFECTS = {"effect": "left", "probability": "right", "parameter": "left", "value": "right", "± sd": "right"}
+_EFFECTS = {"effect": "left", "probability": "right", "parameters": "left", "held out": "right"}
+_CANDIDATES = {"model": "left", "left-out parts": "right", "held out": "right"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,43 +68,63 @@ def diagnose(demand: DiagnoseDemand) -> None:
 
 
 def _show(diagnosis: "Diagnosis") -> None:
-    """Print places, effects and proof."""
+    """Print places, effects, models that were tried, and proof."""
     screen = console()
-    if diagnosis.where:
-        places = table("Where the calibrated model fails", _WHERE)
-        for finding in diagnosis.where:
-            share, p_value = percent(finding.share_of_residual, decimals=0), f"{finding.p_value:.0e}"
-            places.add_row(finding.block, finding.channel, finding.kind, share, p_value, finding.test)
-        screen.print(places)
+    _show_places(diagnosis)
     _show_effects(diagnosis)
     for block in diagnosis.blocks:
         if block.unknown is not None:
             what = block.unknown.expression or block.unknown.description
             screen.print(f"Unknown effect in the {block.unknown.block}: {what}")
+        if len(block.candidates) > 1:
+            _show_candidates(block)
     for remark in diagnosis.remarks:
         screen.print(remark)
     for block in diagnosis.blocks:
         screen.print(_proved(block))
 
 
+def _show_places(diagnosis: "Diagnosis") -> None:
+    """Print a row for each part of the residuals: what it varies with, where it lies, and where it begins."""
+    if not diagnosis.where:
+        return
+    places = table("Where the calibrated model fails", _WHERE)
+    for finding in diagnosis.where:
+        low, high = (significant(value, 2) for value in finding.band)
+        first, last = (significant(value) for value in finding.time)
+        places.add_row(
+            finding.block,
+            finding.kind.replace("_", " "),
+            percent(finding.share_of_residual, decimals=0),
+            finding.chance,
+            finding.test,
+            f"{low} to {high}",
+            f"{first} to {last}",
+            finding.begin,
+        )
+    console().print(places)
+
+
 def _show_effects(diagnosis: "Diagnosis") -> None:
-    """Print the effects with their parameters, and the error with and without each."""
-    screen = console()
+    """Print a row for each effect: its parameters, and the error on held-out tests without and with it."""
     effects = (*diagnosis.effects, *diagnosis.doubtful)
-    if effects:
-        names = table("What is missing", _EFFECTS)
-        for effect in effects:
-            for estimate in effect.estimates:
-                value, spread = estimate.words
-                mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
-                name = f"{estimate.name}{mark}"
-                names.add_row(effect.name, f"{effect.probability:.3f}", name, value, spread)
-        screen.print(names)
-        for effect in effects:
-            screen.print(
-                f"{effect.name}: error on held-out tests {effect.error_with:.4f} with it,"
-                f" {effect.error_without:.4f} without it."
-            )
+    if not effects:
+        return
+    names = table("What is missing", _EFFECTS)
+    for effect in effects:
+        change = f"{effect.error_without:.4f} → {effect.error_with:.4f}"
+        names.add_row(effect.name, f"{effect.probability:.3f}", "; ".join(effect.parameter_texts), change)
+    console().print(names)
+
+
+def _show_candidates(block: "BlockDiagnosis") -> None:
+    """Print the models that were tried with their errors on left-out parts of fitted tests and on others."""
+    shown = table(f"Models of the {block.block.block} block, error over the signal's RMS", _CANDIDATES)
+    for row in block.candidates:
+        mark = "→ " if row.fit is block.best else ""
+        name = mark + (" + ".join(row.names) or "calibration alone")
+        shown.add_row(name, f"{row.left_out:.4f}", f"{row.held_out:.4f}")
+    console().print(shown)
 
 
 def _proved(block: "BlockDiagnosis") -> str:

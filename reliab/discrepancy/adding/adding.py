@@ -14,8 +14,10 @@ from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.missing_effect import MissingEffect
+from reliab.discrepancy.result.missing_effect import MissingEffect, estimates
+from reliab.effects.effect import Effect
 from reliab.effects.excitation_scale import ExcitationScale
+from reliab.effects.general.general_term import is_general
 from reliab.effects.registry import library
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
@@ -90,14 +92,13 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
 
 
 def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
-    """Use standard deviations and intervals of a converged posterior; values stay the most probable ones."""
+    """Use standard deviations and intervals of a posterior; values stay the most probable ones."""
     if posterior is None:
         return block
-    if not posterior.converged:
-        return replace(block, converged=False)
     return replace(
         block,
-        converged=True,
+        converged=posterior.converged,
+        inseparable=posterior.inseparable([str(m.effect.name) for m in (*block.effects, *block.doubtful)]),
         effects=tuple(_with_spread(effect, posterior) for effect in block.effects),
         doubtful=tuple(_with_spread(effect, posterior) for effect in block.doubtful),
     )
@@ -131,9 +132,9 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     """Put together the model that a diagnosis arrives at.
 
     Calibrated values and effects are those of the best model of the block that saw them. Effects of the
-    library are added when they are named, or when something of their kind acts and they explain it best;
-    a term outside the library is not, because nothing else could simulate it. The nominal structure is kept
-    but for values with which the tests clearly did not run (`BlockDiagnosis.misstated`).
+    library are added when they are named, or when something of their kind acts and they explain it best, and
+    terms of a general kind where they stand in the best model. The nominal structure is kept but for values
+    with which the tests clearly did not run (`BlockDiagnosis.misstated`).
     """
     test = diagnosis.campaign.nominal
     deviations: dict[str, float] = {}
@@ -150,10 +151,8 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     """Take over from a block what it calibrated and what it names."""
     names = {calibration.parameter.name for calibration in diagnosed.block.calibrations}
     model = diagnosed.best.space.model(diagnosed.best.coordinates)
-    believed = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)} & set(
-        library().values()
-    )
-    test = test.adding(*(effect for effect in model.effects if type(effect) in believed))
+    added = _added(diagnosed)
+    test = test.adding(*(effect for effect in model.effects if type(effect) in added))
     if "gain" in names or "delay_s" in names:
         test = replace(test, actuator=model.actuator)
     if any(name.startswith("stiffness") for name in names):
@@ -169,6 +168,13 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     return test
 
 
+def _added(diagnosed: BlockDiagnosis) -> set[type[Effect]]:
+    """Effects that go into the model: named ones, doubtful ones, and what refines or explains beside them."""
+    effects = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)}
+    beside = {kind for kind in diagnosed.best.space.effects if is_general(kind)} | set(diagnosed.refining)
+    return (effects & set(library().values())) | beside
+
+
 def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
     fitted = diagnosed.best
@@ -179,12 +185,15 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
         for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
         if calibration.parameter.name in sizes
     }
-    effects = {
-        f"{effect.effect.name}.{estimate.name}": estimate.sd
-        for effect in (*diagnosed.effects, *diagnosed.doubtful)
-        for estimate in effect.estimates
+    refining = {
+        f"{kind.name}.{item.name}": item.sd for kind in _added(diagnosed) for item in estimates(kind, fitted)
     }
-    return {**calibrated, **effects}
+    effects = {
+        f"{missing.effect.name}.{item.name}": item.sd
+        for missing in (*diagnosed.effects, *diagnosed.doubtful)
+        for item in missing.estimates
+    }
+    return {**calibrated, **refining, **effects}
 
 
 def _sizes(fitted: Fit) -> dict[str, tuple[str, float]]:

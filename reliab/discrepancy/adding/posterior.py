@@ -4,11 +4,13 @@ A simulation takes some ten milliseconds and an ensemble sampler asks for a hund
 model the whitened residual is therefore written as a quadratic polynomial of the parameters, exact where
 effects enter linearly, which is fitted at points as far from the most probable model as the data allow. The
 likelihood is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is
-good enough is checked with simulations at draws.
+good enough is checked with simulations at draws. Where it is not, as for a hysteresis that a few cycles show,
+draws are made anew by importance: from a distribution of Student that follows the weighted draws before it
+(Cornuet and others 2012, doi:10.1111/j.1467-9469.2011.00756.x), each of them simulated.
 """
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -18,9 +20,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from reliab.core.arrays import Array
-from reliab.core.significant_digits import percent
+from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
@@ -41,6 +44,15 @@ _THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
+_BADLY_KNOWN = 0.2  # relative spread of a parameter
+_TOGETHER = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
+_POPULATION, _POPULATIONS = 300, 8  # draws that are simulated at once, and how often at most
+_GUIDING = 40.0  # effective number of draws around which the next ones are drawn
+_LEAST_VARIANCE = 1e-3  # of a standard coordinate
+_WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
+
+ENOUGH = 100.0
+"""Effective number of simulated draws from which quantiles of 5 and 95 % are trusted."""
 
 
 def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
@@ -157,6 +169,7 @@ class Posterior:
     # Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on which
     # walkers moved is exact
     agreement: float
+    effective: float = 0.0  # Effective number of draws, where each of them was simulated
 
     @property
     def mean(self) -> Array:
@@ -175,12 +188,20 @@ class Posterior:
 
     @property
     def converged(self) -> bool:
-        """Whether walkers mixed and the surface agrees with simulations."""
-        return self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
+        """Whether walkers mixed and the surface agrees with simulations, or enough draws were simulated."""
+        by_surface = self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
+        return by_surface or self.effective >= ENOUGH
 
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
+        if self.effective:
+            if self.converged:
+                return f"Converged: {self.effective:.0f} simulated draws in effect."
+            return (
+                f"Not converged: {self.effective:.0f} simulated draws in effect, {ENOUGH:.0f} are needed. "
+                "The tests hardly tell some parameters apart: measure cycles of other amplitudes and speeds."
+            )
         diagnostics = self.sample.diagnostics
         smallest = min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
         verdict = "Converged" if self.converged else "Not converged"
@@ -206,6 +227,32 @@ class Posterior:
             if name.startswith(f"{effect}.")
         }
 
+    def inseparable(self, effects: Sequence[str]) -> tuple[str, ...]:
+        """Say which pairs of parameters of an effect the tests show in combination only, and how large it is.
+
+        Both are known badly by themselves, and their product or ratio is known well.
+        """
+        sentences = []
+        for effect in effects:
+            places = [k for k, name in enumerate(self.names) if name.startswith(f"{effect}.")]
+            for first, second in combinations(places, 2):
+                pair = self.draws[:, [first, second]]
+                if not (pair > 0.0).all():
+                    continue
+                logs = np.log(pair)
+                along = float(np.corrcoef(logs.T)[0, 1])
+                sign, word = (-1.0, "ratio") if along > 0.0 else (1.0, "product")
+                combined = logs[:, 0] + sign * logs[:, 1]
+                least = logs.std(axis=0).min()
+                if least > _BADLY_KNOWN and combined.std() < _TOGETHER * least:
+                    names = [self.names[k].removeprefix(f"{effect}.") for k in (first, second)]
+                    sentences.append(
+                        f"The tests do not tell {' and '.join(names)} of {effect.replace('_', ' ')} "
+                        f"apart: their {word} is {significant(float(np.exp(combined.mean())))} ± "
+                        f"{percent(float(combined.std()), 2)}."
+                    )
+        return tuple(sentences)
+
 
 def sample_posterior(
     problem: Problem,
@@ -224,14 +271,65 @@ def sample_posterior(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
         sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=_SEED), file=out)
-    coordinates = surface.coordinates(sampled.spread_out(_DRAWS))
+    drawn, effective = sampled.spread_out(_DRAWS), 0.0
+    agreement = _agreement(problem, fitted, surface, sampled.spread_out(_CHECKED))
+    if not (sampled.converged and agreement >= SMALLEST_AGREEMENT):
+        drawn, effective = _simulated_draws(problem.sketch, fitted, surface)
     return Posterior(
         names=_names(fitted.space),
         units=tuple(parameter.units for parameter in fitted.space.parameters),
-        draws=_values(fitted.space, coordinates),
+        draws=_values(fitted.space, np.clip(surface.coordinates(drawn), *surface.bounds)),
         sample=sampled,
-        agreement=_agreement(problem, fitted, surface, sampled.spread_out(_CHECKED)),
+        agreement=agreement,
+        effective=effective,
     )
+
+
+def _simulated_draws(problem: Problem, fitted: Fit, surface: LikelihoodSurface) -> tuple[Array, float]:
+    """Draw standard coordinates by importance, beginning at the normal approximation; the effective number.
+
+    Every population is drawn around the weighted draws before it, and all of them count as draws of one
+    mixture (adaptive multiple importance sampling).
+    """
+    rng = np.random.default_rng(_SEED)
+    size = surface.centre.size
+    mean, covariance = np.zeros(size), np.eye(size)
+    points, logs = np.zeros((0, size)), np.zeros(0)
+    weights, mixture = np.zeros(0), []
+    for _ in range(_POPULATIONS):
+        shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
+        mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
+        fresh = np.asarray(mixture[-1].rvs(_POPULATION)).reshape(_POPULATION, size)
+        coordinates = surface.coordinates(fresh)
+        inside = (coordinates == np.clip(coordinates, *surface.bounds)).all(axis=1)
+        simulations = simulated(problem, fitted, coordinates[inside]) if inside.any() else np.zeros((0, 1))
+        points = np.concatenate([points, fresh[inside]])
+        logs = np.concatenate([logs, log_density(simulations, coordinates[inside])])
+        if len(points) <= size:
+            break
+        densities = np.logaddexp.reduce([each.logpdf(points) for each in mixture])
+        weights = _weights(logs - densities)
+        if _effective(weights) >= ENOUGH:
+            break
+        softer = weights
+        while _effective(softer) < _GUIDING:
+            softer = np.sqrt(softer)
+        mean = np.average(points, axis=0, weights=softer)
+        covariance = np.atleast_2d(np.cov(points.T, aweights=softer))
+    if not weights.size:
+        return rng.standard_normal((_DRAWS, size)), 1.0
+    return points[rng.choice(len(points), _DRAWS, p=weights)], _effective(weights)
+
+
+def _weights(logarithms: Array) -> Array:
+    """Weights that sum to one, of their logarithms."""
+    weights = np.exp(logarithms - logarithms.max())
+    return np.asarray(weights / weights.sum())
+
+
+def _effective(weights: Array) -> float:
+    """Effective number of weighted draws."""
+    return float(weights.sum() ** 2 / (weights**2).sum())
 
 
 def _values(space: ModelSpace, coordinates: Array) -> Array:
@@ -251,9 +349,11 @@ def _names(space: ModelSpace) -> tuple[str, ...]:
 
 
 def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
-    """Effective share of draws under importance weights from surface to simulation."""
-    coordinates = surface.coordinates(drawn)
+    """Effective share of draws under importance weights from surface to simulation.
+
+    Walkers may have stayed where they started, beyond a bound: simulations on it do not confirm the surface.
+    """
+    coordinates = np.clip(surface.coordinates(drawn), *surface.bounds)
     exact = log_density(simulated(problem, fitted, coordinates), coordinates)
     ratios = exact - surface.log_posterior(drawn)
-    weights = np.exp(ratios - ratios.max())
-    return float(weights.sum() ** 2 / (weights**2).sum() / len(drawn))
+    return _effective(_weights(ratios)) / len(drawn)

@@ -12,8 +12,8 @@ from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.terms.clock_offset import LeadingReading, with_clock
-from reliab.discrepancy.terms.outside_terms import outside_terms
 from reliab.effects.effect import Role, Scales
+from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
 from reliab.effects.sensor_bias import SensorBias
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -43,7 +43,7 @@ class ActuatorBlock(ObservedBlock):
         effects = library().values()
         effects_here = (e for e in effects if e.role in roles and e is not SensorBias and e.refines is None)
         self.candidates = (*effects_here, LeadingReading)
-        self.outside = outside_terms(self.block)
+        self.outside = general_terms(self.block)
         parts = _parts(campaign)
         commands = [
             Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=parts) for test in self.tests

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.effects.effect import Parameter
+from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
@@ -108,14 +108,20 @@ def open_stiffness(nominal: HybridTest) -> Calibration:
     return replace(within, parameter=parameter)
 
 
-def unknown_stiffness() -> Calibration:
-    """Stiffness of a specimen without a stated stiffness [N/m]."""
+def free_stiffness(nominal: HybridTest, scales: Scales) -> Calibration:
+    """Stiffness of a specimen, whatever is stated of it: over the stated one, else in N/m."""
+    stated = _stiffness(nominal)
+    unit, size = stated or 1.0, scales.force / scales.displacement
     parameter = Parameter(
-        name="stiffness_n_per_m", units="N/m", meaning="stiffness of the specimen", signed=True,
-        scale=(("force", 1.0), ("displacement", -1.0)),
-        typical=1.0, lower=0.0, upper=20.0, starts=(0.5,),
+        name="stiffness" if stated else "stiffness_n_per_m", units="-" if stated else "N/m",
+        meaning="stiffness over its nominal value" if stated else "stiffness of the specimen", signed=True,
+        typical=size / unit, lower=0.0, upper=20.0 * size / unit, starts=(0.5 * size / unit,),
     )  # fmt: skip
-    return Calibration(parameter=parameter, nominal=_stiffness, apply=_with_stiffness)
+    return Calibration(
+        parameter=parameter,
+        nominal=lambda model: _stiffness(model) / unit,
+        apply=lambda model, value: _with_stiffness(model, value * unit),
+    )
 
 
 def damping(nominal: HybridTest) -> Calibration:

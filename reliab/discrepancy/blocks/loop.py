@@ -23,12 +23,12 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms.outside_terms import outside_terms
 from reliab.discrepancy.terms.stated_damping import StatedDamping, with_damping
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias
+from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
 from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.viscous_damping import ViscousDamping
@@ -80,7 +80,7 @@ class LoopBlock(ObservedBlock):
         possible = (effect for effect in effects if _possible(effect, rig=rig) and effect.refines is None)
         self.candidates = (*possible, *((StatedDamping,) if rig and self._damping > 0.0 else ()))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
-        terms = (*outside_terms(Block.ACTUATOR), *outside_terms(Block.SPECIMEN))
+        terms = (*general_terms(Block.ACTUATOR), *general_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
         self.integrate_at(_rate_of_integration(campaign))
         self.calibrations: tuple[Calibration, ...]

@@ -40,6 +40,8 @@ class ObservedBlock(ABC):
     outside: tuple[type[Effect], ...]  # Terms outside the library that are tried where something is left
     # Effects that the block may be unable to tell from one: they are fitted in its place, and data decide
     twins: ClassVar[Mapping[type[Effect], tuple[type[Effect], ...]]] = MappingProxyType({})
+    # Effects that make the best linear model of the block, with its calibrations
+    linear: ClassVar[tuple[type[Effect], ...]] = ()
     # Motion of the piston in every test as far as it is known without a model, to locate the remaining error
     motions: tuple[Motion3, ...]
 

@@ -13,19 +13,18 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
-    open_stiffness,
+    free_stiffness,
     stiffness,
-    unknown_stiffness,
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, recorded_late, with_clock
-from reliab.discrepancy.terms.outside_terms import ElasticStops, SoftenedSpring, outside_terms
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias
+from reliab.effects.general.general_terms import general_terms
 from reliab.effects.kernel import Kernel
 from reliab.effects.quadratic_damping import QuadraticDamping
 from reliab.effects.registry import library
@@ -48,6 +47,7 @@ class SpecimenBlock(ObservedBlock):
     block = Block.SPECIMEN
     channel = Channel.FORCE
     inputs = (Channel.MEASURED,)
+    linear = (ViscousDamping, AddedMass)
     twins = MappingProxyType({ViscousDamping: (ClockOffset,), ClockOffset: (ViscousDamping, AddedMass)})
 
     def __init__(
@@ -61,14 +61,14 @@ class SpecimenBlock(ObservedBlock):
         specimen = self.nominal.specimen or Specimen(stiffness=0.0)
         if not specimen.stiffness > 0.0:
             self.nominal = HybridTest(mass=campaign.mass, specimen=specimen)
-            self.calibrations = (unknown_stiffness(),)
+            self.calibrations = (free_stiffness(self.nominal, scales),)
         self.offsets = (ForceBias,)
         in_force = tuple(
             effect for effect in library().values() if effect.role is Role.FORCE and effect.refines is None
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
         self.candidates = (*in_force, *of_sensor, ClockOffset)
-        self.outside = (*outside_terms(self.block), SoftenedSpring, ElasticStops)
+        self.outside = general_terms(self.block)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
         self.move(pistons)
@@ -85,7 +85,7 @@ class SpecimenBlock(ObservedBlock):
         """Return the same block, whose stiffness may be any multiple of the stated one."""
         opened = copy(self)
         opened.__dict__.pop("sketch", None)
-        opened.calibrations = (open_stiffness(self.nominal),)
+        opened.calibrations = (free_stiffness(self.nominal, self.scales),)
         opened.move(self.motions)
         return opened
 

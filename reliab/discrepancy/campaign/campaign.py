@@ -1,9 +1,10 @@
 """A measured campaign: the operator's nominal model, and the tests."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
+
+_FURTHER = 1.02  # of the displacement before
 
 
 class Channel(StrEnum):
@@ -53,10 +56,20 @@ class MeasuredTest:
         """Number of samples."""
         return next(iter(self.channels.values())).size
 
+    @property
+    def reaches_furthest_at_end(self) -> bool:
+        """Whether the displacement is clearly larger in the last third than before, as in growing cycles."""
+        channels = (self.channels.get(channel) for channel in (Channel.COMMAND, Channel.MEASURED))
+        moved = next((values for values in channels if values is not None), np.zeros(self.size))
+        reach, end = np.abs(moved - np.median(moved)), 2 * self.size // 3
+        return bool(reach[end:].max(initial=0.0) > _FURTHER * reach[:end].max(initial=0.0))
+
 
 def held_out_in_words(tests: Sequence[MeasuredTest], files: Iterable[str]) -> str:
-    """Name files that are held out of a campaign's tests, or the end of its only test."""
-    return f"last third of {tests[0].file}" if len(tests) == 1 else ", ".join(files)
+    """Name files that are held out of a campaign's tests, or the part of its only test."""
+    if len(tests) > 1:
+        return ", ".join(files)
+    return f"{'middle' if tests[0].reaches_furthest_at_end else 'last'} third of {tests[0].file}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +101,7 @@ class Campaign:
     rate : float
         Sampling rate [Hz].
     tests : tuple of MeasuredTest
-        The tests, of which at least one is not held out. Of a single test the last third is held out.
+        The tests, of which at least one is not held out. Of a single test a third is held out.
     partition : Partition, optional
         Nominal frame with its specimen and interface, in the place of a structure of one degree of freedom.
     """
@@ -136,23 +149,35 @@ class Campaign:
 
     @property
     def training(self) -> tuple[Stretch, ...]:
-        """Stretches of tests from which effects are found."""
+        """Stretches of tests from which effects are found; of one test all but a third."""
         if len(self.tests) == 1:
-            return (Stretch(test=0, begin=0, end=2 * self.tests[0].size // 3),)
+            thirds = self._thirds
+            if self.tests[0].reaches_furthest_at_end:
+                return thirds[0], thirds[2]
+            return (replace(thirds[0], end=thirds[1].end),)
         return self._stretches(held_out=False)
 
     @property
     def proof(self) -> tuple[Stretch, ...]:
-        """Stretches of tests that are held out to verify the effects."""
+        """Stretches of tests that are held out to verify the effects.
+
+        Of one test it is the last third, or the middle one where only the last one moves that far: what a
+        model was never shown proves nothing of it.
+        """
         if len(self.tests) == 1:
-            size = self.tests[0].size
-            return (Stretch(test=0, begin=2 * size // 3, end=size),)
+            return (self._thirds[1 if self.tests[0].reaches_furthest_at_end else 2],)
         return self._stretches(held_out=True)
 
     @property
     def held_out(self) -> str:
         """What is held out, in words."""
         return held_out_in_words(self.tests, [test.file for test in self.tests if test.held_out])
+
+    @property
+    def _thirds(self) -> tuple[Stretch, ...]:
+        size = self.tests[0].size
+        ends = (0, size // 3, 2 * size // 3, size)
+        return tuple(Stretch(test=0, begin=begin, end=end) for begin, end in pairwise(ends))
 
     def _stretches(self, *, held_out: bool) -> tuple[Stretch, ...]:
         return tuple(

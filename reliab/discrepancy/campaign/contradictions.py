@@ -80,7 +80,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
                 command=command, measured=measured, time_step=campaign.step, name=test.file, force=force
             )
             expected = replace(recording, command=campaign.nominal.actuator.gain * command)
-            require_plausible(expected, stiffness=stiffness)
+            require_plausible(expected, stiffness=stiffness, fitted=True)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
             yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
             yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, measured))
@@ -89,7 +89,9 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
                 doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
                 yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
-            require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
+            require_restoring_force(
+                measured, force, campaign.step, stiffness=stiffness, fitted=True, where=test.file
+            )
             yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(measured, force, campaign.step))
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None

@@ -8,12 +8,16 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.backlash import Backlash
 from reliab.effects.effect import Effect, LinearEffect
+from reliab.effects.rate_limit import RateLimit
 from reliab.effects.stroke_saturation import StrokeSaturation
 
 _LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
 _ROUNDED = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that
 _TAKEN_OVER = 0.5  # of the calibrated delay, from which a lag says most of it
 _RESTING = (Backlash, StrokeSaturation)
+LIMITS = (StrokeSaturation, RateLimit)
+"""Effects that act where the motion goes furthest or fastest only, so that a single part may show them."""
+
 _DELAY = "delay_s"
 
 

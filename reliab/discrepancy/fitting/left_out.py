@@ -22,7 +22,7 @@ from reliab.discrepancy.spectra.segment import Segment, energy_of
 _RAN_AWAY = 1e300
 _FEWEST_TESTS = 2  # that have a standard error
 _AS_BEFORE = 0.5  # of a parameter's prior variance: data and prior say as much of it
-_STEPS = 3  # of a refit without one test, from the fit to all of them
+_STEPS = 2  # of a refit without one test, from the fit to all of them
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,8 +47,9 @@ class LeftOut:
 
     @property
     def nrmse(self) -> float:
-        """RMS of the residuals over the RMS of the channel."""
-        return float(np.sqrt(self.energies.sum() / max(self.signals.sum(), 1e-300)))
+        """RMS of the residuals over the RMS of the channel, in parts that the others foretell, if any."""
+        parts = self.foretold if self.foretold.any() else np.ones_like(self.foretold)
+        return float(np.sqrt(self.energies[parts].sum() / max(self.signals[parts].sum(), 1e-300)))
 
     def at_most(self, multiple: float, rival: "LeftOut") -> bool:
         """Whether the error is at most a multiple of another model's, in tests that the others foretell."""
@@ -90,6 +91,24 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
         signals=np.array(signals),
         units=np.array(units),
         foretold=np.array(foretold),
+    )
+
+
+def errors_of_parts(problem: Problem, residual: dict[int, Array]) -> LeftOut:
+    """Errors of residuals on tests that took no part in a fit, or on the parts of a single one."""
+    tests = [segment.test for segment in problem.segments]
+    groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
+    powers = relative_powers(problem)
+    parts: dict[int, list[tuple[float, float, float]]] = {}
+    for group, segment, power in zip(groups, problem.segments, powers, strict=True):
+        energy, signal = (
+            energy_of(segment.spectrum(values))
+            for values in (residual[segment.test], problem.measured(segment.test))
+        )
+        parts.setdefault(group, []).append((energy, signal, power * (segment.end - segment.begin)))
+    energies, signals, units = np.array([np.sum(rows, axis=0) for rows in parts.values()]).T
+    return LeftOut(
+        energies=energies, signals=signals, units=units, foretold=np.ones(energies.size, dtype=bool)
     )
 
 

@@ -11,8 +11,8 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms.periodic import Disturbance, disturbance
 from reliab.effects.effect import Effect, Role
+from reliab.effects.general.periodic import Disturbance, disturbance
 from reliab.signals.noise import near_mains
 
 _WORKERS = 2

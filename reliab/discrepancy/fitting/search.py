@@ -2,22 +2,23 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import reduce
+from functools import cached_property, reduce
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from reliab.discrepancy.fitting.acting import acts, exceeds_rounding, takes_over_delay
+from reliab.core.arrays import Array
+from reliab.discrepancy.fitting.acting import LIMITS, acts, exceeds_rounding, takes_over_delay
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
 from reliab.discrepancy.fitting.noise_test import is_spread
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
-from reliab.discrepancy.fitting.problem import Problem, observations
+from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
-from reliab.discrepancy.fitting.space import ModelSpace, further_than
+from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms.clock_offset import ClockOffset
-from reliab.discrepancy.terms.outside_term import is_outside
 from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
 from reliab.effects.registry import library
 from reliab.signals.noise import NoiseModel
 
@@ -40,15 +41,6 @@ remainder is not noise.
 An error of the model follows the motion, so that nearly any effect explains some of it. The evidence treats
 this error as noise, so that a tiny improvement would appear certain."""
 
-BESIDE = 0.5
-"""Share of the error's energy on left-out tests that an effect must remove from a model with other effects.
-
-It then explains more than half of the error that the others leave. An effect that explains less may as likely
-be a part of the model's error that happens to resemble it."""
-
-_LEAST_BESIDE, _LEAST_OUTSIDE = 0.03, 0.05
-# shares of the whole gap's energy that an effect beside others, and a term outside the library, must close;
-# an effect of few parameters need not, if it takes more than half of what the others leave
 _NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
 NOTICEABLE = 0.002
 """Share of the error's energy on left-out tests, a thousandth of its RMS in the channel's unit, that every
@@ -59,9 +51,8 @@ _AWAY = 2.0  # standard deviations between a parameter and its value without eff
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM, _DEEPEST_OUTSIDE = 2, 2
-_TRIED, _MOST_EXCHANGES = 8, 2
-_SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
-_CLOSE, POSSIBLE = 100.0, 7.0  # nats
+_TRIED = 8
+_CLOSE, POSSIBLE, _CLEAR = 100.0, 7.0, 25.0  # nats
 
 
 class Search:
@@ -80,6 +71,15 @@ class Search:
         self.problem = problem if problem.conversion else problem.corrected(space, null.coordinates)
         self.null = self.keep(null if self.problem is problem else refined(self.problem, null))
 
+    @cached_property
+    def linear(self) -> Fit:
+        """The best linear model of the block: calibration, offsets, and its linear effects."""
+        space = ModelSpace(self.problem.block, self.problem.block.linear)
+        if not space.effects:
+            return self.null
+        start = next(space.starts(self.null.space, self.null.coordinates))
+        return refined(self.problem, fit(self.problem, space, [start], self.null.noise))
+
     def keep(self, candidate: Fit) -> Fit:
         """Keep a fitted model, unless one of the same effects is better or was rejected."""
         key = frozenset(candidate.space.names)
@@ -97,30 +97,12 @@ class Search:
 
     @property
     def candidates(self) -> tuple[type[Effect], ...]:
-        """Effects that may be missing; a lag of the force may be an error of the model where errors judge."""
-        every = self.problem.block.candidates
-        return tuple(kind for kind in every if kind is not ClockOffset) if self.problem.flat else every
+        """Effects that may be missing."""
+        return self.problem.block.candidates
 
     def score(self, candidate: Fit) -> float:
-        """Logarithm of how credible a fitted model is, up to a constant.
-
-        Where models are judged against noise, evidence and prior odds; else the predictive likelihood of
-        tests that are left out one at a time, for normal errors of unknown size, which already penalises
-        parameters.
-        """
-        if not self.problem.flat:
-            return candidate.log_evidence - cost(candidate.space.effects)
-        return self.likelihood(self.error(candidate)) - cost(candidate.space.effects)
-
-    def likelihood(self, error: LeftOut) -> float:
-        """Logarithm of the predictive likelihood of left-out tests, where errors judge."""
-        return -0.5 * self.observations * float(np.log(max(error.energy, 1e-300)))
-
-    @property
-    def observations(self) -> float:
-        """Number of independent observations of an error, over all tests, where errors judge."""
-        shares = zip(self.problem.tempering, self.problem.segments, strict=True)
-        return sum(share * (2 * segment.bins - 1) for share, segment in shares)
+        """Logarithm of how credible a fitted model is, up to a constant: evidence and prior odds."""
+        return candidate.log_evidence - cost(candidate.space.effects)
 
     def error(self, candidate: Fit) -> LeftOut:
         """Error of a model on each test when it is fitted to the others."""
@@ -140,33 +122,20 @@ class Search:
         """The most credible of all fitted models."""
         return max(self.fitted.values(), key=self.score)
 
-    def _matters(self, candidate: Fit, smaller: Fit, *, beside: float = MATERIAL) -> bool:
-        """Whether the additional effects of a model over a smaller one are not negligible.
-
-        `beside` is the share of the error's energy on left-out tests that it must take off a smaller model
-        that has effects, where errors judge.
-        """
+    def _matters(self, candidate: Fit, smaller: Fit) -> bool:
+        """Whether the additional effects of a model over a smaller one are not negligible."""
         rows = candidate.residual
-        remaining, held = float(rows @ rows), smaller.space.effects
-        gained = self._energy(smaller, candidate.noise) - remaining
-        added = set(candidate.space.effects) - set(held)
-        unknown = any(is_outside(kind) for kind in added)
+        remaining = float(rows @ rows)
+        gained = self.energy(smaller, candidate.noise) - remaining
+        added = set(candidate.space.effects) - set(smaller.space.effects)
+        unknown = any(is_general(kind) for kind in added)
         if unknown and gained < AUDIBLE * remaining:
             return False
-        if self.problem.flat:
-            least = _LEAST_OUTSIDE if unknown else _LEAST_BESIDE
-            of_the_whole = gained > least * self._energy(self.null, candidate.noise)
-            simple = not unknown and all(further_than(kind, held) <= _SIMPLE for kind in added)
-            instead = bool(held) and takes_over_delay(candidate, smaller)
-            of_what_is_left = MATERIAL if of_the_whole or instead else BESIDE
-            large = (of_the_whole or simple) and gained > of_what_is_left * (remaining + gained)
-            share = MATERIAL if instead or not held else beside
-            return large and self._predicts(candidate, smaller, 1.0 - share)
-        if smaller is self.null:
+        if smaller is self.null or self._shows_once(candidate, smaller):
             return True
         if self._is_shift(candidate, added) or takes_over_delay(candidate, smaller):
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
-        closed = self._energy(self.null, candidate.noise) - remaining
+        closed = self.energy(self.null, candidate.noise) - remaining
         if gained > LEAST_SHARE * closed:
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         audible = gained > MATERIAL * (remaining + gained)
@@ -191,28 +160,25 @@ class Search:
         return self.error(candidate).at_most(most, self.error(smaller))
 
     def supported(self, candidate: Fit) -> bool:
-        """Whether a model may be named: each of its effects matters against the models without it.
-
-        Where errors judge, an effect beside others must explain more of what they leave than remains; so
-        must terms outside the library of what the library's best model leaves. An effect that has a simpler
-        one for a limiting case must predict left-out tests better than that one.
-        """
+        """Whether a model may be named: each of its effects matters against the models without it."""
         effects = candidate.space.effects
         if not all(self._acts(candidate, kind) for kind in effects):
             return False
         for smaller in [self.without(candidate, kind) for kind in effects]:
-            noticed = self._predicts(candidate, smaller, 1.0 - NOTICEABLE)
-            if not (noticed and self._matters(candidate, smaller, beside=BESIDE)):
+            noticed = self._predicts(candidate, smaller, 1.0 - NOTICEABLE) or self._shows_once(
+                candidate, smaller
+            )
+            if not (noticed and self._matters(candidate, smaller)):
                 return False
-        if not self._shifts_what_matters(candidate):
+        return self._shifts_what_matters(candidate)
+
+    def _shows_once(self, candidate: Fit, smaller: Fit) -> bool:
+        """Whether a further limit clearly shows in a part from which the others do not foretell it."""
+        added = set(candidate.space.effects) - set(smaller.space.effects)
+        if not all(issubclass(kind, LIMITS) for kind in added):
             return False
-        if not self.problem.flat:
-            return True
-        inside = self._best_known()
-        outside = inside.space.effects and any(map(is_outside, effects))
-        limits = [(inside, BESIDE)] if outside else []
-        limits += [(simpler, MATERIAL) for simpler in self._limiting(candidate)]
-        return all(self._predicts(candidate, fitted, 1.0 - share) for fitted, share in limits)
+        clear = candidate.log_evidence - smaller.log_evidence > _CLEAR
+        return clear and not self.error(candidate).foretold.all()
 
     def _shifts_what_matters(self, candidate: Fit) -> bool:
         """Whether an offset of the clocks and what looks like one, which may cancel it, matter together."""
@@ -225,11 +191,6 @@ class Search:
         """Whether an effect's parameters are beyond their own uncertainty, and beyond a converter's steps."""
         return acts(candidate, kind, _AWAY) and exceeds_rounding(self.problem, candidate, kind)
 
-    def _best_known(self) -> Fit:
-        """Return the most credible model of members of the library alone."""
-        fits = self.fitted.values()
-        return max((one for one in fits if not any(map(is_outside, one.space.effects))), key=self.score)
-
     def _limiting(self, candidate: Fit) -> list[Fit]:
         """Models with the limiting case of one of a model's effects in its place, even if rejected."""
         effects = set(candidate.space.effects)
@@ -241,7 +202,7 @@ class Search:
         ]
         return [fit for fit in (self.fitted.get(key, self.rejected.get(key)) for key in keys) if fit]
 
-    def _energy(self, candidate: Fit, noise: NoiseModel) -> float:
+    def energy(self, candidate: Fit, noise: NoiseModel) -> float:
         """Energy that a fitted model leaves, whitened by a given noise."""
         rows = self.problem.whitened(candidate.space, candidate.coordinates, noise)
         return float(rows @ rows)
@@ -273,9 +234,7 @@ class Search:
 
         def extended(candidate: Screened) -> Fit:
             space = ModelSpace(parent.space.block, (*parent.space.effects, candidate.kind))
-            starts = [candidate.start]
-            if self.problem.flat and len(candidate.kind.parameters) > _SIMPLE:
-                starts += [start for start in candidate.others if start is not candidate.start]
+            starts = self._starts(candidate)
             return reweighted(self.problem, fit(self.problem, space, starts, parent.noise))
 
         with ThreadPoolExecutor(_WORKERS) as pool:
@@ -293,20 +252,16 @@ class Search:
                 self._reject(candidate)
         return kept
 
+    def _starts(self, promise: Screened) -> list[Array]:
+        """Coordinates from which to fit a further effect."""
+        return [promise.start]
+
     def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
-        """Log-evidence from which a rough fit is refined: all, where errors judge."""
-        if self.problem.flat or not rough:
+        """Log-evidence from which a rough fit is refined."""
+        if not rough:
             return -np.inf
         first = max(candidate.log_evidence for candidate in rough)
         return min(0.5 * (first + parent.log_evidence), first - _CLOSE)
-
-    @property
-    def _least_promise(self) -> float:
-        """Gain to first order below which an effect is not fitted.
-
-        Where models are compared by their plain error, the first-order estimate is too rough to exclude any.
-        """
-        return 0.0 if self.problem.flat else COST
 
     def forward(self, begin: Fit, kinds: Sequence[type[Effect]], *, deepest: int = MOST_EFFECTS) -> Fit:
         """Add effects as long as the evidence grows."""
@@ -315,12 +270,12 @@ class Search:
             children: list[Fit] = []
             for parent in beam:
                 promising = self.screened(parent, kinds)
-                floor = max(self._least_promise, 0.02 * promising[0].gain) if promising else 0.0
+                floor = max(COST, 0.02 * promising[0].gain) if promising else 0.0
                 likely = [candidate for candidate in promising[:_TRIED] if candidate.gain > floor]
                 children += self.extend(parent, [*likely, *self._hidden(parent, promising, likely)])
             children.sort(key=self.score, reverse=True)
             reach = [one for one in children[:_BEAM] if self._within_reach(one, children[0])]
-            near = reach if self.problem.flat else [self.keep(refined(self.problem, one)) for one in reach]
+            near = [self.keep(refined(self.problem, one)) for one in reach]
             beam = [*near[:1], *(candidate for candidate in near[1:] if not self._surpassed(candidate))]
             if not beam or self.score(beam[0]) < self.score(best):
                 break
@@ -384,35 +339,6 @@ class Search:
         search.whole(search.best)
         return search
 
-    def tempered(self) -> "Search":
-        """Fit the models again by the plain error of the channel, since the best one leaves more than noise.
-
-        The likelihood is that of as many observations as there are swings of the motion, few from each test.
-        """
-        search = Search(self.problem.tempered(observations(self.problem)))
-        search.exchange(search.whole())
-        return search
-
-    def exchange(self, best: Fit) -> None:
-        """Try every other effect in the place of each of a model's, as long as that makes it better."""
-        candidates = self.candidates
-        for _ in range(_MOST_EXCHANGES):
-            if len(best.space.effects) < 2:  # noqa: PLR2004 - single effects were all tried
-                return
-            for kind in best.space.effects:
-                parent = self.without(best, kind)
-                self.extend(
-                    parent,
-                    [
-                        candidate
-                        for candidate in self.screened(parent, candidates)[:_TRIED]
-                        if candidate.gain > self._least_promise
-                    ],
-                )
-            if self.best is best:
-                return
-            best = self.best
-
     def try_twins(self) -> None:
         """Try, in the place of every effect of the best model, those that the block may not tell from it."""
         best = self.best
@@ -438,10 +364,13 @@ class Search:
     def refine(self) -> None:
         """Try, in the place of every effect of the best model, its special forms."""
         for kind in self.best.space.effects:
-            best = self.best
-            for special in library().values():
-                if special.refines is kind:
-                    self._refine(best, kind, special)
+            self.refine_in(self.best, kind)
+
+    def refine_in(self, best: Fit, kind: type[Effect]) -> None:
+        """Try the special forms of an effect in its place in a model."""
+        for special in library().values():
+            if special.refines is kind:
+                self._refine(best, kind, special)
 
     def _refine(self, best: Fit, kind: type[Effect], special: type[Effect]) -> None:
         if kind not in best.space.effects:
@@ -454,6 +383,18 @@ class Search:
         refined_fit = refined(self.problem, fit(self.problem, space, starts, best.noise))
         if self._matters(refined_fit, best):
             self.keep(refined_fit)
+
+    def simplified(self, fitted: Fit, special: type[Effect]) -> Fit:
+        """Fit a model with the simpler effect in the place of a special form."""
+        simple = special.refines
+        if simple is None:
+            return fitted
+        kinds = tuple(simple if effect is special else effect for effect in fitted.space.effects)
+        space = ModelSpace(fitted.space.block, kinds)
+        if frozenset(space.names) in self.fitted:
+            return self.fitted[frozenset(space.names)]
+        (start, *_) = space.in_place_of(fitted.space, fitted.coordinates, special, simple)
+        return self.keep(refined(self.problem, fit(self.problem, space, [start], fitted.noise)))
 
     def settle(self) -> None:
         """Reject every model that may be named and contains an effect that does not matter."""

@@ -235,11 +235,3 @@ class ModelSpace:
 def further_parameters(special: type[Effect], simple: type[Effect]) -> list[Parameter]:
     """Parameters of a special form that the simpler effect does not have."""
     return [parameter for parameter in special.parameters if parameter not in simple.parameters]
-
-
-def further_than(kind: type[Effect], effects: Sequence[type[Effect]]) -> int:
-    """Parameters that an effect brings beside those of the simpler one that a smaller model holds."""
-    simple = kind.refines
-    if simple is None or simple not in effects:
-        return len(kind.parameters)
-    return len(further_parameters(kind, simple))

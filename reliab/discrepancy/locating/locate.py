@@ -1,8 +1,9 @@
 """Where a calibrated model fails: the motion quantities with which its residual is correlated.
 
-Each test projects the whitened residual on the signals that a family of causes would add to the channel
-(columns of the motion, whitened alike, the calibration's own directions taken out). Under noise alone the
-projected energy is χ²-distributed with as many degrees of freedom as the family has columns; Bonferroni's
+The whitened residual is projected on the signals that a family of causes would add to the channel (columns of
+the motion, whitened alike, the calibration's own directions taken out). The family that explains most comes
+first; what it explains is taken off before the next is looked for, so that shares add up. Under noise alone
+the projected energy is χ²-distributed with as many degrees of freedom as the family has columns; Bonferroni's
 factor corrects for the number of families.
 """
 
@@ -14,15 +15,21 @@ import numpy as np
 from scipy import stats
 
 from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
-_BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 45.0))  # Hz
 _SIGNIFICANT = 1e-4
-_LISTED = 4
-_LEAST_PROBABILITY = 1e-300  # smaller ones are not told from zero
+_LEAST_SHARE = 0.02  # of the residual's power above the noise, of a finding
+LEAST_PROBABILITY = 1e-16
+"""Smaller ones mean nothing: no noise is normal so far out."""
+_MIDDLE = (0.1, 0.9)  # quantiles of the power between which a finding lies in time and frequency
+_BEGIN = 0.05  # quantile of its power in displacement and velocity at which it begins
+_INDEPENDENT = 1e-6  # of the largest column: what is left of one that others span
+_REST = "frequency_band"  # kind of the finding of what no family explains
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +42,22 @@ class Finding:
     kind: str  # What the residual depends on
     detail: str  # One sentence
     share_of_residual: float  # Part of the residual's power above the noise that it accounts for, in [0, 1]
-    p_value: float  # Probability of as much under noise alone, corrected for the number of tests made
+    p_value: float  # Probability of as much under noise alone, corrected for the number of trials made
+    band: tuple[float, float]  # Frequencies [Hz] between which it lies
+    time: tuple[float, float]  # Times [s] in that test between which it lies
+    displacement: float  # Size of the displacement [m] at which it begins
+    velocity: float  # Size of the velocity [m/s] at which it begins
+
+    @property
+    def begin(self) -> str:
+        """Displacement and velocity at which it begins, as they are shown."""
+        size, speed = (significant(MILLI * value, 2) for value in (self.displacement, self.velocity))
+        return f"{size} mm, {speed} mm/s"
+
+    @property
+    def chance(self) -> str:
+        """Probability of as much under noise alone, as it is shown."""
+        return f"{'< ' if self.p_value <= LEAST_PROBABILITY else ''}{self.p_value:.0e}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `where`."""
@@ -47,6 +69,10 @@ class Finding:
             "detail": self.detail,
             "share_of_residual": self.share_of_residual,
             "p_value": self.p_value,
+            "band_hz": list(self.band),
+            "time_s": list(self.time),
+            "displacement_m": self.displacement,
+            "velocity_m_per_s": self.velocity,
         }
 
 
@@ -58,7 +84,6 @@ class _Family:
 
 
 _FAMILIES = (
-    _Family("offset", "a constant remains", lambda _t, x, _v, _a: (np.ones_like(x),)),
     _Family(
         "time",
         "the residual changes in the course of the tests, whatever the motion",
@@ -75,90 +100,111 @@ _FAMILIES = (
         lambda _t, _x, v, _a: (v, v * np.abs(v)),
     ),
     _Family(
+        "direction",
+        "the residual differs between both directions of motion",
+        lambda _t, _x, v, _a: (np.abs(v), v**2),
+    ),
+    _Family(
         "amplitude",
         "the residual grows out of proportion with the displacement",
         lambda _t, x, _v, _a: (x**2, x**3, x * np.abs(x)),
     ),
-    _Family(
-        "acceleration", "the residual is correlated with the acceleration", lambda _t, _x, _v, a: (a,)
-    ),
+    _Family("acceleration", "the residual is correlated with the acceleration", lambda _t, _x, _v, a: (a,)),
     _Family(
         "state_plane",
         "the residual depends on displacement and velocity together",
-        lambda _t, x, v, _a: (x * v, x**2 * v, x * v**2),
+        lambda _t, x, v, _a: (x * v, x**2 * v, x * v**2, np.abs(x) * np.tanh(v / 0.01)),
     ),
-)  # fmt: skip
+)
 
 
 def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
-    """Find the motion quantities with which the residual of the calibrated model is correlated."""
+    """Find the motion quantities with which the residual of the calibrated model is correlated.
+
+    Their shares add up to one with that of the rest, which comes last where it is no noise.
+    """
     residual = problem.whitened(calibrated.space, calibrated.coordinates, noise)
-    findings = [_along(problem, calibrated, noise, residual, family) for family in _FAMILIES]
-    findings += [_in_band(problem, residual, low, high) for low, high in _BANDS]
-    trials = len(findings)
-    corrected = [(min(1.0, p * trials), share, make) for p, share, make in findings]
-    significant = [finding for finding in corrected if finding[0] < _SIGNIFICANT]
-    significant.sort(key=lambda finding: -finding[1])
-    return tuple(make(p, share) for p, share, make in significant[:_LISTED])
+    excess = max(float(residual @ residual) - residual.size, 1e-300)
+    basis, remainder = np.linalg.qr(calibrated.jacobian)[0], residual
+    families = {family: _columns(problem, noise, family) for family in _FAMILIES}
+    found: list[tuple[Array, str, str, float, float]] = []
+    while families:
+        explained = {family: _explained(remainder, basis, columns) for family, columns in families.items()}
+        family = max(explained, key=lambda one: float(np.sum(explained[one][0] ** 2)))
+        rows, axes = explained[family]
+        energy = float(rows @ rows)
+        p_value = min(1.0, len(_FAMILIES) * float(stats.chi2.sf(energy, axes.shape[1])))
+        if p_value >= _SIGNIFICANT or energy < _LEAST_SHARE * excess:
+            break
+        found.append((rows, family.kind, family.sentence, energy / excess, p_value))
+        basis, remainder = np.concatenate([basis, axes], axis=1), remainder - rows
+        del families[family]
+    rest = float(remainder @ remainder)
+    p_value = float(stats.chi2.sf(rest, remainder.size))
+    if rest - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
+        found.append((remainder, _REST, "no quantity of the motion explains the rest", 1.0, p_value))
+    whole = 0.0
+    findings = []
+    for rows, kind, sentence, most, p in found:
+        share = min(most, 1.0 - whole)
+        whole += share
+        if share < _LEAST_SHARE:
+            break
+        findings.append(_finding(problem, noise, rows, kind, sentence, share, max(p, LEAST_PROBABILITY)))
+    return tuple(findings)
 
 
-_Make = Callable[[float, float], Finding]
+def _explained(residual: Array, basis: Array, columns: Array) -> tuple[Array, Array]:
+    """Project a residual on columns without what a basis spans; the orthonormal axes of these, too."""
+    free = columns - basis @ (basis.T @ columns)
+    axes, sizes, _ = np.linalg.svd(free, full_matrices=False)
+    axes = axes[:, sizes > _INDEPENDENT * np.linalg.norm(columns, axis=0).max()]
+    return axes @ (axes.T @ residual), axes
 
 
-def _along(
-    problem: Problem, calibrated: Fit, noise: NoiseModel, residual: Array, family: _Family
-) -> tuple[float, float, _Make]:
-    columns = _columns(problem, noise, family)
-    basis = np.linalg.qr(calibrated.jacobian)[0] if family.kind != "offset" else np.zeros((residual.size, 0))
-    columns -= basis @ (basis.T @ columns)
-    axes, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    axes = axes[:, sizes > 1e-6 * sizes.max()]
-    amounts = axes.T @ residual
-    explained = axes @ amounts
-    p_value = float(stats.chi2.sf(float(amounts @ amounts), axes.shape[1]))
-    share = _share(float(amounts @ amounts), residual)
-    strongest = _strongest(problem, explained)
-    return p_value, share, _finding(problem, strongest, family.kind, family.sentence)
-
-
-def _in_band(problem: Problem, residual: Array, low: float, high: float) -> tuple[float, float, _Make]:
-    frequency = np.concatenate(
-        [np.concatenate([s.frequency[:1], s.frequency[1:], s.frequency[1:]]) for s in problem.segments]
+def _finding(
+    problem: Problem, noise: NoiseModel, rows: Array, kind: str, sentence: str, share: float, p_value: float
+) -> Finding:
+    """Say in which test, band, time and motion a part of the residual lies."""
+    block, owners = problem.block, problem.owners
+    power = np.bincount(owners, rows**2, minlength=len(problem.segments))
+    test = problem.segments[int(np.argmax(power))].test
+    segments = [(place, s) for place, s in enumerate(problem.segments) if s.test == test]
+    frequency = np.concatenate([np.concatenate([s.frequency, s.frequency[1:]]) for _, s in segments])
+    inside = np.isin(owners, [place for place, _ in segments])
+    low, high = _quantiles(frequency, rows[inside] ** 2, _MIDDLE)
+    high = max(high, float(segments[0][1].frequency[1]))
+    samples = np.concatenate([np.arange(s.begin, s.end) for _, s in segments])
+    values = np.concatenate([s.history(rows[owners == place], noise) for place, s in segments])
+    first, last = _quantiles(samples / block.rate, values**2, _MIDDLE)
+    motion = block.motions[test].values[:, samples]
+    size, speed = (_quantiles(np.abs(motion[k] - motion[k].mean()), values**2, (_BEGIN,))[0] for k in (0, 1))
+    where = (
+        f"most in {block.tests[test].file} from {significant(first)} to {significant(last)} s, at "
+        f"{significant(low, 2)} to {significant(high, 2)} Hz, from {significant(MILLI * size, 2)} mm and "
+        f"{significant(MILLI * speed, 2)} mm/s on"
     )
-    inside = (frequency >= low) & (frequency < high)
-    energy = float((residual[inside] ** 2).sum())
-    p_value = float(stats.chi2.sf(energy, max(int(inside.sum()), 1)))
-    share = _share(max(energy - float(inside.sum()), 0.0), residual)
-    sentence = f"the residual exceeds the noise between {low:g} and {high:g} Hz"
-    strongest = _strongest(problem, np.where(inside, residual, 0.0))
-    return p_value, share, _finding(problem, strongest, "frequency_band", sentence)
+    return Finding(
+        block=str(block.block),
+        channel=str(block.channel),
+        test=block.tests[test].file,
+        kind=kind,
+        detail=f"In {block.channel} of the {block.block} {sentence}: {where}.",
+        share_of_residual=share,
+        p_value=p_value,
+        band=(low, high),
+        time=(first, last),
+        displacement=size,
+        velocity=speed,
+    )
 
 
-def _share(energy: float, residual: Array) -> float:
-    excess = max(float(residual @ residual) - residual.size, energy, 1e-300)
-    return float(min(energy / excess, 1.0))
-
-
-def _strongest(problem: Problem, rows: Array) -> int:
-    power = np.bincount(problem.owners, rows**2, minlength=len(problem.segments))
-    return problem.segments[int(np.argmax(power))].test
-
-
-def _finding(problem: Problem, test: int, kind: str, sentence: str) -> _Make:
-    block = problem.block
-
-    def make(p_value: float, share: float) -> Finding:
-        return Finding(
-            block=str(block.block),
-            channel=str(block.channel),
-            test=block.tests[test].file,
-            kind=kind,
-            detail=f"In {block.channel} of the {block.block} {sentence}, most in {block.tests[test].file}.",
-            share_of_residual=share,
-            p_value=max(p_value, _LEAST_PROBABILITY),
-        )
-
-    return make
+def _quantiles(values: Array, weights: Array, shares: tuple[float, ...]) -> list[float]:
+    """Quantiles of values by their weights."""
+    order = np.argsort(values)
+    summed = np.cumsum(weights[order])
+    places = np.searchsorted(summed, np.array(shares) * summed[-1])
+    return [float(value) for value in values[order][np.minimum(places, values.size - 1)]]
 
 
 def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:

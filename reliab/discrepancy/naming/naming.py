@@ -8,6 +8,8 @@ import numpy as np
 from scipy import stats
 
 from reliab.core.arrays import Array
+from reliab.core.significant_digits import counted, percent
+from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
 from reliab.discrepancy.fitting.noise_test import (
@@ -16,37 +18,41 @@ from reliab.discrepancy.fitting.noise_test import (
     noise_like_tests,
     structured_share,
 )
-from reliab.discrepancy.fitting.prior import COST, cost
+from reliab.discrepancy.fitting.prior import COST
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.fitting.search import MATERIAL, Search
-from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
+from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
+from reliab.discrepancy.naming.choice import (
+    SURE,
+    Choice,
+    best_rival,
+    choose,
+    explains_more_than_left,
+    names_of,
+    probability,
+    ranking,
+    remarks_on,
+)
 from reliab.discrepancy.naming.unexplained import unexplained
 from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
-from reliab.discrepancy.result.gap import FurtherError
+from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
     Estimate,
     MissingEffect,
     Rival,
+    Unknown,
     calibration,
     estimates,
     widened,
 )
-from reliab.discrepancy.terms.clock_offset import ClockOffset
-from reliab.discrepancy.terms.outside_term import is_outside
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import GeneralTerm, is_general
 from reliab.effects.stroke_saturation import StrokeSaturation
 from reliab.effects.viscous_damping import ViscousDamping
-
-SURE = 0.9
-"""Probability from which an effect is named."""
-
-_DRAWS, _SEED = 1000, 20
-_NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
-_LIKELY = 0.5  # the same where clocks may differ, which changes the parameters of the other effects
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
@@ -59,155 +65,36 @@ _TAILS = 0.05
 _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 
-def ranking(search: Search) -> tuple[Ranked, ...]:
-    """Fitted models with their probabilities, the most probable first."""
-    models = [*search.fitted.values(), *_with_clocks(search)]
-    shares = _shares_of_tests(search, models) if search.problem.flat else _shares_of_scores(search, models)
-    order = np.argsort(-shares, kind="stable")
-    ordered = [models[k] for k in order]
-    if search.problem.flat:
-        _place(search, ordered)
-    return tuple(
-        Ranked(fit=fit, probability=share) for fit, share in zip(ordered, shares[order].tolist(), strict=True)
-    )
-
-
-def _with_clocks(search: Search) -> list[Fit]:
-    """Models with an offset of the clocks that is too small to be named, beside effects that are needed."""
-    return [
-        fit
-        for key, fit in search.with_clocks.items()
-        if key not in search.fitted
-        and key - {str(ClockOffset.name)} in search.fitted  # effects that were rejected are not needed
-        and not any(
-            ClockOffset in fewer.space.effects and names < key and search.score(fewer) >= search.score(fit)
-            for names, fewer in search.fitted.items()
-        )
-    ]
-
-
-def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
-    """Probability of each model by its score, shape (models,).
-
-    Between the first one and those with a twin of one of its effects in its place the data alone decide, and
-    not how probable a gain or a size would have been before them. Simulations of one model differ, too: by
-    what that may change in the likelihood none is preferred.
-    """
-    scores = np.array([search.score(model) for model in models])
-    for place, model in enumerate(models[len(search.fitted) :], start=len(search.fitted)):
-        alone = models.index(search.fitted[frozenset(model.space.names) - {str(ClockOffset.name)}])
-        scores[alone] = max(scores[alone], scores[place])
-    first = models[int(np.argmax(scores))]
-    for place, model in enumerate(models):
-        if _is_twin(search, first, model):
-            unsure = 0.5 * MODEL_ERROR**2 * search.problem.loudness(first.noise)
-            lost = max(first.log_likelihood - model.log_likelihood - unsure, 0.0)
-            scores[place] = max(scores[place], float(scores.max()) - lost)
-    return _softmax(scores)
-
-
-def _is_twin(search: Search, first: Fit, rival: Fit) -> bool:
-    """Whether a model differs from another by one effect, which the block may be unable to tell."""
-    gone = set(first.space.effects) - set(rival.space.effects)
-    added = set(rival.space.effects) - set(first.space.effects)
-    if len(gone) != 1 or len(added) != 1:
-        return False
-    return next(iter(added)) in search.problem.block.twins.get(next(iter(gone)), ())
-
-
-def _shares_of_tests(search: Search, models: Sequence[Fit]) -> Array:
-    """Probability of each model by its errors on left-out tests, shape (models,).
-
-    The tests of a campaign are a few of all that could have been run. Their weights are drawn anew from the
-    flat Dirichlet distribution (the Bayesian bootstrap), and probabilities are averaged over the draws, so
-    that a model that wins by a single test is not certain (pseudo-BMA+ of Yao and others, 2018,
-    doi:10.1214/17-BA1091).
-    """
-    errors = np.stack([search.error(fit).relative for fit in models])
-    weights = np.random.default_rng(_SEED).dirichlet(np.ones(errors.shape[1]), _DRAWS) * errors.shape[1]
-    likelihoods = search.observations * -0.5 * np.log(np.maximum(weights @ errors.T, 1e-300))
-    costs = np.array([cost(fit.space.effects) for fit in models])
-    return np.asarray(_softmax(likelihoods - costs).mean(axis=0))
-
-
-def _softmax(scores: Array) -> Array:
-    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
-
-
-def _place(search: Search, ordered: list[Fit]) -> None:
-    """Decide by the likelihood of all tests where along the block the effects of the first model act.
-
-    Models that differ in nothing but that have the same names and as many parameters. A test in which the
-    place shows best is missing where it is left out, so that left-out tests often do not tell; the other
-    model then takes the first one's rank, and its own rank goes to that one.
-    """
-    first = ordered[0]
-    names = sorted(effect.label() for effect in first.space.effects)
-    for rank, rival in enumerate(ordered[1:], start=1):
-        same = sorted(effect.label() for effect in rival.space.effects) == names
-        if same and search.error(first).undecided(search.error(rival)):
-            if rival.log_evidence > first.log_evidence:
-                ordered[0], ordered[rank] = rival, first
-            return
-
-
-def probability(ranked: Sequence[Ranked], effect: type[Effect]) -> float:
-    """Probability that an effect acts, in whichever variant: of all models that contain it together."""
-    label = effect.label()
-    return float(sum(r.probability for r in ranked if label in {e.label() for e in r.fit.space.effects}))
-
-
-def believed(ranked: Sequence[Ranked], null: Fit) -> tuple[Fit, set[type[Effect]], set[type[Effect]]]:
-    """Return the model that is believed, its effects that are named, and those of which one acts."""
-    best = ranked[0].fit
-    effects = best.space.effects
-    sure_effects = {effect for effect in effects if probability(ranked, effect) >= SURE}
-    less_sure = set(effects) - sure_effects
-    fewer = sum(r.probability for r in ranked if len(r.fit.space.effects) < len(effects))
-    most = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
-    doubtful = less_sure if fewer < most else set()
-    return _fit_with(ranked, sure_effects | doubtful) or null, sure_effects, doubtful
-
-
-def _fit_with(ranked: Sequence[Ranked], effects: set[type[Effect]]) -> Fit | None:
-    return next((r.fit for r in ranked if set(r.fit.space.effects) == effects), None)
-
-
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     """Draw the conclusions from the search of a block."""
-    problem = search.problem
-    ranked = ranking(search)
-    best, sure_effects, doubtful = believed(ranked, search.null)
-    restated = frozenset({StatedDamping}) & sure_effects  # a contradiction of what is stated, and no effect
+    ranked = ranking(search, proof)
+    choice = choose(search, ranked, proof)
+    best = choice.best.fit
+    restated = frozenset({StatedDamping}) & choice.sure  # a contradiction of what is stated, and no effect
     calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
-    judged = _judged_by_noise(problem, best)
-    noise = is_noise(*judged)
-    structured = structured_share(*judged)
+    judged = _judged_by_noise(search.problem, best)
+    noise, structured = is_noise(*judged), structured_share(*judged)
     naming = _naming(search, ranked, best, proof, structured)
-    shifts = [naming.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
-    biases = [shift for shift in shifts if shift.probability >= SURE]
+    biases, uncertain = naming.offsets()
     before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
     after = residuals(proof, best)
-    missing = [kind for kind in best.space.effects if kind not in restated]
-    inside = [kind for kind in missing if not is_outside(kind)]
     held_out = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    proved = replace(held_out, missing=bool(missing or biases))
-    effects, unsettled = naming.settled(inside, sure_effects, doubtful, biases)
-    remaining = None if noise else _located(problem, best, judged)
-    unknown = unexplained(judged, best, proved, remaining, named=bool(effects) and not unsettled)
+    proved = _beside_others(held_out, search, proof, ranked, choice)
+    proved = replace(proved, missing=bool(set(best.space.effects) - restated or biases))
+    effects, doubtful = naming.settled(choice, biases)
+    is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
+    remaining = None if noise else _located(search.problem, best, judged)
+    unknown = _unknown(choice, ranked, judged, proved, remaining, is_named=is_named)
     return BlockDiagnosis(
-        block=problem.block,
-        problem=problem,
+        problem=search.problem,
         proof=proof,
         calibrated=calibrated,
-        best=best,
         ranked=ranked,
         effects=effects,
-        doubtful=unsettled,
-        uncertain_offsets=tuple(shift for shift in shifts if shift not in biases),
+        doubtful=doubtful,
+        uncertain_offsets=uncertain,
         unknown=unknown,
-        findings=_located(problem, calibrated, judged),
+        findings=_located(search.problem, calibrated, judged),
         residuals_before=_by_file(proof, before),
         residuals_after=_by_file(proof, after),
         gap=replace(proved, missing=bool(proved.missing or unknown)),
@@ -215,7 +102,56 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         leaves_noise=noise,
         calibration=calibration(best, restated=bool(restated)),
         further=expected_error(_as_recorded(search, best)),
+        believed=choice.best,
+        choice_remarks=tuple(remarks_on(choice)),
+        linear=_linear_estimates(search.linear),
+        refining=tuple(choice.refining),
     )
+
+
+def _unrefined(choice: Choice) -> list[type[Effect]]:
+    """Effects of the believed model that may have a name."""
+    return [kind for kind in choice.best.fit.space.effects if kind not in choice.refining]
+
+
+def _unknown(
+    choice: Choice,
+    ranked: Sequence[Ranked],
+    judged: tuple[Problem, Fit],
+    proved: Gap,
+    remaining: Sequence[Finding] | None,
+    *,
+    is_named: bool,
+) -> Unknown | None:
+    """State what no effect of the library explains: terms that do not only refine a model, or a remainder."""
+    terms = [kind for kind in _unrefined(choice) if issubclass(kind, GeneralTerm)]
+    best, tried = choice.best.fit, _tried(ranked)
+    return unexplained(judged, best, terms, proved, remaining, is_named=is_named, tried=tried)
+
+
+def _beside_others(
+    measured: Gap, search: Search, proof: Problem, ranked: Sequence[Ranked], choice: Choice
+) -> Gap:
+    """Add to a gap what the best linear model leaves, and the best model that lacks one of the effects."""
+    linear, rival = search.linear, best_rival(ranked, choice.best)
+    error = held_out_nrmse(proof, residuals(proof, linear)) if linear.space.effects else measured.before
+    if rival is None:
+        return replace(measured, linear=error)
+    return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
+
+
+def _linear_estimates(linear: Fit) -> tuple[Estimate, ...]:
+    """Parameters of the best linear model of a block that has one of its own."""
+    if not linear.space.effects:
+        return ()
+    effects = (item for effect in linear.space.effects for item in estimates(effect, linear))
+    return (*calibration(linear), *effects)
+
+
+def _tried(ranked: Sequence[Ranked]) -> str:
+    """Say how many models were tried, and what the best one leaves."""
+    best, models = min(ranked, key=lambda row: row.held_out), counted(len(ranked), "model")
+    return f"of {models} that were tried the best ({names_of(best)}) leaves {percent(best.held_out)}"
 
 
 def _naming(
@@ -289,33 +225,40 @@ class _Naming:
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
 
     def settled(
-        self,
-        inside: Sequence[type[Effect]],
-        sure: set[type[Effect]],
-        doubtful: set[type[Effect]],
-        biases: Sequence[MissingEffect],
+        self, choice: Choice, biases: Sequence[MissingEffect]
     ) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
         """State effects: those that are named, offsets among them, and those of which one acts."""
+        inside = [kind for kind in _unrefined(choice) if not is_general(kind)]
+        sure = choice.sure - {StatedDamping}
         likely = [effect for kind in inside if kind in sure for effect in self.members(kind)]
-        doubted = [effect for kind in inside if kind in doubtful for effect in self.members(kind)]
+        doubted = [effect for kind in inside if kind in choice.doubtful for effect in self.members(kind)]
         unsure = [effect for effect in likely if effect.probability < SURE]
         probable = [effect for effect in likely if effect.probability >= SURE]
         return (*probable, *biases), (*unsure, *doubted)
 
     def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
-        """State an effect of the library, or the members of a composition."""
-        members = self.missing(effect).by_member
+        """State an effect of the library, or the members of a composition.
+
+        Where no model is exact, a special form, or a member beside the first one, has a name only if it
+        explains more than the whole leaves.
+        """
+        first, *others = self.missing(effect).by_member
         simple = effect.refines
-        if len(members) == 1 or simple is None:
-            return members
-        names = frozenset(self.best.space.names) - {str(effect.name)} | {str(simple.name)}
-        alone = self.search.fitted.get(names)
-        return tuple(
-            member
-            if member.member is simple or alone is None
-            else replace(member, error_without=self._error(alone))
-            for member in members
-        )
+        if simple is None:
+            return (first,)
+        alone = self._error(self.search.simplified(self.best, effect))
+        if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
+            alone, self._error(self.best)
+        ):
+            return (first if others or simple.label() == effect.label() else first.named_as(simple),)
+        return (first, *(replace(member, error_without=alone) for member in others))
+
+    def offsets(self) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
+        """State offsets: those that are named, and those in whose place another effect may stand."""
+        search, best = self.search, self.best
+        shifts = [self.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
+        sure = tuple(shift for shift in shifts if shift.probability >= SURE)
+        return sure, tuple(shift for shift in shifts if shift not in sure)
 
     def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""
@@ -439,9 +382,8 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     error = left_out(problem, rival)
     if (1.0 - MATERIAL) * error.energy > search.error(best).energy:
         return None
-    if not problem.flat:
-        odds = rival.log_evidence - best.log_evidence
-    else:
+    odds = rival.log_evidence - best.log_evidence
+    if isinstance(search, ErrorSearch):
         odds = search.likelihood(error) - search.likelihood(search.error(best))
     return OffsetRival(effect=first.kind, fit=rival, odds=odds)
 

@@ -16,8 +16,8 @@ from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import ABOVE_FLOOR, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
-from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.discrepancy.terms.periodic import Disturbance
+from reliab.effects.general.general_term import GeneralTerm
+from reliab.effects.general.periodic import Disturbance
 from reliab.signals.noise import NoiseModel, near_mains
 from reliab.signals.spectra import hann
 
@@ -46,18 +46,20 @@ _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 def unexplained(
     judged: tuple[Problem, Fit],
     best: Fit,
+    outside: Sequence[type[GeneralTerm]],
     proved: Gap,
     remaining: Sequence[Finding] | None,
     *,
-    named: bool,
+    is_named: bool,
+    tried: str,
 ) -> Unknown | None:
     """Return an effect outside the library, or a remainder that is too large.
 
-    `remaining` holds what the remainder varies with; None where it is noise. Where effects would be `named`
-    they must explain enough of every kind of held-out test, however small the remainder is.
+    `outside` holds terms of the best model that are no members of the library; `remaining` what the remainder
+    varies with, None where it is noise; `tried` says how well models do. Where effects have a name they
+    must explain enough of every kind of held-out test, however small the remainder is.
     """
     problem = judged[0]
-    outside = [kind for kind in best.space.effects if issubclass(kind, OutsideTerm)]
     interrupted = _interrupted(problem, judged[1], proved.after)
     if interrupted is not None:
         return interrupted
@@ -66,11 +68,11 @@ def unexplained(
     disturbance = _disturbance(problem, judged[1], proved.after)
     if disturbance is not None:
         return disturbance
-    if named:
+    if is_named:
         large = not explains_enough(proved)
     else:
         large = remaining is not None and _is_large(problem, best, proved)
-    return _remainder(problem, proved, remaining or ()) if large else None
+    return _remainder(problem, proved, remaining or (), tried) if large else None
 
 
 def explains_enough(proved: Gap) -> bool:
@@ -91,13 +93,12 @@ def _is_large(problem: Problem, best: Fit, proved: Gap) -> bool:
     return proved.model_error > SMALLEST_GAP or above_floor
 
 
-def _remainder(problem: Problem, proved: Gap, remaining: Sequence[Finding]) -> Unknown:
+def _remainder(problem: Problem, proved: Gap, remaining: Sequence[Finding], tried: str) -> Unknown:
     """Describe an error of the model that no effect explains."""
     return Unknown(
         block=str(problem.block.block),
         expression="",
-        description="the remainder follows the motion, and no effect or term that was tried explains it"
-        + _looks(remaining),
+        description=f"the remainder follows the motion: {tried}{_looks(remaining)}",
         held_out_nrmse=proved.after,
     )
 
@@ -123,7 +124,7 @@ def _judged_error(problem: Problem, best: Fit) -> float:
     return float(np.sqrt(rows @ rows / max(signal, 1e-300)))
 
 
-def _unknown(outside: Sequence[type[OutsideTerm]], best: Fit, error: float) -> Unknown:
+def _unknown(outside: Sequence[type[GeneralTerm]], best: Fit, error: float) -> Unknown:
     terms = []
     for effect in outside:
         values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))

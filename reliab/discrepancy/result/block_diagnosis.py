@@ -1,7 +1,7 @@
 """The results for one observed block."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -16,8 +16,10 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
+from reliab.effects.effect import Effect
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
+_LISTED = 5  # models that are shown because they are probable, and because their error is small
 _SMALLEST_OFFSET = 0.005  # of the force's RMS in the strongest test
 
 
@@ -49,12 +51,12 @@ _ALIKE = ("structure_frequency", "structure_mass")
 
 
 class Verdict(StrEnum):
-    """The verdict on a campaign."""
+    """The verdict on a campaign, the one that weighs most last."""
 
-    NAMED = "named"
     NO_MISSING_EFFECT = "no_missing_effect"
-    UNKNOWN_EFFECT = "unknown_effect"
+    NAMED = "named"
     NOT_IDENTIFIABLE = "not_identifiable"
+    UNKNOWN_EFFECT = "unknown_effect"
 
     @classmethod
     def from_effects(
@@ -70,10 +72,26 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ranked:
-    """A fitted model with its probability among all that were fitted."""
+    """A fitted model with its probability among all that were fitted, and its errors over the signal."""
 
     fit: Fit
     probability: float
+    left_out: float  # On parts of the fitted tests that were left out one at a time
+    held_out: float  # On held-out tests
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects, as a diagnosis reports them."""
+        return tuple(sorted(effect.label() for effect in self.fit.space.effects))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entry of `candidates`."""
+        return {
+            "effects": list(self.names),
+            "probability": self.probability,
+            "left_out_nrmse": self.left_out,
+            "held_out_nrmse": self.held_out,
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,14 +100,10 @@ class BlockDiagnosis:
 
     Attributes
     ----------
-    block : ObservedBlock
-        The block.
     problem, proof : Problem
         The block's data on the tests that are not held out, and on those that are.
     calibrated : Fit
         Calibration and offsets alone.
-    best : Fit
-        The model with the effects that are believed.
     ranked : tuple of Ranked
         All fitted models, the most probable first.
     effects : tuple of MissingEffect
@@ -115,16 +129,23 @@ class BlockDiagnosis:
         Gain, delay, stiffness or scale as calibrated in the best model.
     further : FurtherError or None
         Error to expect on a further test, None from too few tests.
+    believed : Ranked
+        The best model in the ranking.
+    choice_remarks : tuple of str, optional
+        Sentences on models that held-out tests contradict, and on effects that change nothing there.
+    linear : tuple of Estimate, optional
+        Parameters of the best linear model, where the block has one of its own.
+    refining : tuple of type of Effect, optional
+        Effects of the best model that are too little to be named.
     converged : bool, optional
-        Whether the posterior of the parameters has converged, where it was sampled. Where it has not,
-        standard deviations are those of a normal approximation.
+        Whether the posterior of the parameters has converged, where it was sampled.
+    inseparable : tuple of str, optional
+        Sentences on parameters that the tests show in combination only, where the posterior was sampled.
     """
 
-    block: ObservedBlock
     problem: Problem
     proof: Problem
     calibrated: Fit
-    best: Fit
     ranked: tuple[Ranked, ...]
     effects: tuple[MissingEffect, ...]
     doubtful: tuple[MissingEffect, ...]
@@ -138,12 +159,36 @@ class BlockDiagnosis:
     leaves_noise: bool
     calibration: tuple[Estimate, ...]
     further: FurtherError | None
+    believed: Ranked
+    choice_remarks: tuple[str, ...] = ()
+    linear: tuple[Estimate, ...] = ()
+    refining: tuple[type[Effect], ...] = ()
     converged: bool | None = None
+    inseparable: tuple[str, ...] = ()
+
+    @property
+    def block(self) -> ObservedBlock:
+        """The block."""
+        return self.problem.block
+
+    @property
+    def judged_by_parts(self) -> bool:
+        """Whether models were chosen by their errors on left-out parts: the best one leaves no noise."""
+        return self.problem.flat
+
+    @property
+    def best(self) -> Fit:
+        """The model with the effects that are believed."""
+        return self.believed.fit
 
     @property
     def verdict(self) -> Verdict:
-        """The answer for this block in one word."""
-        return Verdict.from_effects(self.effects, self.doubtful, self.unknown)
+        """The answer for this block in one word.
+
+        Where parts that are left out judge, a further effect in doubt does not undo the others.
+        """
+        doubtful = () if self.judged_by_parts and self.effects else self.doubtful
+        return Verdict.from_effects(self.effects, doubtful, self.unknown)
 
     @property
     def held_out(self) -> str:
@@ -151,10 +196,35 @@ class BlockDiagnosis:
         return held_out_in_words(self.block.tests, self.gap.held_out)
 
     @property
+    def candidates(self) -> tuple[Ranked, ...]:
+        """Models to compare the believed one with, those of the smallest error on held-out tests first."""
+        linear = {effect.label() for effect in self.block.linear}
+        alike: dict[frozenset[str], list[Ranked]] = {}
+        is_ranked = any(row.fit is self.best for row in self.ranked)
+        for row in self.ranked if is_ranked else (self.believed, *self.ranked):
+            alike.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
+        rows = [
+            replace(
+                next((row for row in group if row.fit is self.best), group[0]),
+                probability=sum(row.probability for row in group),
+            )
+            for group in alike.values()
+        ]
+        rows.sort(key=lambda row: -row.probability)
+        simple = [row for row in rows if set(row.names) <= linear]
+        by_error = sorted(rows, key=lambda row: row.held_out)
+        listed = {id(row): row for row in (*simple, *rows[:_LISTED], *by_error[:_LISTED])}
+        return tuple(sorted(listed.values(), key=lambda row: row.held_out))
+
+    @property
     def misstated(self) -> tuple[Estimate, ...]:
         """Values of structure and specimen, over the stated ones, with which the tests did not run."""
         return tuple(
-            item for item in self.calibration if item.name in NOMINAL_VALUES and _is_contradiction(item)
+            item
+            for item in self.calibration
+            if item.name in NOMINAL_VALUES
+            and _is_contradiction(item)
+            and not (self.judged_by_parts and item.name == "stiffness")
         )
 
     @property
@@ -208,6 +278,9 @@ class BlockDiagnosis:
             "calibration": {estimate.name: estimate.to_dict() for estimate in self.calibration},
             "further_test": None if self.further is None else self.further.to_dict(),
             "posterior_converged": self.converged,
+            "refining": [effect.label() for effect in self.refining],
+            "linear": {estimate.name: estimate.to_dict() for estimate in self.linear},
+            "candidates": [{**row.to_dict(), "believed": row.fit is self.best} for row in self.candidates],
         }
 
 

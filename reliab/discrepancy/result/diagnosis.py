@@ -76,7 +76,7 @@ class Diagnosis(ResultWithRows):
     @property
     def verdict(self) -> Verdict:
         """The answer in one word."""
-        return Verdict.from_effects(self.effects, self.doubtful, self.unknown)
+        return max((block.verdict for block in self.blocks), key=list(Verdict).index)
 
     @property
     def statement(self) -> str:
@@ -97,9 +97,8 @@ class Diagnosis(ResultWithRows):
 
     @property
     def where(self) -> tuple[Finding, ...]:
-        """All findings, the least probable under noise first."""
-        findings = [finding for diagnosed in self.blocks for finding in diagnosed.findings]
-        return tuple(sorted(findings, key=lambda finding: (finding.p_value, -finding.share_of_residual)))
+        """All findings, block by block, the largest share of each block's residual first."""
+        return tuple(finding for diagnosed in self.blocks for finding in diagnosed.findings)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -112,8 +111,9 @@ class Diagnosis(ResultWithRows):
             remarks += _limits_of(block)
         if len(self.campaign.tests) == 1:
             remarks.append(
-                f"{self.campaign.tests[0].file} is the only test: effects were sought in its first two "
-                "thirds and verified on its last third. Add a second test for a proof on other motion."
+                f"{self.campaign.tests[0].file} is the only test: effects were verified on the "
+                f"{self.campaign.held_out} and sought in the rest. Add a second test for a proof on other "
+                "motion."
             )
         remarks += [
             f"{test.file} has only {test.size} samples: it says little about any effect."
@@ -172,7 +172,9 @@ def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
 def _limits_of(block: BlockDiagnosis) -> list[str]:
     """Sentences on what limits the answer for a block."""
     name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
-    remarks = _limits_of_parameters((*block.effects, *block.doubtful))
+    remarks = [*block.choice_remarks, *_limits_of_parameters((*block.effects, *block.doubtful))]
+    if block.linear and block.judged_by_parts:
+        remarks.append(linear_statement(name, block))
     if block.not_fed_back is not None:
         remarks.append(
             f"The recorded force contains an offset of {significant(block.not_fed_back.value)} ± "
@@ -193,12 +195,26 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
         )
     if block.converged is False:
         remarks.append(
-            f"The posterior of the {name} has not converged: standard deviations are those of a normal"
-            " approximation."
+            f"The posterior of the {name} has not converged: intervals of its parameters are rough. Measure "
+            "cycles of other amplitudes and speeds, which tell the parameters apart."
         )
+    remarks += block.inseparable
     if not block.leaves_noise:
         remarks.append(remainder_statement(name, gap, block.structured_share))
     return remarks
+
+
+def linear_statement(name: str, block: BlockDiagnosis) -> str:
+    """Say what the best linear model of a block is, whatever was stated, and what it leaves."""
+    values = ", ".join(
+        f"{item.name.partition('_')[0]} {item.value:.4g} "
+        f"{'times the stated one' if item.units == '-' else item.units}"
+        for item in block.linear
+    )
+    return (
+        f"The best linear model of the {name} ({values}) leaves {percent(block.gap.linear or 0.0)} of the "
+        "signal on held-out tests."
+    )
 
 
 def clock_remark(effect: MissingEffect) -> str:

@@ -55,6 +55,12 @@ class Gap:
         frequency as noise is: it is taken for noise, unless a known floor is far below it.
     missing : bool, optional
         Whether anything was found to be missing, so that there is a gap to explain.
+    linear : float, optional
+        The same size for the best linear model, whatever was stated; as `before` unless given.
+    rival : float, optional
+        The same size for the best model that lacks one of the effects.
+    rival_effects : tuple of str, optional
+        Effects of that model.
     """
 
     held_out: tuple[str, ...]
@@ -68,6 +74,9 @@ class Gap:
     kinds: Mapping[str, str] = field(default_factory=dict)
     noise_like: frozenset[str] = frozenset()
     missing: bool = True
+    linear: float | None = None
+    rival: float | None = None
+    rival_effects: tuple[str, ...] = ()
 
     @property
     def source(self) -> str | None:
@@ -209,7 +218,10 @@ class Gap:
             "held_out": list(self.held_out),
             "channel": self.channel,
             "nrmse_before": self.before,
+            "nrmse_linear": self.before if self.linear is None else self.linear,
             "nrmse_after": self.after,
+            "nrmse_rival": self.rival,
+            "rival_effects": list(self.rival_effects),
             "noise_floor": self.floor,
             "noise_floor_source": self.source,
             "noise_floors": dict(self.floors),

@@ -115,7 +115,7 @@ class MissingEffect:
     on_bounds : tuple of str
         Parameters that lie on a bound of their range, so that their values and deviations mean little.
     member : type of Effect, optional
-        Member of a composition as which it is reported.
+        Member of a composition, or simpler effect, as which it is reported.
     """
 
     effect: type[Effect]
@@ -150,6 +150,26 @@ class MissingEffect:
             )
             for member in members
         ) or (self,)
+
+    def named_as(self, member: type[Effect]) -> "MissingEffect":
+        """State a special form under the name of the effect that it refines, with the parameters of that."""
+        names = _names(member)
+        return replace(
+            self,
+            member=member,
+            estimates=tuple(estimate for estimate in self.estimates if estimate.name in names),
+            on_bounds=tuple(name for name in self.on_bounds if name in names),
+        )
+
+    @property
+    def parameter_texts(self) -> tuple[str, ...]:
+        """Each parameter with its value, standard deviation and unit, as they are shown."""
+        texts = []
+        for estimate in self.estimates:
+            value, spread = estimate.words
+            mark = " (on a bound)" if estimate.name in self.on_bounds else ""
+            texts.append(f"{estimate.name} {value}{f' ± {spread}' if spread else ''}{mark}")
+        return tuple(texts)
 
     @property
     def remark(self) -> str:

@@ -76,6 +76,15 @@ class Segment:
             sums += 0.5 * (every - 1) * (end - begin) - (every**2 - 1) / 12.0 * along
         return np.asarray(sums / np.sqrt(n))
 
+    def history(self, rows: Array, noise: NoiseModel) -> Array:
+        """Return the history whose spectrum, whitened by a noise, has given real parts, shape (n,)."""
+        n = self.end - self.begin
+        white = np.zeros(n // 2 + 1, dtype=np.complex128)
+        white[0] = rows[0]
+        white[1 : self.bins] = (rows[1 : self.bins] + 1j * rows[self.bins :]) / np.sqrt(2.0)
+        white[: self.bins] *= np.sqrt(self.density(noise))
+        return np.asarray(fft.irfft(white * np.sqrt(n), n))
+
     def periodogram(self, values: Array) -> Periodogram:
         """Power at all frequencies but zero."""
         n = self.end - self.begin

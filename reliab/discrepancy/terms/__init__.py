@@ -1,1 +1,1 @@
-"""Physical terms outside the library, which give an unknown effect an expression."""
+"""Differences of clocks, and a damping that is not as stated: what no model is changed for."""

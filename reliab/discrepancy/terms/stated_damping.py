@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 
+from reliab.core.physical_range import RANGES
 from reliab.core.vocabulary import Block
 from reliab.effects.effect import Effect, Role
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.simulation.hybrid_test.model import HybridTest
 
-_LEAST = 1e-6  # of the stated damping; a structure has some
+_LEAST = RANGES["damping ratio"].lowest  # a structure has some
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,7 @@ def with_damping(model: HybridTest) -> HybridTest:
     if not changes or model.structure is None:
         return model
     damping = model.mass * model.substructure.damping
-    factor = max(1.0 + sum(change.damping_n_s_per_m for change in changes) / damping, _LEAST)
-    ratio = factor * model.structure.damping_ratio
+    factor = 1.0 + sum(change.damping_n_s_per_m for change in changes) / damping
+    ratio = max(factor * model.structure.damping_ratio, _LEAST)
     others = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
     return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=others)

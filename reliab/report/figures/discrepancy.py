@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import FancyBboxPatch
-from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from scipy.signal import ShortTimeFFT
 from scipy.stats import binned_statistic_2d
@@ -22,6 +21,7 @@ from reliab.report.numbers import Significant, in_line
 from reliab.report.style import BLUE, GREY, INK, PALE, SEQUENTIAL, VERMILION, blank, letters, panels, styled
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0
+_COLOUR_OF: Final = {"before": VERMILION, "linear": PALE, "rival": GREY, "after": BLUE, "noise": INK}
 _MOST_SAMPLES = 3000
 _BAND = 2.0  # standard deviations of the noise
 _BLOCKS_HEIGHT: Final = 62.0
@@ -73,15 +73,15 @@ class GapPanel:
     before: NDArray[np.float64]  # before, after: Residuals in that unit, shape (n,)
     after: NDArray[np.float64]
     noise: float | None  # RMS in that unit of what the recordings do not repeat, None where it is not known
-    # RMS over that of the signal, over all held-out tests: before, after and, where known, noise [-]
-    errors: tuple[float, ...]
+    # RMS over that of the signal, over all held-out tests [-]: of models, by name, and of the noise
+    errors: Mapping[str, float]
 
 
 @styled
 def discrepancy_gap(channels: Sequence[GapPanel]) -> Figure:
     """Draw residuals over time, and their size beside the noise's, channel by channel.
 
-    Returns A row for each channel: histories with the band of the noise, and RMS on a logarithmic scale.
+    Returns A row for each channel: histories with the band of the noise, and RMS of what every model leaves.
     """
     height = _PANEL_HEIGHT * len(channels) + _MARGIN
     figure, axes = panels(len(channels), 2, height=height, ratios=(3.0, 1.25))
@@ -116,17 +116,13 @@ def _histories(place: Axes, channel: GapPanel, *, legend: bool) -> None:
 
 
 def _bars(place: Axes, channel: GapPanel) -> None:
-    errors = [PERCENT * error for error in channel.errors]
-    count = len(errors)
-    names, colours = ("before", "after", "noise")[:count], (VERMILION, BLUE, GREY)[:count]
-    place.barh(names, errors, color=colours, height=0.6)
+    errors = [PERCENT * error for error in channel.errors.values()]
+    place.barh(list(channel.errors), errors, color=[_COLOUR_OF[name] for name in channel.errors], height=0.6)
     place.invert_yaxis()
-    place.set_xscale("log")
-    place.xaxis.set_minor_formatter(NullFormatter())
-    low, high = min(errors), max(errors)
-    place.set_xlim(0.08 * max(low, 1e-7), 12.0 * high)
+    high = max(errors)
+    place.set_xlim(0.0, 1.3 * high or 1.0)
     for rank, value in enumerate(errors):
-        place.text(1.15 * value, rank, in_line(Significant()(value)), va="center", fontsize=8.0)
+        place.text(value + 0.02 * high, rank, in_line(Significant()(value)), va="center", fontsize=8.0)
     name_axes(place, "RMS over signal's RMS [%]", "")
 
 
@@ -166,7 +162,8 @@ def _box(axes: Axes, centre: tuple[float, float], name: str, missing: str, look:
     note: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 3.0}
     axes.text(x, y + (0.34 if missing else 0.0), name, **note)
     if missing:
-        axes.text(x, y - 0.32, plain(missing), color=VERMILION, fontsize=8.0, fontweight="bold", **note)
+        lines = "\n".join(map(plain, missing.split("\n")))
+        axes.text(x, y - 0.32, lines, color=VERMILION, fontsize=8.0, fontweight="bold", **note)
 
 
 def _wires(axes: Axes) -> None:

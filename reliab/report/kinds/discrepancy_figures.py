@@ -67,9 +67,10 @@ def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDAr
     return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
 
 
-def _shown(diagnosed: BlockDiagnosis, file: str) -> str:
+def _test_in_words(diagnosed: BlockDiagnosis, file: str) -> str:
     """Name the test that a figure shows whole, and what of it is held out."""
-    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, last third held out"
+    third = diagnosed.held_out.partition(" of ")[0]
+    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, {third} held out"
 
 
 def _noise(diagnosed: BlockDiagnosis) -> float | None:
@@ -99,9 +100,9 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
         highest=min(_HIGHEST, 0.5 * rate),
     )
     caption = prose(
-        "Power of the residual of {channel} over that of the noise, {shown}.",
+        "Power of the residual of {channel} over that of the noise, {test}.",
         channel=str(diagnosed.block.channel),
-        shown=_shown(diagnosed, file),
+        test=_test_in_words(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
 
@@ -114,9 +115,9 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     unit, factor = _UNITS[diagnosed.block.channel]
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
-        "Mean residual of {channel} over displacement and velocity, {shown}.",
+        "Mean residual of {channel} over displacement and velocity, {test}.",
         channel=str(diagnosed.block.channel),
-        shown=_shown(diagnosed, file),
+        test=_test_in_words(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
 
@@ -132,7 +133,7 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
     cut = _strongest(measured, diagnosed.block.rate)
     unit, factor = _UNITS[diagnosed.block.channel]
     input_unit, input_factor = _UNITS[diagnosed.block.inputs[-1]]
-    shown = ModelledHistory(
+    history = ModelledHistory(
         time=np.arange(measured.size)[cut] / diagnosed.block.rate,
         driven=input_factor * driven[cut],
         measured=factor * measured[cut],
@@ -142,14 +143,14 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         label=f"{diagnosed.block.channel} [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of {shown}, in the stretch in which it is strongest: "
+        "Measured and modelled {channel} of {test}, in the stretch in which it is strongest: "
         "over time, and over {driven}.",
         channel=str(diagnosed.block.channel),
-        shown=_shown(diagnosed, file),
+        test=_test_in_words(diagnosed, file),
         driven=str(diagnosed.block.inputs[-1]),
     )
     return Figure(
-        drawing=discrepancy_histories(shown),
+        drawing=discrepancy_histories(history),
         caption=caption,
         label=f"fig:histories-{diagnosed.block.block}",
         floats=True,
@@ -182,7 +183,8 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
         "Residuals on held-out data before and after the effects are added, and their size over all "
-        "held-out tests compared with that of the noise."
+        "held-out tests: of the calibrated model (before), the best linear one, the best rival that lacks "
+        "one of the effects, the model with the effects (after), and the noise, where they are known."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)
@@ -199,36 +201,36 @@ def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
         before=factor * before,
         after=factor * after,
         noise=None if noise is None else factor * noise,
-        errors=tuple(
-            e for e in (diagnosed.gap.before, diagnosed.gap.after, diagnosed.gap.floor) if e is not None
-        ),
+        errors=_errors(diagnosed),
     )
 
 
-def _meanings(diagnosed: BlockDiagnosis) -> dict[str, str]:
-    """Words for every parameter of a block's effects, of the library or not, by "effect.parameter"."""
-    space = diagnosed.best.space
-    return {
-        f"{effect.name}.{parameter.name}": parameter.meaning
-        for effect in (*space.block.offsets, *space.effects)
-        for parameter in effect.parameters
+def _errors(diagnosed: BlockDiagnosis) -> dict[str, float]:
+    """Errors on held-out tests of the models that are compared, and of the noise, where it is known."""
+    gap = diagnosed.gap
+    errors = {
+        "before": gap.before,
+        "linear": gap.linear if diagnosed.linear else None,
+        "rival": gap.rival,
+        "after": gap.after,
+        "noise": gap.floor,
     }
+    return {name: error for name, error in errors.items() if error is not None}
 
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
-    """Draw the posterior of the effects that are named in a block, None where none has parameters."""
+    """Draw the posterior of the effects that are named in a block, None where it has not converged."""
     diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
-    named = {str(effect.effect.name) for effect in diagnosed.effects}
-    chosen = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in named][
+    effects = {str(effect.effect.name) for effect in diagnosed.effects}
+    places = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in effects][
         :_MOST_PARAMETERS
     ]
-    if not chosen:
+    if not (places and posterior.converged):
         return None
-    meanings = _meanings(diagnosed)
-    names = [f"{meanings[posterior.names[k]]} [{posterior.units[k]}]" for k in chosen]
+    names = [f"{posterior.names[k].rpartition('.')[2]} [{posterior.units[k]}]" for k in places]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,
     )
-    drawing = discrepancy_posterior(names, posterior.draws[:, chosen])
+    drawing = discrepancy_posterior(names, posterior.draws[:, places])
     return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}", floats=True)

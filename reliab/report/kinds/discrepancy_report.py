@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from reliab.core.significant_digits import percent
+from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
 from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.campaign.campaign import held_out_in_words
@@ -14,7 +14,7 @@ from reliab.discrepancy.fitting.problem import MOST_OF_A_TEST
 from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
@@ -114,13 +114,24 @@ def _closed(diagnosis: Diagnosis) -> str:
     with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
     of_all = (
         f"{with_effects} the error in {gap.channel} on held-out tests falls from {_of_signal(gap.before)} to "
-        f"{_of_signal(gap.after)} of the signal: {gap.conclusion}."
+        f"{_of_signal(gap.after)} of the signal{_of_others(gap)}: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
     if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
         return of_all
     share = percent(worst.unexplained_share, decimals=1)
     return f"{of_all} Least is explained of {worst.kind}: {share} of the gap's energy remains."
+
+
+def _of_others(gap: Gap) -> str:
+    """Say what the best linear model and the best rival leave."""
+    others = []
+    if gap.linear is not None and gap.linear != gap.before:
+        others.append(f"the best linear model leaves {_of_signal(gap.linear)}")
+    if gap.rival is not None:
+        rival = " + ".join(map(spelled_out, gap.rival_effects)) or "the model without effects"
+        others.append(f"the best rival ({rival}) {_of_signal(gap.rival)}")
+    return f" ({', '.join(others)})" if others else ""
 
 
 def _of_signal(size: float) -> str:
@@ -177,8 +188,9 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "error of the model: candidates are then compared by their error on tests that are left out one at "
         "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
         "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
-        "the choice. The verdict is “named” where at most {share} of the energy of the gap remains in the "
-        "kind of held-out test (sine, sweep, irregular motion) that is explained least."
+        "any fit; of models that explain the fitted tests they have the last word. The verdict is “named” "
+        "where at most {share} of the energy of the gap remains in the kind of held-out test (sine, sweep, "
+        "irregular motion) that is explained least."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [Paragraph(text=described)]
@@ -194,8 +206,17 @@ def location_section(diagnosis: Diagnosis) -> Section:
     """
     blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
     if diagnosis.where:
-        blocks.append(Points(items=tuple(dict.fromkeys(finding.detail for finding in diagnosis.where))))
-        rows = [{**finding.to_dict(), "block": str(finding.block)} for finding in diagnosis.where]
+        rows = [
+            {
+                **finding.to_dict(),
+                "block": str(finding.block),
+                "p": finding.chance,
+                "band": _span(finding.band),
+                "time": _span(finding.time),
+                "begin": finding.begin,
+            }
+            for finding in diagnosis.where
+        ]
         columns = (
             Column(key="block", heading="Block"),
             Column(key="kind", heading="Varies with"),
@@ -203,7 +224,10 @@ def location_section(diagnosis: Diagnosis) -> Section:
             Column(
                 key="share_of_residual", heading="Share", unit="%", number=Fixed(decimals=0, factor=100.0)
             ),
-            Column(key="p_value", heading="p", number=Significant(digits=2)),
+            Column(key="p", heading="p"),
+            Column(key="band", heading="Frequency", unit="Hz"),
+            Column(key="time", heading="Time", unit="s"),
+            Column(key="begin", heading="Begins at"),
         )
         frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spelled_out))
         caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
@@ -219,6 +243,11 @@ def location_section(diagnosis: Diagnosis) -> Section:
             blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
             blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
     return Section(title="Where the model fails", blocks=tuple(blocks))
+
+
+def _span(ends: tuple[float, float]) -> str:
+    """Write both ends of a band or a stretch."""
+    return " to ".join(significant(end, 3) for end in ends)
 
 
 def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
@@ -248,17 +277,17 @@ def _parameters(diagnosis: Diagnosis) -> Table:
     for diagnosed in diagnosis.blocks:
         for effect in (*diagnosed.effects, *diagnosed.doubtful):
             for estimate in effect.estimates:
-                shown = estimate.determined
-                low, high = (estimate.interval if shown else None) or (np.nan, np.nan)
+                determined = estimate.determined
+                low, high = estimate.interval or (np.nan, np.nan)
                 mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
-                mark += "" if shown else " (not determined)"
+                mark += "" if determined else " (not determined)"
                 rows.append(
                     {
                         "effect": spelled_out(effect.name),
                         "probability": effect.probability,
                         "parameter": f"{estimate.name} [{estimate.units}]{mark}",
-                        "value": estimate.value if shown else np.nan,
-                        "sd": estimate.sd if shown else np.nan,
+                        "value": estimate.value if determined else np.nan,
+                        "sd": estimate.sd if determined else np.nan,
                         "low": low,
                         "high": high,
                     }
@@ -366,10 +395,39 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
     blocks: list[Block] = [Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks]
-    blocks += [table, _errors_by_test(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
+    blocks += [table, _errors_by_test(diagnosis), *_candidates(diagnosis)]
+    blocks += drawn("the gap", partial(gap_figure, diagnosis))
     for diagnosed in diagnosis.blocks:
         blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
     return Section(title="The proof on held-out tests", blocks=tuple(blocks))
+
+
+def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
+    """Tabulate the models that were tried, the believed one marked."""
+    rows = [
+        {
+            "block": str(diagnosed.block.block),
+            "model": " + ".join(map(spelled_out, row.names)) or "calibration alone",
+            "believed": "yes" if row.fit is diagnosed.best else "",
+            "left_out": row.left_out,
+            "held_out": row.held_out,
+        }
+        for diagnosed in diagnosis.blocks
+        if len(diagnosed.candidates) > 1
+        for row in diagnosed.candidates
+    ]
+    columns = (
+        Column(key="block", heading="Block"),
+        Column(key="model", heading="Model"),
+        Column(key="believed", heading="Believed"),
+        Column(key="left_out", heading="Left-out parts", unit="%", number=_SIZE),
+        Column(key="held_out", heading="Held out", unit="%", number=_SIZE),
+    )
+    caption = (
+        "Models that were tried, with their errors on parts of the fitted tests that were left out one at a "
+        "time, and on held-out tests, RMS over that of the signal."
+    )
+    return (Table(frame=pd.DataFrame(rows), columns=columns, caption=caption),) if rows else ()
 
 
 def _floor(diagnosed: BlockDiagnosis) -> Prose:

@@ -569,7 +569,7 @@ def channel(noise, **changes):
         "before": before,
         "after": after,
     }
-    errors = (0.3, 0.1) if noise is None else (0.3, 0.1, 0.05)
+    errors = {"before": 0.3, "after": 0.1} | ({} if noise is None else {"noise": 0.05})
     return discrepancy.GapPanel(**{**values, "noise": noise, "errors": errors, **changes})
 
 
@@ -597,10 +597,10 @@ def test_what_is_left_in_each_channel():
         assert [bar.get_width() for bar in place.patches] == pytest.approx(errors)
         assert written(place) == ["30.0", "10.0", "5.00"][: len(errors)]
         assert [text.get_position() for text in place.texts] == [
-            (pytest.approx(1.15 * error), rank) for rank, error in enumerate(errors)
+            (pytest.approx(error + 0.02 * max(errors)), rank) for rank, error in enumerate(errors)
         ]
-        assert place.get_xlim() == pytest.approx((0.08 * errors[-1], 12.0 * errors[0]))
-        assert place.get_xscale() == "log"
+        assert place.get_xlim() == pytest.approx((0.0, 1.3 * errors[0]))
+        assert place.get_xscale() == "linear"
         assert place.yaxis_inverted()
         assert [text.get_text() for text in place.get_yticklabels()] == ["before", "after", "noise"][
             : len(errors)

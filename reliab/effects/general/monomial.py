@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from reliab.core.compiled import compiled
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.terms.outside_term import OutsideTerm
 from reliab.effects.effect import Parameter, Role, Setting
+from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.kernel import Kernel, Numbers
 
 _SYMBOLS = ("t", "x", "|x|", "v", "|v|")
@@ -61,7 +61,7 @@ _ON_PISTON = Kernel(function=_move, states=2)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Monomial(OutsideTerm):
+class Monomial(GeneralTerm):
     """A term c·tᵃ·xⁱ·|x|ʲ·vᵏ·|v|ˡ."""
 
     exponents: ClassVar[tuple[float, ...]]
@@ -84,8 +84,10 @@ def monomial(
     v: float = 0,
     abs_v: float = 0,
     typical: float = 0.1,
+    name: str = "",
+    description: str = "",
 ) -> type[Monomial]:
-    """Make the class of a term.
+    """Make the class of a term, with a name and words of its own where it has some.
 
     >>> monomial(Role.FORCE, x=2, v=1).expression
     'x^2 v'
@@ -107,10 +109,10 @@ def monomial(
         starts=(0.1 * typical,),
     )
     attributes = {
-        "name": f"{role}: {expression}",
+        "name": name or f"{role}: {expression}",
         "block": Block.SPECIMEN if channel == "force" else Block.ACTUATOR,
         "role": role,
-        "description": f"a term in {expression} that is not an effect of the library",
+        "description": description or f"a term in {expression} that is not an effect of the library",
         "parameters": (parameter,),
         "kernel": _ON_PISTON if role is Role.PISTON else _ON_FORCE,
         "exponents": exponents,

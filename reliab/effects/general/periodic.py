@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.terms.outside_term import OutsideTerm
 from reliab.effects.effect import Parameter, Role
+from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.kernel import Kernel, Numbers
 
 
@@ -16,7 +16,7 @@ def _wave(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _s
 
 
 @dataclass(frozen=True, kw_only=True)
-class Disturbance(OutsideTerm):
+class Disturbance(GeneralTerm):
     """A wave s·sin(2πft) + c·cos(2πft), t from the start of each test."""
 
     expression: ClassVar[str] = "sine sin(2π f t) + cosine cos(2π f t)"
@@ -34,9 +34,10 @@ def disturbance(role: Role, frequency: float, resolution: float) -> type[Disturb
     `frequency`, `resolution` [Hz].
 
     >>> disturbance(Role.FORCE, 7.0, 0.02).name
-    'disturbance of 7.00 Hz'
+    'periodic_disturbance'
     """
-    channel, unit = ("force", "N") if role in {Role.FORCE, Role.FORCE_READING} else ("displacement", "m")
+    in_force = role in {Role.FORCE, Role.FORCE_READING}
+    channel, unit = ("force", "N") if in_force else ("displacement", "m")
     amplitudes = tuple(
         Parameter(
             name=name, units=unit, meaning=f"{name} amplitude", scale=((channel, 1.0),), signed=True,
@@ -50,9 +51,13 @@ def disturbance(role: Role, frequency: float, resolution: float) -> type[Disturb
         starts=(frequency,),
     )  # fmt: skip
     attributes = {
-        "name": f"disturbance of {frequency:.2f} Hz",
-        "block": Block.SPECIMEN if channel == "force" else Block.ACTUATOR,
+        "name": "periodic_disturbance" if in_force else "periodic_disturbance_of_reading",
+        "block": Block.SPECIMEN if in_force else Block.ACTUATOR,
         "role": role,
         "parameters": (*amplitudes, place),
     }
     return type("Line", (Disturbance,), attributes)
+
+
+DISTURBANCES = (disturbance(Role.FORCE, 7.0, 1.0), disturbance(Role.DISPLACEMENT_READING, 7.0, 1.0))
+"""Disturbances of a force and of a reading, of any frequency."""

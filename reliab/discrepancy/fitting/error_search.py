@@ -1,0 +1,117 @@
+"""Search where the best model leaves an error that follows the motion: parts that are left out judge.
+
+No member of the library is exact then, and any of them explains a little of the error. Every model holds the
+best linear one of its block. Effects are added as long as left-out parts are predicted better, and every
+model stays on the list: the held-out tests have the last word (`naming/choice.py`).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from reliab.core.arrays import Array
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.left_out import LeftOut
+from reliab.discrepancy.fitting.prior import cost_beside_error
+from reliab.discrepancy.fitting.problem import Problem, observations
+from reliab.discrepancy.fitting.screening import Screened
+from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.effect import Effect
+
+WORTH = 0.1
+"""Share of the error's energy on left-out parts, a twentieth of its RMS, that further effects must remove."""
+
+_DEEPEST = 3  # effects beside the linear ones
+_BEAM = 2
+_TRIED, _TRIED_OUTSIDE = 8, 5
+_PRUNED = 2  # models from which effects are taken off
+_NO_WORSE = 0.02  # growth of the error on left-out parts by an effect that is taken off
+_TRIFLE = 0.02  # of the error's energy in the fitted tests
+_SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
+
+
+class ErrorSearch(Search):
+    """Fit models of a block with ever more effects, and list them by their error on left-out parts."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem.tempered(observations(problem)))
+        self.keep(self.linear)
+
+    @property
+    def candidates(self) -> tuple[type[Effect], ...]:
+        """Effects that may be missing; a lag of the force may be an error of the model here."""
+        return tuple(kind for kind in self.problem.block.candidates if kind is not ClockOffset)
+
+    def score(self, candidate: Fit) -> float:
+        """Predictive log-likelihood of left-out parts for normal errors of unknown size, and prior odds."""
+        return self.likelihood(self.error(candidate)) - cost_beside_error(candidate.space.effects)
+
+    def likelihood(self, error: LeftOut) -> float:
+        """Logarithm of the predictive likelihood of left-out parts."""
+        return -0.5 * self.observations * float(np.log(max(error.energy, 1e-300)))
+
+    @property
+    def observations(self) -> float:
+        """Number of independent observations of an error, over all tests."""
+        shares = zip(self.problem.tempering, self.problem.segments, strict=True)
+        return sum(share * (2 * segment.bins - 1) for share, segment in shares)
+
+    def _starts(self, promise: Screened) -> list[Array]:
+        """Coordinates from which to fit a further effect: all of one that may have several optima."""
+        starts = [promise.start]
+        if len(promise.kind.parameters) > _SIMPLE:
+            starts += [start for start in promise.others if start is not promise.start]
+        return starts
+
+    def _matters(self, candidate: Fit, smaller: Fit) -> bool:
+        """Whether a model is listed: it explains more of the tests to which it is fitted than a trifle."""
+        remaining = float(candidate.residual @ candidate.residual)
+        return remaining <= (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise)
+
+    def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
+        del rough, parent
+        return -np.inf
+
+    _least_promise = 0.0
+
+    def whole(self, begin: Fit | None = None) -> Fit:
+        """Add effects of the library, then special forms, then terms outside it; then take effects off."""
+        beam = [begin or self.linear]
+        for _ in range(_DEEPEST):
+            children = self._children(beam, self.candidates, _TRIED)
+            if not children or not self._worth(children[0], beam[0]):
+                break
+            beam = children[:_BEAM]
+        for model in self._first(_BEAM):
+            for kind in model.space.effects:
+                self.refine_in(model, kind)
+        self._children(self._first(1), self.problem.block.outside, _TRIED_OUTSIDE)
+        for model in self._first(_PRUNED):
+            self._prune(model)
+        return self.best
+
+    def _children(self, parents: Sequence[Fit], kinds: Sequence[type[Effect]], tried: int) -> list[Fit]:
+        """Models with one more effect, those of the smallest error first."""
+        children = [
+            child for parent in parents for child in self.extend(parent, self.screened(parent, kinds)[:tried])
+        ]
+        return sorted(children, key=self._error)
+
+    def _error(self, candidate: Fit) -> float:
+        return self.error(candidate).energy
+
+    def _worth(self, candidate: Fit, smaller: Fit) -> bool:
+        return self._error(candidate) <= (1.0 - WORTH) * self._error(smaller)
+
+    def _first(self, count: int) -> list[Fit]:
+        """Models of the smallest error on left-out parts."""
+        return sorted(self.fitted.values(), key=self._error)[:count]
+
+    def _prune(self, model: Fit) -> None:
+        """Take off effects as long as left-out parts are predicted hardly worse."""
+        while model.space.effects:
+            smaller = min((self.without(model, kind) for kind in model.space.effects), key=self._error)
+            if self._error(smaller) > (1.0 + _NO_WORSE) * self._error(model):
+                return
+            model = smaller

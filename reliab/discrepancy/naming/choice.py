@@ -1,0 +1,324 @@
+"""Which of all fitted models is believed: the most credible one that the held-out tests do not contradict."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent
+from reliab.discrepancy.fitting.error_search import ErrorSearch
+from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.left_out import LeftOut, errors_of_parts
+from reliab.discrepancy.fitting.prior import cost_beside_error
+from reliab.discrepancy.fitting.problem import Problem, observations
+from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.space import MODEL_ERROR
+from reliab.discrepancy.proof import held_out_nrmse, residuals
+from reliab.discrepancy.result.block_diagnosis import Ranked
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
+
+NO_CHANGE = 0.02
+"""Change of the error on held-out tests, over the error, below which an effect changes nothing."""
+
+SURE = 0.9
+"""Probability from which an effect is named."""
+
+_DRAWS, _SEED = 1000, 20
+_NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
+_LIKELY = 0.5  # the same where clocks may differ, which changes the parameters of the other effects
+_EXPLAINS = 0.5  # of what the best model explains of the fitted tests
+_LITTLE = 0.05  # of the error on held-out tests; all that is left out of a model may change that much
+_GENERAL = 0.2  # of the error on held-out tests, by which terms must be better than effects that have a name
+_STANDARD_ERRORS = 2.0  # within which held-out tests do not tell models apart
+_MORE_THAN_LEFT = 2.0  # energy without an effect over that with it, from which it explains more than is left
+
+
+def ranking(search: Search, proof: Problem) -> tuple[Ranked, ...]:
+    """All fitted models with their probabilities and errors, the most probable first."""
+    models = [*search.fitted.values(), *_with_clocks(search)]
+    missed = [residuals(proof, model) for model in models]
+    if isinstance(search, ErrorSearch):
+        held_out = [errors_of_parts(proof, of_model) for of_model in missed]
+        shares = _shares_of_parts(search, models, held_out, sum(observations(proof).values()))
+    else:
+        shares = _shares_of_scores(search, models)
+    rows = [
+        Ranked(
+            fit=model,
+            probability=share,
+            left_out=search.error(model).nrmse,
+            held_out=held_out_nrmse(proof, residual),
+        )
+        for model, share, residual in zip(models, shares.tolist(), missed, strict=True)
+    ]
+    return tuple(sorted(rows, key=lambda row: -row.probability))
+
+
+def _with_clocks(search: Search) -> list[Fit]:
+    """Models with an offset of the clocks that is too small to be named, beside effects that are needed."""
+    return [
+        fit
+        for key, fit in search.with_clocks.items()
+        if key not in search.fitted
+        and key - {str(ClockOffset.name)} in search.fitted  # effects that were rejected are not needed
+        and not any(
+            ClockOffset in fewer.space.effects and names < key and search.score(fewer) >= search.score(fit)
+            for names, fewer in search.fitted.items()
+        )
+    ]
+
+
+def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
+    """Probability of each model by its score, shape (models,).
+
+    Between the first one and those with a twin of one of its effects in its place the data alone decide, and
+    not how probable a gain or a size would have been before them. Simulations of one model differ, too: by
+    what that may change in the likelihood none is preferred.
+    """
+    scores = np.array([search.score(model) for model in models])
+    for place, model in enumerate(models[len(search.fitted) :], start=len(search.fitted)):
+        alone = models.index(search.fitted[frozenset(model.space.names) - {str(ClockOffset.name)}])
+        scores[alone] = max(scores[alone], scores[place])
+    first = models[int(np.argmax(scores))]
+    for place, model in enumerate(models):
+        if _is_twin(search, first, model):
+            unsure = 0.5 * MODEL_ERROR**2 * search.problem.loudness(first.noise)
+            lost = max(first.log_likelihood - model.log_likelihood - unsure, 0.0)
+            scores[place] = max(scores[place], float(scores.max()) - lost)
+    return _softmax(scores)
+
+
+def _is_twin(search: Search, first: Fit, rival: Fit) -> bool:
+    """Whether a model differs from another by one effect, which the block may be unable to tell."""
+    gone = set(first.space.effects) - set(rival.space.effects)
+    added = set(rival.space.effects) - set(first.space.effects)
+    if len(gone) != 1 or len(added) != 1:
+        return False
+    return next(iter(added)) in search.problem.block.twins.get(next(iter(gone)), ())
+
+
+def _shares_of_parts(
+    search: ErrorSearch, models: Sequence[Fit], held_out: Sequence[LeftOut], observed: float
+) -> Array:
+    """Probability of each model by its errors on left-out parts and on held-out tests, shape (models,).
+
+    The parts are a few of all that could have been run. Their weights are drawn anew from the flat Dirichlet
+    distribution (the Bayesian bootstrap), and probabilities are averaged over the draws, so that a model that
+    wins by a single part is not certain (pseudo-BMA+ of Yao and others, 2018, doi:10.1214/17-BA1091).
+    """
+    errors = np.stack(
+        [
+            np.concatenate([search.error(model).relative, out.relative])
+            for model, out in zip(models, held_out, strict=True)
+        ]
+    )
+    weights = np.random.default_rng(_SEED).dirichlet(np.ones(errors.shape[1]), _DRAWS) * errors.shape[1]
+    likelihoods = -0.5 * (search.observations + observed) * np.log(np.maximum(weights @ errors.T, 1e-300))
+    costs = np.array([cost_beside_error(model.space.effects) for model in models])
+    return np.asarray(_softmax(likelihoods - costs).mean(axis=0))
+
+
+def _softmax(scores: Array) -> Array:
+    weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
+    return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
+
+
+def probability(ranked: Sequence[Ranked], effect: type[Effect]) -> float:
+    """Probability that an effect acts, in whichever variant or form: of all models that contain one."""
+    kinds = _kinds(effect)
+    return float(sum(r.probability for r in ranked if any(kinds & _kinds(e) for e in r.fit.space.effects)))
+
+
+def _kinds(effect: type[Effect]) -> set[str]:
+    """Names by which an effect, its special forms and compositions with it are one."""
+    return {kind.label() for kind in (effect, effect.refines, *effect.members) if kind is not None}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Choice:
+    """The model that is believed."""
+
+    best: Ranked  # Which
+    sure: frozenset[type[Effect]]  # Its effects that are named
+    doubtful: frozenset[type[Effect]]  # Its effects of which one acts
+    refining: Mapping[type[Effect], float]
+    """Its effects that explain less than they leave beside the others, with the errors without them."""
+    contradicted: Ranked | None  # A more probable model that the held-out tests contradict
+    unchanging: tuple[tuple[type[Effect], float, float], ...]
+    """Probable effects that change nothing on held-out tests, with the errors with and without each."""
+
+
+def choose(search: Search, ranked: Sequence[Ranked], proof: Problem) -> Choice:
+    """Take the most probable model that the held-out tests sustain, without effects that change nothing."""
+    best = sustained(ranked)
+    if isinstance(search, ErrorSearch) and any(map(is_general, best.fit.space.effects)):
+        inside = sustained([row for row in ranked if not any(map(is_general, row.fit.space.effects))])
+        best = best if best.held_out < (1.0 - _GENERAL) * inside.held_out else inside
+    slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
+    least = best.held_out
+    contradicted = ranked[0] if ranked[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
+    unchanging: list[tuple[type[Effect], float, float]] = []
+    while (idle := _idle(search, ranked, best, proof, slack * least)) is not None:
+        kind, smaller = idle
+        if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
+            unchanging.append((kind, best.held_out, smaller.held_out))
+        best, least = smaller, min(least, smaller.held_out)
+    best, sure, doubtful = _believed(search, ranked, best)
+    refining = _refining(search, ranked, best, proof)
+    return Choice(
+        best=best,
+        sure=frozenset(sure - set(refining)),
+        doubtful=frozenset(doubtful - set(refining)),
+        refining=refining,
+        contradicted=contradicted,
+        unchanging=tuple(unchanging),
+    )
+
+
+def best_rival(ranked: Sequence[Ranked], best: Ranked) -> Ranked | None:
+    """Find the model of the smallest error on held-out tests that lacks one of a model's effects."""
+    effects = set(best.names)
+    rivals = [row for row in ranked if not effects <= set(row.names)]
+    return min(rivals, key=lambda row: row.held_out, default=None)
+
+
+def names_of(row: Ranked) -> str:
+    """Write the effects of a model in words."""
+    return " + ".join(name.replace("_", " ") for name in row.names) or "no effect"
+
+
+def remarks_on(choice: Choice) -> Iterator[str]:
+    """Say which models held-out tests contradict, and which effects change nothing there."""
+    best, rival = choice.best, choice.contradicted
+    if rival is not None:
+        yield (
+            f"The held-out tests contradict {names_of(rival)}, which would explain the fitted tests: it "
+            f"leaves {percent(rival.held_out)} of the signal, {names_of(best)} {percent(best.held_out)}."
+        )
+    for effect, without in choice.refining.items():
+        little = not explains_more_than_left(without, best.held_out)
+        reason = "too little to be named" if little else "other effects explain nearly as much"
+        yield (
+            f"{effect.label().replace('_', ' ').capitalize()} refines the model: without it "
+            f"{percent(without)} of the signal remain on held-out tests, with it {percent(best.held_out)}. "
+            f"It is in model.toml, and {reason}."
+        )
+    for effect, with_it, without in choice.unchanging:
+        worse = without < (1.0 - NO_CHANGE) * with_it
+        verdict = "is contradicted by the held-out tests" if worse else "changes nothing on held-out tests"
+        yield (
+            f"{effect.label().replace('_', ' ').capitalize()} {verdict} ({percent(with_it)} of the signal "
+            f"with it, {percent(without)} without): it is not named."
+        )
+
+
+def sustained(ranked: Sequence[Ranked]) -> Ranked:
+    """Find the most probable model that predicts held-out tests as well as any that explains the fitted ones.
+
+    A model explains them that takes off half of what the best one takes off the error of the worst on
+    left-out parts.
+    """
+    squares = np.array([row.left_out**2 for row in ranked])
+    worst = max(row.left_out**2 for row in ranked if not row.fit.space.effects)
+    limit = worst - _EXPLAINS * (worst - squares.min())
+    explaining = [row for row, square in zip(ranked, squares, strict=True) if square <= limit]
+    least = min(row.held_out for row in explaining)
+    return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
+
+
+def _idle(
+    search: Search, ranked: Sequence[Ranked], best: Ranked, proof: Problem, limit: float
+) -> tuple[type[Effect], Ranked] | None:
+    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
+    smaller = {
+        kind: _without(search, ranked, best, kind, proof)
+        for kind in best.fit.space.effects
+        if kind not in (ClockOffset, StatedDamping)
+    }
+    idle = {
+        kind: row
+        for kind, row in smaller.items()
+        if row.held_out <= limit and not _is_silent(search, best, row, proof)
+    }
+    return min(idle.items(), key=lambda item: item[1].held_out) if idle else None
+
+
+def _refining(
+    search: Search, ranked: Sequence[Ranked], best: Ranked, proof: Problem
+) -> dict[type[Effect], float]:
+    """Find effects that only refine a model whose error follows the motion, all but its main one.
+
+    Nearly any effect explains some of such an error. One has a name only if it takes off more of the energy
+    than the whole model leaves, and if models without it are not more probable.
+    """
+    kinds = best.fit.space.effects
+    if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
+        return {}
+    without = {kind: _without(search, ranked, best, kind, proof).held_out for kind in kinds}
+    likely = {kind: probability(ranked, kind) >= _LIKELY for kind in kinds}
+    main = max(without, key=lambda kind: (likely[kind], without[kind]))
+    return {
+        kind: error
+        for kind, error in without.items()
+        if kind is not main and not (likely[kind] and explains_more_than_left(error, best.held_out))
+    }
+
+
+def explains_more_than_left(without: float, with_it: float) -> bool:
+    """Whether an effect takes off more energy than is left with it, by the errors on held-out tests."""
+    return without**2 >= _MORE_THAN_LEFT * with_it**2
+
+
+def _without(
+    search: Search, ranked: Sequence[Ranked], best: Ranked, kind: type[Effect], proof: Problem
+) -> Ranked:
+    """Return the best model without an effect of another one: refitted, or with still fewer effects."""
+    others = set(best.fit.space.effects) - {kind}
+    fitted = search.without(best.fit, kind)
+    rows = [row for row in ranked if row.fit is fitted or set(row.fit.space.effects) <= others]
+    if all(row.fit is not fitted for row in rows):
+        error = held_out_nrmse(proof, residuals(proof, fitted))
+        rows.append(Ranked(fit=fitted, probability=0.0, left_out=search.error(fitted).nrmse, held_out=error))
+    if not isinstance(search, ErrorSearch):
+        return next(row for row in rows if row.fit is fitted)
+    return min(rows, key=lambda row: row.held_out)
+
+
+def _is_silent(search: Search, best: Ranked, smaller: Ranked, proof: Problem) -> bool:
+    """Whether held-out tests could not show an effect of this size, which the fitted ones show.
+
+    They do not reach a limit of the stroke, say, or what the effect does to their energy is less than twice
+    its standard error, 2 d σ/√n for a difference d of the predictions. The fitted tests decide then.
+    """
+    noise, least = best.fit.noise, (1.0 + NO_CHANGE) ** 2
+    if search.energy(smaller.fit, noise) <= least * search.energy(best.fit, noise):
+        return False
+    scatter = 0.0 if isinstance(search, ErrorSearch) else (2.0 * _STANDARD_ERRORS) ** 2 / proof.rows
+    missed, others = (residuals(proof, row.fit) for row in (best, smaller))
+    change = held_out_nrmse(proof, {test: others[test] - values for test, values in missed.items()})
+    return (change / best.held_out) ** 2 < max(least - 1.0, scatter)
+
+
+def _believed(
+    search: Search, ranked: Sequence[Ranked], best: Ranked
+) -> tuple[Ranked, set[type[Effect]], set[type[Effect]]]:
+    """Return the model that is believed, its effects that are named, and those of which one acts.
+
+    Where noise judges, an effect that is not sure is in doubt only where something is missing for sure, and
+    left out of the model otherwise.
+    """
+    effects = best.fit.space.effects
+    sure = {effect for effect in effects if probability(ranked, effect) >= SURE}
+    less_sure = set(effects) - sure
+    if isinstance(search, ErrorSearch):
+        return best, sure, less_sure
+    fewer = sum(row.probability for row in ranked if len(row.fit.space.effects) < len(effects))
+    most = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
+    doubtful = less_sure if fewer < most else set()
+    credible = next((row for row in ranked if set(row.fit.space.effects) == sure | doubtful), None)
+    none = next(row for row in ranked if not row.fit.space.effects)
+    return credible or none, sure, doubtful

@@ -1,0 +1,236 @@
+"""The terms that are tried in each block."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar, Final
+
+from reliab.core.vocabulary import Block
+from reliab.effects.effect import Effect, Parameter, Role
+from reliab.effects.general.general_term import GeneralTerm
+from reliab.effects.general.monomial import monomial
+from reliab.effects.general.periodic import DISTURBANCES
+from reliab.effects.kernel import Kernel, Numbers
+
+_TERMS: Final[Mapping[Role, tuple[dict[str, Any], ...]]] = {
+    Role.FORCE: (
+        {"abs_x": 1},
+        {"x": 1, "abs_x": 1},
+        {"x": 4},
+        {"x": 5},
+        {"abs_x": 3},
+        {"abs_v": 1, "name": "one_way_damping", "description": "a damper resists one direction more"},
+        {"v": 2},
+        {"v": 3},
+        {"v": -0.5, "abs_v": 0.5},
+        {"x": 1, "v": 1},
+        {"abs_x": 1, "v": 1},
+        {
+            "x": 2,
+            "v": 1,
+            "name": "displacement_dependent_damping",
+            "description": "the specimen is damped more, or less, away from its middle",
+        },
+        {"x": 1, "abs_v": 1},
+        {"x": 1, "v": 2},
+        {"x": 2, "v": -0.5},
+        {"abs_x": 1, "v": -0.5},
+        {"abs_x": 1, "v": 1, "abs_v": 1},
+        {"t": 1},
+        {
+            "t": 1,
+            "x": 1,
+            "name": "stiffness_degradation",
+            "description": "the stiffness changes in proportion to the time since a test began",
+        },
+        {"t": 1, "v": 1},
+        {"t": 1, "x": 3},
+        {"t": 1, "v": -0.5},
+    ),
+    Role.PISTON: (
+        {"abs_x": 1},
+        {
+            "x": 2,
+            "name": "position_dependent_gain",
+            "description": "the actuator's gain grows with its position",
+        },
+        {"x": 1, "abs_x": 1},
+        {"x": 3},
+        {
+            "t": 1,
+            "x": 1,
+            "name": "gain_drift",
+            "description": "the actuator's gain changes in proportion to the time since a test began",
+        },
+        {"t": 2, "v": 1},
+        {"abs_x": 1, "v": 1},
+        {"x": 2, "v": 1},
+        {"x": 1, "v": 1},
+        {"v": 1, "abs_v": 1},
+        {"x": 1, "abs_v": 1},
+        {"v": 3},
+    ),
+}
+"""Monomials by their place, with exponents, and names where a laboratory has a word for them."""
+
+
+def _force_of_spring(
+    motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers
+) -> float:
+    return coefficients[0] * max(motion[0] - coefficients[1], 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneSidedSpring(GeneralTerm):
+    """A force k·max(x − x₀, 0)."""
+
+    expression: ClassVar[str] = "max(x − start, 0)"
+    name = "one_sided_spring"
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "a spring is touched on one side only"
+    parameters = (
+        Parameter(
+            name="stiffness_n_per_m", units="N/m", meaning="stiffness of the one-sided spring",
+            scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.2, lower=-5.0, upper=5.0,
+            starts=(0.02, 0.02, 0.02, 0.02, 0.02, 0.02),
+        ),
+        Parameter(
+            name="start_m", units="m", meaning="displacement at which it is touched",
+            scale=(("displacement", 1.0),), signed=True, typical=0.4, lower=-1.0, upper=1.0,
+            starts=(0.02, 0.2, 0.5, -0.02, -0.2, -0.5),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_force_of_spring, linear=0, by_path=True)
+
+    stiffness_n_per_m: float  # Stiffness k [N/m]
+    start_m: float  # Displacement x₀ at which it is touched [m]
+
+
+def _slack(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
+    state[0] = max(state[0], abs(motion[0]))
+    return coefficients[0] * min(max(motion[0], -coefficients[1] * state[0]), coefficients[1] * state[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class GrowingSlack(GeneralTerm):
+    """A force c·x within ±s·max|x| and constant beyond, where the maximum is that of the test so far."""
+
+    expression: ClassVar[str] = "min(max(x, −s max|x|), s max|x|)"
+    name = "slip_lock"
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "there is a slack that grows with the largest displacement so far"
+    parameters = (
+        Parameter(
+            name="stiffness_n_per_m", units="N/m", meaning="stiffness within the slack",
+            scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.5, lower=-10.0, upper=10.0,
+            starts=(0.1, 0.1, 0.1),
+        ),
+        Parameter(
+            name="share", units="-", meaning="slack over the largest displacement",
+            typical=0.1, lower=0.003, upper=0.9, starts=(0.03, 0.1, 0.3),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_slack, states=1, linear=0, by_path=True)
+
+    stiffness_n_per_m: float  # c [N/m], minus the spring's stiffness for a slack
+    share: float  # s [-]
+
+
+def _stopped(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    # What the stops add: k·g·(|x|/g − 1)ᵖ beyond the clearance g, against the displacement.
+    beyond = abs(motion[0]) / coefficients[1] - 1.0
+    if beyond <= 0.0:
+        return 0.0
+    force = coefficients[0] * coefficients[1] * math.pow(beyond, coefficients[2])
+    return force if motion[0] > 0.0 else -force
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticStops(GeneralTerm):
+    """A force k·g·sgn(x)·(|x|/g − 1)ᵖ beyond a clearance g on both sides.
+
+    Flat stops are linear, p = 1; contact of rounded bodies has p = 1.5 (Hertz 1882, Journal für die reine und
+    angewandte Mathematik 92, 156).
+    """
+
+    expression: ClassVar[str] = "g sgn(x) (|x|/g − 1)^p beyond |x| = g"
+    name = "elastic_stops"
+    block = Block.SPECIMEN
+    role = Role.FORCE
+    description = "the specimen runs into elastic stops on both sides"
+    parameters = (
+        Parameter(
+            name="stiffness_n_per_m", units="N/m", meaning="force at twice the clearance, over it",
+            scale=(("force", 1.0), ("displacement", -1.0)), signed=True, typical=0.5, lower=0.0, upper=100.0,
+            starts=(0.1, 0.1, 0.1, 0.1),
+        ),
+        Parameter(
+            name="clearance_m", units="m", meaning="displacement at which the stops are touched",
+            scale=(("displacement", 1.0),), typical=0.3, lower=0.02, upper=1.0, starts=(0.1, 0.25, 0.4, 0.6),
+        ),
+        Parameter(
+            name="power", units="-", meaning="power with which the force grows",
+            typical=1.5, spread=0.3, lower=1.0, upper=3.0, starts=(1.5, 1.5, 1.5, 1.5),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_stopped, linear=0, by_path=True)
+
+    stiffness_n_per_m: float  # k [N/m]
+    clearance_m: float  # g [m]
+    power: float  # p [-]
+
+
+def _delay(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
+    # State: the envelope e, T·e' + e = |x|.
+    state[0] += (abs(motion[0]) - state[0]) * step / (coefficients[1] + step)
+    return coefficients[0] * state[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AmplitudeDelay(GeneralTerm):
+    """A delay κ·e more, where e is the modulus of the command, smoothed."""
+
+    expression: ClassVar[str] = "v·envelope(|x|)"
+    name = "amplitude_dependent_delay"
+    block = Block.ACTUATOR
+    role = Role.DELAY
+    description = "the delay depends on the amplitude of the command"
+    parameters = (
+        Parameter(
+            name="delay_s_per_m", units="s/m", meaning="growth of the delay with the amplitude",
+            scale=(("velocity", -1.0),), signed=True, typical=0.03, lower=-2.0, upper=2.0,
+            starts=(0.003, 0.003, 0.003),
+        ),
+        Parameter(
+            name="envelope_time_s", units="s", meaning="memory of the amplitude",
+            scale=(("displacement", 1.0), ("velocity", -1.0)), typical=1.0, lower=0.01, upper=30.0,
+            starts=(0.1, 1.0, 6.0),
+        ),
+    )  # fmt: skip
+    kernel = Kernel(function=_delay, states=1)
+
+    delay_s_per_m: float  # κ [s/m]
+    envelope_time_s: float  # Time constant of the smoothing [s]
+
+
+@cache
+def general_terms(block: Block) -> tuple[type[Effect], ...]:
+    """Terms of a block."""
+    if block is Block.SPECIMEN:
+        return (*_monomials(Role.FORCE), OneSidedSpring, GrowingSlack, ElasticStops)
+    if block is Block.ACTUATOR:
+        return (*_monomials(Role.PISTON), AmplitudeDelay)
+    return ()
+
+
+def _monomials(role: Role) -> tuple[type[Effect], ...]:
+    return tuple(monomial(role, **term) for term in _TERMS[role])
+
+
+def general_term(name: str) -> type[Effect] | None:
+    """Return the term of a name, None where there is none."""
+    every = (*general_terms(Block.SPECIMEN), *general_terms(Block.ACTUATOR), *DISTURBANCES)
+    return next((term for term in every if term.name == name), None)

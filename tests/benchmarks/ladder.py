@@ -1,0 +1,256 @@
+"""A ladder of independent fits beside the diagnosis of a specimen: which error is left on held-out tests.
+
+python tests/benchmarks/ladder.py CAMPAIGN... [--table FILE.csv] [--without-answers]
+
+Each CAMPAIGN is a folder with a campaign.toml whose tests hold measured_m and force_n. The ladder shares
+nothing with the product: it reads the files itself and fits the force by least squares, linear (stiffness,
+damping, mass, offset) and with dry friction, a power of the velocity, a square and a cubic spring, a Bouc–Wen
+element, a relaxing branch, and pairs of them. Numbers that enter linearly are solved for exactly, the others
+by a bounded search from several starts. The rung of the smallest error on the fitted tests is the ladder's
+answer. `reliab diagnose CAMPAIGN --json -` is then asked for its own.
+
+The table has one row for each rung and one for the answer of the product: errors on fitted and on held-out
+tests, RMS over that of the force.
+"""
+
+import argparse
+import csv
+import itertools
+import json
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numba
+import numpy as np
+from scipy import optimize, signal
+
+HIGHEST, LEAST_RATE = 20.0, 200.0  # Hz, of the filter that smooths the displacement, and after thinning
+MOST_TRIALS = 25
+FIELDS = ("campaign", "model", "fitted", "held_out")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cycles:
+    """A test: motion and force at even steps, and the samples that are held out."""
+
+    x: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    force: np.ndarray
+    held_out: np.ndarray
+
+
+@numba.njit(cache=True)
+def bouc_wen(x, yielding, beta, gamma, exponent):
+    """Hysteretic displacement over the one at which it yields, by midpoint steps, shape (n,)."""
+    z, path = 0.0, np.zeros(x.size)
+    for k in range(1, x.size):
+        steps = int(abs(x[k] - x[k - 1]) / yielding * 10) + 1
+        h = (x[k] - x[k - 1]) / steps / yielding
+        for _ in range(steps):
+            middle = z + 0.5 * h * (1.0 - abs(z) ** exponent * (beta * np.sign(h * z) + gamma))
+            z += h * (1.0 - abs(middle) ** exponent * (beta * np.sign(h * middle) + gamma))
+            z = min(max(z, -5.0), 5.0)
+        path[k] = z
+    return path
+
+
+def hysteretic(p, x, _v, _step, length):
+    """Bouc–Wen element that tends to ±1; β + γ = 1."""
+    gamma = p[1]
+    return [bouc_wen(x, length * np.exp(p[0]), 1.0 / (1.0 + gamma), gamma / (1.0 + gamma), np.exp(p[2]))]
+
+
+def relaxing(p, x, _v, step, time):
+    """Stretch of the spring of a Maxwell branch, a high-pass filter of the first order."""
+    decay = np.exp(-step / (time * np.exp(p[0])))
+    return [signal.lfilter([0.5 * (1.0 + decay), -0.5 * (1.0 + decay)], [1.0, -decay], x - x[0])]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rung:
+    """Columns of a regression that depend on some numbers, where to start, and bounds."""
+
+    columns: Callable
+    starts: Sequence[Sequence[float]] = ((),)
+    bounds: Sequence[tuple[float, float]] = ()
+
+
+def rungs(length: float, speed: float) -> dict[str, Rung]:
+    """Terms beside the linear ones, for the largest displacement [m] and speed [m/s]."""
+    log = np.log
+    return {
+        "coulomb": Rung(
+            columns=lambda p, _x, v, _step: [np.tanh(v / (speed * np.exp(p[0])))],
+            starts=[[log(0.01)], [log(0.1)]],
+            bounds=[(log(1e-3), log(2.0))],
+        ),
+        "power": Rung(
+            columns=lambda p, _x, v, _step: [np.sign(v) * (np.abs(v) / speed) ** p[0]],
+            starts=[[0.3], [1.6]],
+            bounds=[(0.02, 4.0)],
+        ),
+        "cubic": Rung(columns=lambda _p, x, _v, _step: [(x / length) ** 2, (x / length) ** 3]),
+        "bouc_wen": Rung(
+            columns=lambda p, x, v, step: hysteretic(p, x, v, step, length),
+            starts=[[log(0.05), 0.0, 0.5], [log(0.2), 0.0, 0.5], [log(0.6), 0.0, 0.5], [log(0.1), -0.7, 0.2]],
+            bounds=[(log(1e-3), log(5.0)), (-0.98, 5.0), (-1.0, 2.3)],
+        ),
+        "relaxation": Rung(
+            columns=lambda p, x, v, step: relaxing(p, x, v, step, length / speed),
+            starts=[[0.0], [2.0]],
+            bounds=[(-4.0, 5.0)],
+        ),
+    }
+
+
+def read(folder: Path) -> tuple[list[Cycles], float]:
+    """Read the tests of a campaign, and their step [s]; of a single test the last third is held out."""
+    described = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    rate, tests = described["sampling"]["rate_hz"], described["tests"]
+    marked = [test.get("held_out", False) for test in tests]
+    if not any(marked):
+        marked = [False] * (len(tests) - 1) + [len(tests) > 1]
+    every = max(1, int(rate // LEAST_RATE))
+    cycles = []
+    for test, out in zip(tests, marked, strict=True):
+        table = np.genfromtxt(folder / test["file"], delimiter=",", names=True)
+        x = table["measured_m"]
+        if rate > 2.5 * HIGHEST:
+            x = signal.sosfiltfilt(signal.butter(4, HIGHEST, fs=rate, output="sos"), x)
+        v = np.gradient(x, 1.0 / rate)
+        held_out = np.full(x.size, fill_value=out)
+        if len(tests) == 1:
+            held_out[2 * x.size // 3 :] = True
+        rows = (x, v, np.gradient(v, 1.0 / rate), table["force_n"], held_out)
+        x, v, a, force, held_out = (row[::every] for row in rows)
+        cycles.append(Cycles(x=x, v=v, a=a, force=force, held_out=held_out))
+    return cycles, every / rate
+
+
+class Regression:
+    """Least squares of the force on fitted samples, for some rungs of the ladder."""
+
+    def __init__(self, tests: Sequence[Cycles], step: float, chosen: Sequence[Rung]) -> None:
+        self.tests, self.step, self.chosen = tests, step, chosen
+        self.force = np.concatenate([test.force for test in tests])
+        self.out = np.concatenate([test.held_out for test in tests])
+
+    def columns(self, p):
+        """Columns of every test, one below the other, for the numbers that do not enter linearly."""
+        sizes = [len(rung.bounds) for rung in self.chosen]
+        parts = np.split(np.asarray(p, dtype=float), np.cumsum(sizes)[:-1]) if sizes else []
+        blocks = []
+        for test in self.tests:
+            columns = [test.x, test.v, test.a, np.ones_like(test.x)]
+            for rung, part in zip(self.chosen, parts, strict=True):
+                columns += rung.columns(part, test.x, test.v, self.step)
+            blocks.append(np.column_stack(columns))
+        return np.concatenate(blocks)
+
+    def residual(self, p):
+        """What the best linear numbers leave of the force, fitted to what is not held out."""
+        columns = self.columns(p)
+        fitted = columns[~self.out]
+        size = np.linalg.norm(fitted, axis=0) + 1e-300
+        factors = np.linalg.lstsq(fitted / size, self.force[~self.out], rcond=1e-10)[0] / size
+        return self.force - columns @ factors
+
+    def solved(self, starts):
+        """Numbers of the smallest error on fitted samples."""
+        bounds = np.array([bound for rung in self.chosen for bound in rung.bounds]).T
+        if not bounds.size:
+            return np.zeros(0)
+        found = [
+            optimize.least_squares(
+                lambda p: self.residual(p)[~self.out],
+                np.clip(start, bounds[0] + 1e-9, bounds[1] - 1e-9),
+                bounds=(bounds[0], bounds[1]),
+                diff_step=1e-3,
+                max_nfev=MOST_TRIALS,
+            )
+            for start in starts
+        ]
+        return min(found, key=lambda one: one.cost).x
+
+    def errors(self, p):
+        """Error on fitted and on held-out samples, RMS over that of the force."""
+        missed = self.residual(p)
+        return [
+            float(np.linalg.norm(missed[part]) / np.linalg.norm(self.force[part]))
+            for part in (~self.out, self.out)
+        ]
+
+
+def climb(folder: Path) -> list[dict[str, object]]:
+    """Fit every rung, and pairs of them from where each came to rest."""
+    tests, step = read(folder)
+    length = max(float(np.abs(test.x[~test.held_out]).max(initial=0.0)) for test in tests)
+    speed = max(float(np.quantile(np.abs(test.v), 0.999)) for test in tests if not test.held_out.all())
+    known, rest, rows = rungs(length, speed), {}, []
+    names = [(), *((name,) for name in known), *itertools.combinations(known, 2)]
+    for chosen in names:
+        fitted = Regression(tests, step, [known[name] for name in chosen])
+        starts = list(itertools.product(*(known[name].starts for name in chosen)))
+        if len(chosen) > 1:
+            starts = [[rest[name] for name in chosen], *starts[:1]]
+        p = fitted.solved([[number for part in start for number in part] for start in starts])
+        if len(chosen) == 1:
+            rest[chosen[0]] = p
+        here, there = fitted.errors(p)
+        rows.append(
+            {
+                "campaign": folder.name,
+                "model": " + ".join(chosen) or "linear",
+                "fitted": here,
+                "held_out": there,
+            }
+        )
+    return rows
+
+
+def answer(folder: Path) -> dict[str, object]:
+    """Ask the product, in a process of its own."""
+    command = [sys.executable, "-m", "reliab", "diagnose", str(folder), "--json", "-"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603 - our own
+    said = json.loads(done.stdout)
+    block = next(block for block in said["blocks"] if block["block"] == "specimen")
+    believed = next(row for row in block["candidates"] if row["believed"])
+    return {
+        "campaign": folder.name,
+        "model": f"reliab, {said['verdict']}: {' + '.join(block['effects']) or 'nothing'}",
+        "fitted": believed["left_out_nrmse"],
+        "held_out": block["gap"]["nrmse_after"],
+    }
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("campaigns", type=Path, nargs="+")
+    parser.add_argument("--table", type=Path)
+    parser.add_argument("--without-answers", action="store_true")
+    given = parser.parse_args()
+    rows = []
+    for folder in given.campaigns:
+        climbed = climb(folder)
+        best = min(climbed, key=lambda row: row["fitted"])
+        print(f"{folder.name}: ladder {best['held_out']:.4f} ({best['model']})", flush=True)
+        rows += climbed
+        if not given.without_answers:
+            rows.append(answer(folder))
+            ratio = rows[-1]["held_out"] / best["held_out"]
+            print(f"  {rows[-1]['model']} {rows[-1]['held_out']:.4f}, {ratio:.2f} times that", flush=True)
+    if given.table:
+        with given.table.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, FIELDS)
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
