@@ -51,6 +51,11 @@ class Equipment:
     # Probability that a specimen yielded whose force was not recorded and of which nothing is stated [-]
     yielding: float
     skew_ms: float | None = None
+    # ground_scale, force_scale: Of the recorded ground acceleration, and of the recorded force over the mass,
+    # relative [-]
+    ground_scale: float = 0.003
+    force_scale: float = 0.01
+    integration: float = 0.3  # Of the error of a time step, over (ω·step)² of the specimen's force [-]
 
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""

@@ -26,7 +26,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.compiled import compiled
 from reliab.signals import converter_step, vary_rounding

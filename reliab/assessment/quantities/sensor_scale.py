@@ -1,0 +1,34 @@
+"""The scale of a displacement sensor."""
+
+from typing import TYPE_CHECKING
+
+from reliab.assessment.budget import Equipment
+from reliab.assessment.quantities.quantity import Circumstances, Quantity
+
+if TYPE_CHECKING:
+    from reliab.assessment.inference.experiment import Experiment
+
+
+class SensorScale(Quantity):
+    """Readings over the motion, relative to the scale of the command."""
+
+    name = "sensor_scale"
+    words = "scale of the displacement sensor"
+    unit = "%"
+    factor = 100.0
+    remedy = "Calibrate the displacement sensor against the command, and state its scale."
+    attainable = 0.0005
+    per_actuator = True
+    option = "scale"
+    relative = True
+
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+        """Return the standard deviation with ordinary equipment."""
+        return equipment.scale
+
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+        """Change an experiment."""
+        experiment.scale[actuator] *= 1.0 + value
+
+
+QUANTITY = SensorScale()
