@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
+from reliab.file_limits import LIMITS
 from reliab.files import require_small
 
 if TYPE_CHECKING:
@@ -21,13 +22,9 @@ if TYPE_CHECKING:
 
 Model = TypeVar("Model", bound="BaseModel")
 
-MOST_BYTES_OF_JSON: Final = 200_000_000
-"""Largest size of a JSON file, a criterion of some ten thousand motions."""
-
 DEEPEST: Final = 32
 """Largest number of tables and lists within each other; what is described here needs seven."""
 
-_MOST_BYTES = 5_000_000  # of TOML, which take two to six seconds
 _LARGEST_WHOLE = 2**63  # as TOML has it
 _DIGITS = 18  # of which NumPy's whole numbers hold any
 _KEY_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
@@ -41,11 +38,11 @@ def read_toml(path: str | Path, *, rule: str, remedy: str) -> dict[str, Any]:
     )
 
 
-def described_text(path: str | Path, *, rule: str, remedy: str, most: int = _MOST_BYTES) -> str:
+def described_text(path: str | Path, *, rule: str, remedy: str, kind: str = "description") -> str:
     """Read the text of a description; arguments and errors as for :func:`read_toml`."""
     try:
         encoding = encoding_of_file(path)
-        require_small(path, most, remedy=remedy)
+        require_small(path, LIMITS[kind].bytes, remedy=remedy)
         return Path(path).read_text(encoding=encoding)
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or "bytes that are not text"
@@ -72,7 +69,7 @@ def parse_toml(text: str, *, rule: str, remedy: str, where: str) -> dict[str, An
 
 def read_json(path: str | Path, *, rule: str, remedy: str) -> Any:  # noqa: ANN401 - JSON holds anything
     """Read a JSON file; as :func:`read_toml`, but whole numbers of many digits become floating-point ones."""
-    text = described_text(path, rule=rule, remedy=remedy, most=MOST_BYTES_OF_JSON)
+    text = described_text(path, rule=rule, remedy=remedy, kind="criterion")
     return parse_json(text, rule=rule, remedy=remedy, where=str(path))
 
 
@@ -164,6 +161,14 @@ def _fault(details: Mapping[str, Any]) -> str:
         return f"{place} is not a known {'table' if isinstance(given, Mapping) else 'key'}"
     if details["type"] == "missing":
         return f"{place} is missing"
-    message = details["msg"].removeprefix("Value error, ")
-    shown = f", not {given!r}" if isinstance(given, str | int | float | bool) else ""
-    return f"{place}: {message[0].lower()}{message[1:]}{shown}"
+    error = details.get("ctx", {}).get("error")
+    refusal = (
+        error if isinstance(error, InputError) else InputError(details["msg"].removeprefix("Value error, "))
+    )
+    value = f", not {given!r}" if isinstance(given, str | int | float | bool) else ""
+    advice = f" ({_as_clause(refusal.remedy)})" if refusal.remedy else ""
+    return f"{place}: {_as_clause(refusal.rule)}{value}{advice}"
+
+
+def _as_clause(sentence: str) -> str:
+    return f"{sentence[:1].lower()}{sentence[1:]}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from reliab.files import ordinary
 
 _UNMARKED = re.compile(rb"\x00[\t\n\r -~]|[\t\n\r -~]\x00(?!\x00)")
-_FORMULA = re.compile(r"'*[=+\-@]")
+_FORMULA = re.compile(r"'*(\s*[=+\-@＝＋－＠]|[\t\r\n])")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 

@@ -1,6 +1,10 @@
 """Errors that a user can act on: each states the rule, the value found and the remedy."""
 
-from typing import Final
+import contextlib
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 INTERRUPTED: Final = 130
 """Exit code after Ctrl-C, as shells give it."""
@@ -49,6 +53,28 @@ class InputError(ReliabError, ValueError):
         clause = "" if value is None else f"; found {_shortened(str(value))}"
         advice = f" {remedy}." if remedy else ""
         super().__init__(f"{place}{rule}{clause}.{advice}")
+
+    def at(self, where: str) -> "InputError":
+        """Return the same error with the place at which the value stands."""
+        return InputError(self.rule, value=self.value, remedy=self.remedy, where=where)
+
+
+@contextlib.contextmanager
+def naming(where: str) -> "Iterator[None]":
+    """Name a file, or a place in it, in errors that do not say where they stand.
+
+    >>> with naming("test.csv"):
+    ...     raise InputError("The unit must be one of length", value="kN")
+    Traceback (most recent call last):
+    ...
+    reliab.errors.InputError: test.csv: The unit must be one of length; found kN.
+    """
+    try:
+        yield
+    except InputError as error:
+        if error.where:
+            raise
+        raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from error
 
 
 def _shortened(value: str) -> str:

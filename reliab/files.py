@@ -103,14 +103,37 @@ def require_small(path: str | Path, most: int, *, remedy: str) -> None:
         )
 
 
-def refuse_links(folder: Path, *beside: Path) -> None:
+def is_annexed(link: str | Path) -> bool:
+    """Tell whether a link is one of git-annex or DataLad, to an object of the repository that it lies in.
+
+    Refuses one whose object is not on this machine.
+    """
+    target = os.path.realpath(link)
+    for folder in Path(link).absolute().parents:
+        objects = Path(os.path.realpath(folder), ".git", "annex", "objects")
+        if (
+            objects.is_dir()
+            and os.path.realpath(objects) == str(objects)
+            and target.startswith(f"{objects}{os.sep}")
+        ):
+            if not Path(target).is_file():
+                raise InputError(
+                    "The content of a file under git-annex must be on this machine",
+                    value=f"its name alone at {link}",
+                    remedy="Fetch it with `git annex get` or `datalad get`",
+                )
+            return True
+    return False
+
+
+def refuse_links(folder: Path, *beside: Path, reads: bool = False) -> None:
     """Refuse a folder with links among its files before it is read or written to.
 
     A folder may come from someone else: what is read or written where a link stands would be the file that
-    it names, anywhere on this machine.
+    it names, anywhere on this machine. A folder that one `reads` may lie under git-annex.
     """
     for entry in (*beside, *folder.rglob("*")):
-        if entry.is_symlink():
+        if entry.is_symlink() and not (reads and is_annexed(entry)):
             raise InputError(
                 "A folder of results must hold its own files, without links to others",
                 value=f"a link at {entry}",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from reliab.encodings import as_text
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.vocabulary import PERCENT
 
@@ -14,7 +15,6 @@ _QUANTITY = re.compile(
     r"(?:(?:±|\+/?-|,(?=[^,.]*\.))\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
     re.IGNORECASE,
 )
-_SMALLEST, _LARGEST = 1e-30, 1e30  # whose squares are numbers, and their products with those of recordings
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,7 @@ class StatedValue:
 
     def __post_init__(self) -> None:
         for number in (self.value, self.deviation):
-            if number and not _SMALLEST <= abs(number) <= _LARGEST:
-                raise InputError(
-                    f"A stated number must be zero, or between {_SMALLEST:g} and {_LARGEST:g} in size",
-                    value=f"{number:g}",
-                    remedy="Check the number and its unit",
-                )
+            require_physical("number", number, zero=True, signed=True)
 
     @classmethod
     def parse(cls, text: str, quantity: str = "quantity") -> "StatedValue":

@@ -74,7 +74,10 @@ def test_a_new_file_may_have_another_encoding():
     assert b"".join(pieces_as_utf8(pieces)).decode() == "aäbö"
 
 
-CELLS = ("=1+1", "+A1", "-A1", "@sum", "'=x", "''=x", "'-5", "-5", "+.5e-3", "KOBE/1", "'", "")
+CELLS = (
+    *("=1+1", "+A1", "-A1", "@sum", "'=x", "''=x", "\t=1", " =1", "＝1"),
+    *("'-5", "-5", "+.5e-3", "KOBE/1", "'", ""),
+)
 
 
 @pytest.mark.parametrize("text", CELLS)
@@ -84,4 +87,4 @@ def test_a_cell_is_read_as_it_was_written_and_is_no_formula(text):
     try:
         float(cell)
     except ValueError:
-        assert not cell.startswith(("=", "+", "-", "@"))
+        assert not cell.strip().startswith(("=", "+", "-", "@", "＝"))

@@ -11,16 +11,20 @@ from reliab.assessment import assess
 from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN
+from reliab.criterion import read_ellipses
 from reliab.discrepancy import read_campaign
 from reliab.discrepancy.campaign import reading
 from reliab.errors import InputError
+from reliab.file_limits import LIMITS
 from reliab.files import require_small
+from reliab.indices import Window
 from reliab.motions import Motion, motion as motion_module
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import open_source
 from reliab.recordings import Recording
 from reliab.recordings.readers import hierarchical, matlab, read_tests
 from reliab.structures.structure import Structure
+from reliab.sweep import EllipseRequest, SweepRequest
 
 FOUR_HERTZ = Structure(frequency=4.0, damping_ratio=0.02)
 STEP = 1.0 / 256.0
@@ -31,6 +35,45 @@ def histories():
     """A test that is one sample too long for a structure of 4 Hz; 18 MB."""
     command = np.sin(0.05 * np.arange(MOST_DRAWN + 1))
     return command, 0.99 * command
+
+
+def test_more_structures_than_a_sweep_may_have_are_refused_before_they_are_made():
+    frequencies, ratios = tuple(0.5 + 0.001 * np.arange(900)), tuple(0.01 + 1e-4 * np.arange(1000))
+    for request in (SweepRequest, EllipseRequest):
+        with pytest.raises(InputError, match=r"10,000 structures at most.*; found 900,000\. Ask for fewer"):
+            request(frequencies=frequencies, damping_ratios=ratios)
+
+
+def test_results_of_a_motion_that_would_fill_the_memory_are_refused():
+    windows = tuple(Window(kind="seconds", seconds=10.0 + k) for k in range(20))
+    with pytest.raises(InputError, match=r"1 GB at most; found 3\.7 GB for 2,400 structures, 20 windows"):
+        SweepRequest(
+            frequencies=tuple(0.5 + 0.1 * np.arange(60)),
+            damping_ratios=tuple(0.01 + 1e-3 * np.arange(40)),
+            windows=windows,
+        )
+
+
+@pytest.mark.parametrize("columns", [1001, 100_000])
+def test_tables_of_too_many_columns_are_refused_before_they_are_cut(tmp_path, columns):
+    rows = [",".join(f"c{k}" for k in range(columns)), *[",".join(["0.1"] * columns)] * 3]
+    (tmp_path / "wide.csv").write_text("\n".join(rows))
+    for read in (read_tests, read_ellipses):
+        with pytest.raises(InputError, match=rf"wide\.csv: .*1,000 columns at most; found {columns:,}"):
+            read(tmp_path / "wide.csv")
+
+
+def test_columns_that_are_aligned_with_blanks_are_not_too_many(tmp_path):
+    rows = [" " * 20 + (" " * 20).join(["0.1"] * 60)] * 3
+    (tmp_path / "narrow.txt").write_text("\n".join(rows))
+    LIMITS["test"].require_narrow(tmp_path / "narrow.txt")
+
+
+@pytest.mark.parametrize(("name", "size"), [("e.csv", 5_000_000_000), ("e.nc", 3_000_000_000)])
+def test_ellipses_larger_than_the_memory_are_refused_before_they_are_read(tmp_path, name, size):
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(size)  # takes no room on the disk
+    assert taken_by(lambda: read_ellipses(tmp_path / name))[0] < 20_000_000
 
 
 def taken_by(work):

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -13,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from reliab.cli import run
+from reliab.criterion import derive_criterion, read_ellipses, sample_of
+from reliab.criterion.laws.guo_2017 import Equation18
 
 ROOT = Path(__file__).parents[1]
 from written_commands import blocks, command_blocks, parameters, reliab_lines  # noqa: E402
@@ -90,8 +93,8 @@ def test_python_recipe_runs(block, capsys):
 
 @pytest.mark.of_studies
 def test_each_shipped_folder_says_where_it_came_from():
-    for room in ("datasets", "studies", "reports"):
-        assert (ROOT / room / "README.md").exists()
+    for folder in ("datasets", "studies", "reports"):
+        assert (ROOT / folder / "README.md").exists()
 
 
 def test_every_report_of_the_folder_is_listed_with_what_makes_it():
@@ -99,3 +102,17 @@ def test_every_report_of_the_folder_is_listed_with_what_makes_it():
     for path in (ROOT / "reports").iterdir():
         if path.suffix in {".pdf", ".svg", ".png"}:
             assert f"`{path.name}`" in listed
+
+
+def test_the_caption_counts_what_the_figure_draws():
+    """Beside how many boundaries of the hundred lie outside of the criterion and of the published one."""
+    ellipses = read_ellipses("real_suite")
+    derived = derive_criterion(ellipses, f=1.0, xi=0.02)
+    drawn = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms"}
+    sample = sample_of(ellipses, **drawn, curve=derived.provenance.curve)
+    pairs = (derived.limits(1.0, 0.02), Equation18().limits(1.0, 0.02))
+    ours, published = (int(((sample.a >= a) & (sample.b >= b)).sum()) for a, b in pairs)
+    for page in (ROOT / "README.md", ROOT / "reports/site/index.md"):
+        caption = " ".join(page.read_text(encoding="utf-8").split())
+        assert f"lies inside {ours} of these {sample.n_motions}" in caption
+        assert re.search(rf"inside {published}\b", caption)

@@ -17,6 +17,7 @@ from fuzz.damage import write
 from parsed import nodes
 
 import reliab
+from reliab import received
 from reliab.discrepancy import read_campaign
 from reliab.errors import InputError
 from reliab.motions import load_motions
@@ -278,8 +279,10 @@ def test_a_store_of_the_format_that_can_hold_code_is_refused(folder, tmp_path):
     (store / "zarr.json").unlink()
     (store / ".zgroup").write_text('{"zarr_format": 2}')
     (store / ".zattrs").write_text(json.dumps(described["attributes"]))
-    for path in store.glob("*/zarr.json"):
+    for path in store.rglob("zarr.json"):
         array = json.loads(path.read_text())
+        if array["node_type"] != "array":
+            continue
         names = {"_ARRAY_DIMENSIONS": array["dimension_names"]}
         filters = [{"id": "vlen-utf8"}, {"id": "pickle", "protocol": 5}]
         plain = {"zarr_format": 2, "dtype": "|O", "order": "C", "compressor": None, "fill_value": None}
@@ -298,7 +301,7 @@ def test_a_store_of_the_format_that_can_hold_code_is_refused(folder, tmp_path):
 
 
 DOORS = {
-    "File": {"received.py"},  # and one that writes, in memory
+    "File": {"received.py", "hdf5_probe.py"},  # and one that writes, in memory
     "open_group": {"sweep/store_layout.py"},
     "open_dataset": {"sweep/netcdf.py"},
     "open_zarr": {"sweep/results.py"},
@@ -320,3 +323,40 @@ def test_libraries_that_open_other_files_or_run_code_are_called_at_one_door_each
         if str(path.relative_to(PACKAGE)) not in DOORS.get(node.func.attr, {str(path.relative_to(PACKAGE))})
     }
     assert stray == {"sampling/chain_file.py: h5py.File"}  # which writes
+
+
+def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
+    """A library that fails on a file takes another process with it, not this one."""
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["a"] = np.arange(9.0)
+    probe = tmp_path / "hdf5_probe.py"
+    monkeypatch.setattr(received, "_PROBE", received._Probe(probe))  # noqa: SLF001 - in place of the shared one
+    for answer in ("os.abort()", "print('failed', flush=True)"):
+        probe.write_text(f"import os, sys\nprint('ready', flush=True)\nsys.stdin.readline()\n{answer}\n")
+        with pytest.raises(InputError, match=r"a\.h5: An HDF5 file must not end"), opened_hdf5(path):
+            pass
+        received._PROBE.end()  # noqa: SLF001
+    probe.write_text(
+        "import sys\nprint('ready', flush=True)\nsys.stdin.readline()\nprint('read', flush=True)\n"
+    )
+    for _ in range(2):  # also after the other process has ended
+        with opened_hdf5(path) as file:
+            assert file["a"][8] == 8.0
+        os.utime(path, ns=(1, 1))
+        received._PROBE._process.wait()  # noqa: SLF001
+    received._PROBE.end()  # noqa: SLF001
+    probe.write_text("raise SystemExit")
+    with opened_hdf5(path) as file:  # where no other process can be had
+        assert file["a"][8] == 8.0
+
+
+@pytest.mark.parametrize("value", [3.0, "scale", np.arange(3)])
+def test_an_attribute_of_scales_that_holds_anything_else_is_refused(tmp_path, value):
+    """The library reads beyond its memory there, which ended `reliab record` with a segmentation fault."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["a"] = np.zeros((300, 3))
+        file["a"].attrs["DIMENSION_LIST"] = value
+    for read in (read_tests, open_ellipses):
+        with pytest.raises(InputError, match=r"DIMENSION_LIST|must not end the process"):
+            read(tmp_path / "a.h5")

@@ -7,6 +7,7 @@ Each motion is a part of its own, kept in FOLDER, so that an interrupted run res
 
 import argparse
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
@@ -19,8 +20,10 @@ from reliab.motions import Motion, load_motions
 from reliab.sweep import (
     SweepRequest,
     compare_boundaries,
+    measure_cut_records,
     measure_responses,
     open_results,
+    outlines_of,
     packed,
     write_compact,
     write_ellipses,
@@ -84,6 +87,13 @@ def small(ellipses: xr.Dataset) -> xr.Dataset:
     )
 
 
+def with_cut_records(ellipses: xr.Dataset, motions: Sequence[Motion]) -> xr.Dataset:
+    """Add the ratios of cut records, rounded to 0.8 %, and outlines of the records."""
+    ratios = measure_cut_records(motions, FREQUENCIES, DAMPING_RATIOS, 1.0)
+    ellipses = ellipses.assign_coords(outline=outlines_of(motions))
+    return ellipses.merge(ratios.map(lambda values: rounded(values, 64.0)))
+
+
 def rounded(values: xr.DataArray, parts: float) -> xr.DataArray:
     """Round numbers to one of so many parts of the next power of two."""
     mantissa, exponent = np.frexp(values.values)
@@ -137,12 +147,14 @@ def main() -> None:
         for done, job in enumerate(as_completed(jobs), start=count - len(missing) + 1):
             job.result()
             print(f"{done} of {count}", flush=True)
-    write_ellipses(small(joined(given.parts, "ellipses", count)), HERE / "ellipses.nc")
+    motions = load_motions(given.records)
+    ellipses = with_cut_records(small(joined(given.parts, "ellipses", count)), motions)
+    write_ellipses(ellipses, HERE / "ellipses.nc")
     results = joined(given.parts, "results", count)
     of_six = results.sel(f=list(SIX[0]), xi=list(SIX[1]))
     write_compact(of_six, HERE / "results_of_six.nc", step=2e-3)
     write_compact(results, HERE / "results.nc")
-    measures = measure_responses(load_motions(given.records), FREQUENCIES, DAMPING_RATIOS)
+    measures = measure_responses(motions, FREQUENCIES, DAMPING_RATIOS)
     write_measures(compare_boundaries(open_results(HERE / "results.nc").load(), measures, THRESHOLDS))
 
 

@@ -13,7 +13,8 @@ from .derived_criteria import Criteria as Criteria
 from .design import Design as Design, design_test as design_test
 from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
 from .explorer import write_explorer as write_explorer
-from .following import Message as Message, follow_test as follow_test
+from .followed_test import Message as Message
+from .following import follow_test as follow_test
 from .in_loop import export_monitor as export_monitor
 from .installation import (
     copy_samples as copy_samples,

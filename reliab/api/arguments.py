@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
@@ -25,12 +26,12 @@ LINEAR: Final = "linear"
 """A specimen that is stated as linear."""
 
 _MEASURED = "measured"
-_POSITIVE = {
-    "scale": "Give 1 for a sensor without an error of scale",
-    "command_scale": "Give 1 for a command that is recorded as it was sent",
-    "mass": "Give it in kilograms",
-    "hysteresis": "Give the width of the loop over the span, 0.001 for 0.1 %, or leave it out",
-    "resolution": "Give the converter's step in millimetres, or leave it out",
+_QUANTITIES = {
+    "scale": "scale",
+    "command_scale": "scale",
+    "mass": "mass",
+    "hysteresis": "hysteresis",
+    "resolution": "resolution",
 }
 
 
@@ -49,28 +50,21 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
     return StatedValue.parse(str(quantity), f"value of `{name}`")
 
 
-def require_positive(stated: Mapping[str, StatedValue]) -> None:
-    """Refuse scales, a mass and properties of channels that are not positive.
+def require_sound(stated: Mapping[str, StatedValue]) -> None:
+    """Refuse scales, a mass and properties of channels that no laboratory has.
 
     A hysteresis may be zero with a standard deviation, as a calibration finds it.
     """
-    for name, remedy in _POSITIVE.items():
-        none_found = name == "hysteresis" and name in stated and stated[name].value == 0.0
-        if none_found and stated[name].deviation > 0.0:
-            continue
-        if name in stated and not stated[name].value > 0.0:
-            raise InputError(
-                f"The value of `{name}` must be positive", value=str(stated[name]), remedy=remedy
-            )
+    for name, quantity in _QUANTITIES.items():
+        if name in stated:
+            none_found = name == "hysteresis" and stated[name].deviation > 0.0
+            require_physical(quantity, stated[name].value, zero=none_found, called=f"value of `{name}`")
 
 
 def stated_threshold(threshold: float | None) -> float:
     """Read the error that a test may have, 0.05 by default."""
     limit = 0.05 if threshold is None else float(threshold)
-    if not 0.0 < limit < float("inf"):
-        raise InputError(
-            "The value of `threshold` must be positive and finite", value=limit, remedy="Give 0.05 for 5 %"
-        )
+    require_physical("error threshold", limit, called="value of `threshold`")
     return limit
 
 
@@ -168,7 +162,7 @@ def stated_of_test(
     if "mass" in numbers and recording.force is None:
         raise unused("mass", "without a column of force")
     stated = {**recording.stated, **of_model, **numbers}
-    require_positive(stated)
+    require_sound(stated)
     if "f" not in stated:
         raise InputError(
             "The natural frequency of the structure must be stated",

@@ -12,10 +12,11 @@ from reliab.api.arguments import (
     exactly_stated,
     known_equipment,
     require_known_specimen,
-    require_positive,
+    require_sound,
     stated_by_model,
     stated_filters,
     stated_of_test,
+    stated_threshold,
     stated_values,
     unused,
 )
@@ -342,10 +343,6 @@ class _Terms:
                 remedy="Leave it out; the structure describes the test",
             )
 
-    @property
-    def _threshold(self) -> float:
-        return 0.05 if self.threshold is None else float(self.threshold)
-
     def _own_criterion(self) -> Criterion | None:
         return Criterion.read(self.criterion) if isinstance(self.criterion, str | Path) else self.criterion
 
@@ -394,7 +391,7 @@ class _Terms:
                 equipment=equipment,
                 motion=motion,
                 criterion=criterion,
-                threshold=self._threshold,
+                threshold=stated_threshold(self.threshold),
                 confidence=0.95 if self.confidence is None else float(self.confidence),
                 metric=str(self.metric or Metric.RMS),
                 model=model,
@@ -451,12 +448,12 @@ class _Terms:
             recording = channels.read_several_actuators(test) if frame.several else channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
-            require_positive(stated)
+            require_sound(stated)
             return assess_frame(
                 corrected(recording, stated, filters),
                 frame,
                 criterion=criterion,
-                threshold=self._threshold,
+                threshold=stated_threshold(self.threshold),
                 metric=Metric.parse(self.metric or Metric.RMS),
                 stated={**stated, **stated_of_filters(filters)},
                 equipment=equipment,

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment import Assessment
-from reliab.encodings import as_cell
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending, written_whole
+from reliab.rows import write_table
 from reliab.shipped import or_shipped
 
 if TYPE_CHECKING:
@@ -88,8 +88,7 @@ def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Pa
 
     rows = tests.to_frame() if isinstance(tests, Comparison) else verdict_table(tests)
     require_ending(out, ".csv")
-    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
-        rows.assign(file=rows["file"].map(as_cell)).to_csv(file, index=False)
+    write_table(rows, out)
 
 
 def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
@@ -151,10 +150,10 @@ def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessmen
     from reliab.assessment import corrected_response
 
     response = corrected_response(assessment)
+    if Path(out).suffix.lower() == ".csv":
+        write_table(response.to_dataframe(), out, index=True)
+        return str(response.attrs["note"])
     rule = "The file of the corrected response must be writable"
     with refuse_unwritable(rule, where=out), written_whole(out) as file:
-        if Path(out).suffix.lower() == ".nc":
-            file.write_bytes(response.to_netcdf(engine="h5netcdf"))
-        else:
-            response.to_dataframe().to_csv(file)
+        file.write_bytes(response.to_netcdf(engine="h5netcdf"))
     return str(response.attrs["note"])

@@ -7,6 +7,7 @@ from typing import Any
 
 import xarray as xr
 
+from reliab import sweep
 from reliab.api.sources import EllipseSource, Files, paths
 from reliab.criterion import (
     Weights,
@@ -19,7 +20,7 @@ from reliab.errors import InputError
 from reliab.motions import load_motions
 from reliab.progress import Show
 from reliab.shipped import shipped
-from reliab.sweep import Numbers, measure_responses, read_netcdf, several, share_of
+from reliab.sweep import Numbers, read_netcdf, several, share_of
 from reliab.vocabulary import CurveName, Side
 
 POPULATION = "real_suite"
@@ -58,17 +59,15 @@ class Case:
         """Whether anything is known of the earthquake."""
         return (self.duration, self.motion, self.suite) != (None, None, None)
 
-    def stating(
-        self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str, confidence: float
-    ) -> xr.Dataset:
-        """Protect all lengths of a population as a share needs it, and weigh its motions.
+    def stating(self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str) -> xr.Dataset:
+        """Protect all lengths of a population, unless its weights state them, and weigh its motions.
 
         `carried`: the population `ellipses` carried to the case; `curve`: the ellipses on which the criterion
         will rest.
         """
         weights = None if self.weights is None else Weights.from_table(ellipses, self.weights)
         if weights is None or "length" not in weights.quantities:
-            carried = protect_over_lengths(carried, metric=metric, curve=curve, confidence=confidence)
+            carried = protect_over_lengths(carried, metric=metric, curve=curve)
         return carried if weights is None else weights.drawn(carried)
 
     def carried(
@@ -87,7 +86,7 @@ class Case:
         }
         if self.motion is not None:
             with show("Measuring responses") as progress:
-                response = measure_responses(
+                response = sweep.measure_responses(
                     load_motions(self.motion)[:1], **_structures(places), progress=progress
                 )
             return carry_to_response(population, self._measures(population, source, show), response)
@@ -134,7 +133,7 @@ class Case:
             motions = [motion for motion in suite if motion.name in behind]
             places = {name: population[name].values.tolist() for name in ("f", "xi")}
             with show("Measuring responses of the population") as progress:
-                return measure_responses(motions, **_structures(places), progress=progress)
+                return sweep.measure_responses(motions, **_structures(places), progress=progress)
         if POPULATION not in {str(source.ellipses), str(source.results)}:
             raise InputError(
                 "A criterion can be transferred to a record only from motions whose responses are known",

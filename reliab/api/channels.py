@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from reliab.api.arguments import stated_filters, unused
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.progress import Progress
 from reliab.recordings import (
     CoupledRecording,
@@ -132,12 +133,8 @@ class Channels:
 
     def _require_sound(self, test: Test) -> None:
         """Refuse a rate that is none, and what a data frame does not have."""
-        if self.rate is not None and not 0.0 < self.rate < float("inf"):
-            raise InputError(
-                "The value of `rate` must be positive and finite",
-                value=float(self.rate),
-                remedy="Give the samples in a second",
-            )
+        if self.rate is not None:
+            require_physical("sampling rate", float(self.rate), called="value of `rate`")
         for name in ("delimiter", "test_name") if is_frame(test) else ():
             if getattr(self, name) is not None:
                 raise unused(name, "together with a data frame")

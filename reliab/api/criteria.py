@@ -1,7 +1,7 @@
 """`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from reliab import sweep
 from reliab.api.cases import POPULATION, Case
 from reliab.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
 from reliab.api.sources import (
@@ -29,7 +30,6 @@ from reliab.criterion import (
     Criterion,
     Derivation,
     compare_shares,
-    protects,
     published_criterion,
     without_copies,
 )
@@ -40,16 +40,8 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation.frames import read_structure
-from reliab.sweep import (
-    Names,
-    Numbers,
-    at_share,
-    errors_of_rig,
-    limits_of_coupling,
-    shares_of,
-    summary_of_rig,
-)
+from reliab.simulation import frames
+from reliab.sweep import Names, Numbers, at_share, shares_of
 from reliab.vocabulary import Metric
 
 _NINETY_FIVE = 0.95
@@ -136,7 +128,7 @@ def derive_criteria(
     figures : str or pathlib.Path, optional
         Folder for drawings of the criteria over the motions' ellipses.
     out : str or pathlib.Path, optional
-        File for the criterion, where there is one.
+        File for the criterion, where there is one; none is written of a posterior that has not converged.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -161,7 +153,8 @@ def derive_criteria(
     case = Case(duration=duration, motion=motion, suite=suite, weights=weights)
     if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
         ellipses = POPULATION
-    traced_alone = motions or (law == "table" and results)
+    # What is fitted over structures needs all of them; nothing else does.
+    asked_alone = motions or (law == "table" and motion is None)
     of_records = {"sets": sets, "model": model, "window": window, "alpha": alpha}
     question = _Question(
         case=case,
@@ -179,8 +172,8 @@ def derive_criteria(
             model=model,
             structure=structure,
             actuator=actuator,
-            f=f if traced_alone else None,
-            xi=xi if traced_alone else None,
+            f=f if asked_alone else None,
+            xi=xi if asked_alone else None,
         ),
         of_source={**of_records, "structure": structure, "actuator": actuator},
         has_source=any((motions, results, ellipses)),
@@ -257,7 +250,13 @@ class _Question:
             )
 
     def _refuse_idle_source(self) -> None:
-        """Refuse a source of motions, or arguments of one, that a printed law would not use."""
+        """Refuse figures without motions, and motions or their arguments that a printed law would not use."""
+        if self.figures is not None and not self.has_source:
+            raise InputError(
+                "A criterion is drawn over ellipses of motions",
+                value="`figures` without a source of ellipses",
+                remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
+            )
         if self.has_source and self.figures is None and not self.compare:
             raise InputError(
                 "A printed law needs no motions",
@@ -274,10 +273,7 @@ class _Question:
             )
 
     def derived(self) -> _Derived:
-        """Derive a criterion for each share of the stiffness, error and confidence.
-
-        What is learned at an error serves all shares of the population's ground motions.
-        """
+        """Derive a criterion for each share of the stiffness, error and confidence."""
         law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
         if self.chains is not None and not method.samples_chains:
             raise InputError(
@@ -286,20 +282,15 @@ class _Question:
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
         confidences = self.confidences or [_NINETY_FIVE]
-        populations = self._populations(method, confidences)
-        dataset = populations[confidences[0]]
+        dataset = self._population(method)
         errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
-        promises = list(itertools.product(errors, confidences))
         self._require_one_share(shares)
-        self._require_one_criterion(len(shares) * len(promises))
-        learned: dict[tuple[float, float, str], Derivation] = {}
-        for share, error, confidence in itertools.product(shares, errors, confidences):
-            key = share, error, _carried_to(populations[confidence])
-            if key in learned:
-                continue
+        self._require_one_criterion(len(shares) * len(errors) * len(confidences))
+        learned = []
+        for share, error in itertools.product(shares, errors):
             with self.show(f"Learning at {error:g}") as progress:
-                learned[key] = Derivation.from_ellipses(
-                    at_share(populations[confidence], share),
+                derivation = Derivation.from_ellipses(
+                    at_share(dataset, share),
                     method=method,
                     law=law,
                     threshold=error,
@@ -307,35 +298,21 @@ class _Question:
                     chains=self.chains,
                     progress=progress,
                 )
+            learned.append(derivation)
         criteria = (
-            learned[share, error, _carried_to(populations[confidence])].criterion(
-                confidence, joint=self.joint
-            )
-            for share in shares
-            for error, confidence in promises
+            derivation.criterion(confidence, joint=self.joint)
+            for derivation in learned
+            for confidence in confidences
         )
-        return tuple(criteria), dataset, tuple(learned.values())
+        return tuple(criteria), dataset, tuple(learned)
 
-    def _populations(self, method: Method, confidences: Sequence[float]) -> dict[float, xr.Dataset]:
-        """Ellipses behind the criterion of each confidence; one dataset where lengths count alike."""
+    def _population(self, method: Method) -> xr.Dataset:
+        """Ellipses behind the criteria."""
         source = self.source()
         population = without_copies(with_room(source.dataset(self.show)))
         carried = self.case.carried(population, source, *self.structures, self.show)
-        found: dict[bool, xr.Dataset] = {}
-        for confidence in confidences:
-            if protects(confidence) not in found:
-                stated = self.case.stating(carried, population, self.metric, method.curve, confidence)
-                if self.law == "table":
-                    stated = at_structures(stated, *self.structures)
-                found[protects(confidence)] = stated
-        if self.chains is not None and len({_carried_to(dataset) for dataset in found.values()}) > 1:
-            raise InputError(
-                "Chains hold either ellipses that protect every length (shares from 0.9 on) or those "
-                "of all lengths together (shares below 0.9)",
-                value=", ".join(f"{confidence:g}" for confidence in confidences),
-                remedy="Ask for shares on one side of 0.9",
-            )
-        return {confidence: found[protects(confidence)] for confidence in confidences}
+        stated = self.case.stating(carried, population, self.metric, method.curve)
+        return at_structures(stated, *self.structures) if self.law == "table" else stated
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -368,12 +345,14 @@ class _Question:
             derivations=derivations,
         )
         beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.narrows else {}
-        if derived.rows and self.out is not None:  # rows refuse structures for which a law is not valid
+        converged = all(posterior["converged"] for posterior in derived.posteriors)
+        # Rows refuse structures for which a law is not valid.
+        if derived.rows and converged and self.out is not None:
             write_criterion(derived.criteria[0], self.out)
-        if self.figures is not None:
+        if self.figures is not None and dataset is not None:
             drawn = draw_criteria(
                 self.figures,
-                derived.ellipses,
+                dataset,
                 derived.criteria,
                 derived.structures,
                 derived.derivations,
@@ -392,13 +371,13 @@ class _Question:
         structure = self.of_source["structure"]
         if structure is None:
             return {}
-        frame, source, found = read_structure(structure), self.source(), {}
+        frame, source, found = frames.read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
         if frame.several and self.of_source["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
-                limits = limits_of_coupling(
+                limits = sweep.limits_of_coupling(
                     frame,
                     suite,
                     threshold=threshold,
@@ -409,14 +388,9 @@ class _Question:
             found["cross_coupling"] = _coupling(limits, threshold, (self.confidences or [_NINETY_FIVE])[0])
         if frame.transfer_system is not None:
             with self.show("Testing the rig") as progress:
-                tried = errors_of_rig(frame, suite, window=window, progress=progress)
-            found["rig"] = summary_of_rig(tried, self.metric, threshold)
+                tried = sweep.errors_of_rig(frame, suite, window=window, progress=progress)
+            found["rig"] = sweep.summary_of_rig(tried, self.metric, threshold)
         return found
-
-
-def _carried_to(ellipses: xr.Dataset) -> str:
-    """Say what ellipses were carried to; empty where they are as they were recorded."""
-    return str(ellipses.attrs.get("carried_to", ""))
 
 
 def _default_errors(dataset: xr.Dataset) -> list[float]:

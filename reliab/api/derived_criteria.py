@@ -1,5 +1,6 @@
 """Criteria with what they were derived from, and their limits at each structure."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -233,25 +234,23 @@ def _laws(
 
 def draw_criteria(
     folder: Path,
-    dataset: "xr.Dataset | None",
+    dataset: "xr.Dataset",
     criteria: "Sequence[Criterion]",
     structures: Sequence[tuple[float, float]],
     derivations: "Sequence[Derivation]",
     show: Show,
 ) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
-    if dataset is None:
-        raise InputError(
-            "A criterion is drawn over ellipses of motions",
-            value="`figures` without a source of ellipses",
-            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
-        )
+    from reliab.report.style import FigureWarning
+
     held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
-    if not held:
-        raise InputError(
-            "A criterion is drawn over ellipses of motions at the same structure",
-            value="none of those that are asked for",
-            remedy=f"Choose f among {_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')}",
+    if missing := [f"f = {f:g} Hz, ξ = {xi:g}" for f, xi in structures if (f, xi) not in held]:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        warnings.warn(
+            f"No figure for {missing[0]}{more}: the motions have no ellipses there. Choose f among "
+            f"{_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')} for one.",
+            FigureWarning,
+            stacklevel=2,
         )
     errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
     jobs = [(*structure, *error) for structure in held for error in errors]

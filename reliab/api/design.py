@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.api.arguments import Quantity, stated_values, unused
+from reliab.api.arguments import Quantity, stated_threshold, stated_values, unused
 from reliab.assessment import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.criterion import Criterion
 from reliab.errors import InputError
@@ -105,7 +105,7 @@ def design_test(
             tolerable_errors(
                 frequencies,
                 ratio,
-                threshold=0.05 if threshold is None else float(threshold),
+                threshold=stated_threshold(threshold),
                 confidences=CONFIDENCES if confidence is None else several(confidence),
                 metric=str(metric or Metric.RMS),
                 criterion=read,

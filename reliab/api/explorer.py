@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.explore import Settings, write_page
+from reliab.explore import Settings, by_length, write_page
 from reliab.shipped import or_shipped
 from reliab.sweep import open_windows
 
@@ -70,7 +70,7 @@ def write_explorer(
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
     windows = open_windows(or_shipped(Path(ellipses), "datasets", "ellipses.nc"))
-    lengths = {label: table for label, table in windows.items() if label != "arias"}
+    lengths = by_length(windows)
     settings = Settings(
         frequency=f,
         damping_ratio=xi,
@@ -80,5 +80,5 @@ def write_explorer(
         metric=metric,
     )
     name = Path(ellipses).name
-    write_page(out, lengths or windows, settings, source=f"the ellipses of {name}")
-    return ExplorerPage(page=Path(out), ellipses=name, windows=tuple(lengths or windows))
+    write_page(out, lengths, settings, source=f"the ellipses of {name}")
+    return ExplorerPage(page=Path(out), ellipses=name, windows=tuple(lengths))

@@ -1,87 +1,44 @@
-"""`reliab.follow_test`: the error of a test while it runs, message by message."""
+"""`reliab.follow_test`: the error of a test while it runs, message by message, and its verdict at the end."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from itertools import chain, islice
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from reliab.api.arguments import (
     Quantity,
     known_equipment,
     require_known_specimen,
-    require_positive,
-    stated_filters,
+    require_sound,
+    stated_threshold,
     stated_values,
     unused,
 )
-from reliab.api.followed_errors import degrees_so_far, errors_with_intervals
-from reliab.assessment import require_linear_interface
+from reliab.api.assessment import Stated, assess
+from reliab.api.followed_test import FollowedTest, Message, WholeText
+from reliab.assessment import (
+    require_linear_interface,
+)
 from reliab.assessment.budget import (
     Equipment,
-    Size,
-    sizes_of_structure,
-    sizes_of_unknown,
-    tolerances_of,
 )
-from reliab.assessment.coupled_error import CoupledMonitor
-from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, StatedForce
-from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
+from reliab.assessment.measured_specimen import ForceChannel
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings import (
     Part,
-    Rows,
-    StatedChannels,
     chunks_of_text,
-    rows_about_zero,
     rows_as_written,
-    rows_at_equal_steps,
-    rows_without_skew,
     stated_by_options,
-    step_of_rows,
 )
 from reliab.shipped import or_shipped
-from reliab.significant import percent, significant
 from reliab.simulation.frames import FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.hybrid_test import UpdatedModel, read_model
 from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Structure, whole_structure
+from reliab.structures import Structure
 from reliab.vocabulary import Metric
 
-AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
-
-_MILLISECONDS = 1e-3
+_NO_LAG = (0.0, "0")
 _WHOLE = (1.0, "1")  # shares of the stiffness that nobody has stated
-_BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
-_GLANCE = 0.1  # s of the test between two looks at the alarms
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Message:
-    """State of a running test at one moment.
-
-    Attributes
-    ----------
-    kind : {"update", "alarm", "end"}
-        Why it comes: time has passed, an alarm was raised, the test has ended.
-    content : dict
-        The numbers, with stable keys.
-    monitor : Monitor, MeasuredMonitor or CoupledMonitor
-        The monitor, which goes on with the test.
-    alarms : dict of str to str
-        Sentences of the alarms that were raised so far, by name.
-    """
-
-    kind: str
-    content: Mapping[str, Any]
-    monitor: AnyMonitor
-    alarms: Mapping[str, str]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys."""
-        return dict(self.content)
 
 
 def follow_test(
@@ -169,8 +126,8 @@ def follow_test(
     Returns
     -------
     iterator of Message
-        Updates and alarms as they come; the last message is the end, whose `above_threshold` says whether the
-        error of the whole test is too large.
+        Updates and alarms as they come; the last message is the end, with the verdict on the whole test:
+        that of :func:`reliab.assess` where the test could be held.
 
     Raises
     ------
@@ -180,13 +137,16 @@ def follow_test(
     Examples
     --------
     >>> *_, end = follow_test("sample_test", f=1, xi=0.02, wait=0.1)
-    >>> end.kind, end.to_dict()["above_threshold"]
-    ('end', False)
+    >>> end.kind, end.to_dict()["verdict"]
+    ('end', 'reliable')
     """
-    positive = {"threshold": threshold, "every": every, "wait": wait, "start_within": start_within}
-    for name, number in (positive if rate is None else {**positive, "rate": rate}).items():
-        if not 0.0 < number < float("inf"):
-            raise InputError(f"`{name}` must be positive", value=number)
+    force_channel = None if force_channel is None else list(force_channel)
+    as_assessed = _for_assess(locals())
+    stated_threshold(threshold)
+    if rate is not None:
+        require_physical("sampling rate", rate, called="value of `rate`")
+    for name, seconds in {"every": every, "wait": wait, "start_within": start_within}.items():
+        require_physical("number", seconds, called=f"value of `{name}`", remedy="Give it in seconds")
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
@@ -202,25 +162,38 @@ def follow_test(
     of_test = _stated(f=f, xi=xi, alpha=alpha, scale=scale, feedback_lag=feedback_lag, mass=mass)
     if mode is None and alpha in _WHOLE:
         del of_test["alpha"]
+    text = WholeText("standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
-        chunks_of_text(path, wait, start_within, say),
-        name="standard input" if path == "-" else Path(path).name,
+        text.kept(chunks_of_text(path, wait, start_within, say)),
+        name=text.name,
         stated=laboratory.stated,
         also=() if of_force is None else (Part.FORCE,),
         several=frame is not None and frame.several,
     )
-    watch = _Watch(
+    watch = FollowedTest(
+        text=text,
+        judge=lambda file: assess(file, structure, **as_assessed),
         stated=of_test,
         laboratory=laboratory,
         model=updated,
         frame=frame,
         of_force=of_force,
         equipment=known_equipment(equipment, exact=exact),
-        threshold=threshold,
+        threshold=stated_threshold(threshold),
         metric=Metric.parse(metric),
         every=every,
     )
     return watch.follow(rows, laboratory.rate_hz)
+
+
+def _for_assess(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Take the arguments of `assess` among those of a test that is followed, as far as they are stated."""
+    unstated = {"alpha": _WHOLE, "feedback_lag": _NO_LAG}
+    return {
+        name: value
+        for name, value in arguments.items()
+        if name in Stated.__annotations__ and value is not None and value not in unstated.get(name, ())
+    }
 
 
 def model_of(
@@ -236,7 +209,7 @@ def model_of(
         "f": f is not None,
         "xi": xi is not None,
         "alpha": alpha not in _WHOLE,
-        "feedback_lag": feedback_lag not in (0.0, "0"),
+        "feedback_lag": feedback_lag not in _NO_LAG,
     }
     for name, is_stated in stated.items():
         if is_stated:
@@ -307,190 +280,5 @@ def _stated(**quantities: Quantity | None) -> dict[str, StatedValue]:
         if quantities[name] is None:
             raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
     stated = stated_values(**quantities)
-    require_positive(stated)
+    require_sound(stated)
     return stated
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Watch:
-    """Follows rows, and says what is known."""
-
-    stated: dict[str, StatedValue]  # By options, until the first row came
-    laboratory: StatedChannels
-    model: UpdatedModel | None
-    frame: FrameUnderTest | None
-    of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
-    equipment: Equipment | None
-    threshold: float  # [-]
-    metric: Metric
-    every: float  # [s]
-    sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
-    alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
-
-    def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
-        """Follow the rows of a test to their end.
-
-        `rate` [Hz].
-        """
-        step, rows = step_of_rows(self._with_header(rows), rate)
-        if skew := self._value("skew") * _MILLISECONDS:
-            rows = rows_without_skew(rows, skew / step)
-        monitor = self._monitor(step)
-        between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
-        for part in rows_about_zero(rows_at_equal_steps(rows, step)):
-            begin, size = 0, part.command.shape[-1]
-            while begin < size:
-                to_next = min(count - monitor.samples % count for count in (between, glance))
-                end = min(begin + to_next, size)
-                self._feed(monitor, part, slice(begin, end))
-                if monitor.samples % glance == 0 or monitor.samples % between == 0:
-                    yield from self._new_alarms(monitor)
-                if monitor.samples % between == 0:
-                    yield self._update(monitor)
-                begin = end
-        yield self._end(monitor)
-
-    def _with_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
-        """Take what the file of the test states, where no option does."""
-        first = list(islice(rows, 1))
-        header = first[0].stated if first else {}
-        of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
-        self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
-        require_positive(self.stated)
-        return chain(first, rows)
-
-    def _value(self, name: str) -> float:
-        """Value of what is stated; zero where it is not."""
-        return self.stated[name].value if name in self.stated else 0.0
-
-    def _monitor(self, step: float) -> AnyMonitor:
-        f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
-        structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
-        calibrated = self.model is not None
-        self.sizes.update(
-            sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
-        )
-        if self.frame is not None:
-            self.sizes.update(sizes_of_structure(self.frame))
-        tolerances = tolerances_of(self.sizes)
-        if self._value("hysteresis"):  # which is not taken off here, nor are filters
-            tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        if filters := stated_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
-            apart = filters["measured"].delay if "measured" in filters else 0.0
-            apart -= filters["command"].delay if "command" in filters else 0.0
-            tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
-        followed = structure if self.frame is None else self.frame.partition
-        lag *= _MILLISECONDS
-        if self.frame is not None and self.frame.several:
-            return CoupledMonitor(
-                self.frame.partition,
-                step,
-                to_interface=self.frame.to_interface,
-                feedback_lag=lag,
-                tolerances=tolerances,
-                metric=self.metric,
-            )
-        if self.of_force is None:
-            return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
-        mass = self.stated.get("mass")
-        return MeasuredMonitor(
-            whole_structure(followed) if mass is None else Partition.of_structure(structure, mass.value),
-            step,
-            StatedForce(
-                mass_deviation=0.0 if mass is None else mass.deviation / mass.value,
-                feedback_lag=lag,
-                channel=self.of_force,
-                tolerances=tolerances,
-            ),
-        )
-
-    def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
-        """Feed a part of some rows, in the scale of the displacement sensor."""
-        command, measured = rows.command[..., part], rows.measured[..., part] / self.stated["scale"].value
-        if isinstance(monitor, MeasuredMonitor):
-            if rows.force is not None:
-                monitor.feed(command, measured, rows.force[part])
-            return
-        if self.frame is not None and self.frame.several:
-            order = self.frame.order_of_channels(rows.actuators, "the test")
-            command, measured = (
-                self.frame.straightened(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
-            )
-        monitor.feed(command, measured)
-
-    def _new_alarms(self, monitor: AnyMonitor) -> Iterator[Message]:
-        """Raise the alarms that are due, at once."""
-        if monitor.gains_energy_since is not None:
-            yield from self._alarm(
-                "unstable",
-                monitor,
-                f"the loop gains energy in its mode of {significant(monitor.gaining_frequency or 0.0)} Hz "
-                f"and may diverge; at most {percent(FALSE_ALARMS)} of simulated stable tests raised this "
-                "alarm",
-            )
-        if monitor.exceeds(self.threshold, self.metric):
-            yield from self._alarm(
-                "error",
-                monitor,
-                f"the error is above twice {percent(self.threshold, decimals=2)}; "
-                + (
-                    f"at most {percent(FALSE_ERROR_ALARMS)} of simulated tests that end below "
-                    f"that threshold raised this alarm"
-                    if self.of_force is None
-                    else "how often this alarm is false was not measured for learned specimens"
-                ),
-            )
-
-    def _alarm(self, name: str, monitor: AnyMonitor, sentence: str) -> Iterator[Message]:
-        if name not in self.alarms:
-            self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
-            yield self._message(monitor, "alarm")
-
-    def _update(self, monitor: AnyMonitor) -> Message:
-        asked = monitor.ask() if monitor.due else None
-        if asked is None or monitor.result is None:
-            return self._message(monitor, "update")
-        return self._message(monitor, "update", error=self._intervals(asked, monitor))
-
-    def _end(self, monitor: AnyMonitor) -> Message:
-        asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
-        if monitor.result is None:
-            return self._message(monitor, "end", above_threshold=None)
-        above = monitor.result.estimate(self.metric).value > self.threshold
-        return self._message(monitor, "end", error=self._intervals(asked, monitor), above_threshold=above)
-
-    def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
-        now = monitor.now
-        content = {
-            "kind": kind,
-            "samples": now.samples,
-            "time_s": now.time,
-            "error_m": now.error,
-            "rms": now.rms,
-            "mte": now.mte,
-            "net_damping_ratio": None if now.damping is None else now.damping.ratio,
-            "net_damping_deviation": None if now.damping is None else now.damping.deviation,
-            "near_instability": now.near_instability,
-            "alarms": list(self.alarms),
-            "false_alarm_rates": {
-                "unstable": FALSE_ALARMS,
-                "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
-            },
-            **degrees_so_far(monitor),
-            **_learning(monitor),
-            **more,
-        }
-        return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
-
-    def _intervals(self, asked: object, monitor: AnyMonitor) -> dict[str, Any]:
-        return errors_with_intervals(asked, monitor, self.sizes, self.threshold, self.metric)
-
-
-def _learning(monitor: AnyMonitor) -> dict[str, Any]:
-    """Say whether a measured specimen is still being learned, and what it misses; nothing of others."""
-    if not isinstance(monitor, MeasuredMonitor):
-        return {}
-    specimen = monitor.specimen
-    held_out = None if specimen is None else specimen.held_out
-    of_force = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
-    return {"specimen": of_force}

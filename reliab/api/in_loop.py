@@ -6,12 +6,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.arguments import Quantity, require_sound, stated_values
 from reliab.api.following import model_of, refuse_beside
 from reliab.arrays import Array
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
 from reliab.in_loop import LoopMonitor, monitor_sources, pack_fmu
+from reliab.physical_range import require_physical
 from reliab.simulation.frames import FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
 from reliab.structures import Partition, Structure
@@ -127,11 +128,10 @@ def _monitor(
     """Read what the monitor is made for."""
     if rate is None:
         raise InputError("A monitor in a loop needs `rate`, the rate of the loop", remedy="Give it in hertz")
-    for name, number in {"threshold": threshold, "rate": rate}.items():
-        if not 0.0 < number < float("inf"):
-            raise InputError(f"`{name}` must be positive", value=number)
+    require_physical("error threshold", threshold, called="value of `threshold`")
+    require_physical("sampling rate", rate, called="value of `rate`")
     stated = stated_values(scale=scale, feedback_lag=feedback_lag)
-    require_positive(stated)
+    require_sound(stated)
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
@@ -173,7 +173,7 @@ def _structure(
                 remedy="State one of them",
             )
     stated = stated_values(f=f, xi=xi, alpha=alpha)
-    require_positive(stated)
+    require_sound(stated)
     structure = Structure(
         frequency=stated["f"].value,
         damping_ratio=stated["xi"].value,

@@ -12,10 +12,17 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.api.sources import EllipseSource, listed, paths
-from reliab.criterion import Position, compare_with_scope, events_of_originals, magnitudes_of, scope_of
+from reliab.criterion import (
+    Position,
+    compare_with_scope,
+    magnitudes_of,
+    scope_of,
+    with_threshold,
+    without_copies,
+)
 from reliab.errors import InputError
 from reliab.indices import Window
-from reliab.motions import load_motions
+from reliab.motions import MotionSuite, load_motions
 from reliab.progress import Show
 from reliab.significant import percent, significant
 from reliab.sweep import REAL, Numbers, at_share, open_results, share_of, stored_results
@@ -51,7 +58,10 @@ def require_one_share(alpha: Numbers | None) -> None:
 
 
 def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
-    """Trace or look up the ellipses of the motions, which must be at the structures that are asked for."""
+    """Trace or look up the ellipses of the motions, each record once.
+
+    They must be at the structures that are asked for.
+    """
     dataset = at_share(source.dataset(show))
     for name in ("f", "xi"):
         held = dataset[name].values.tolist()
@@ -62,14 +72,18 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
-    return dataset.assign_coords(event=("motion", events_of_originals(dataset)))
+    for error in listed(source.threshold) or []:
+        dataset = with_threshold(dataset, error)
+    return without_copies(dataset)
 
 
 def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
     """Choose where true errors come from: the loop, stored results, or else ellipses."""
+    names = dataset["motion"].values.tolist()
     if source.motions is not None:
+        suite = load_motions(*paths(source.motions), sets=source.sets)
         return SimulatedTruth(
-            motions=list(load_motions(*paths(source.motions), sets=source.sets)),
+            motions=[suite[place] for place in _places(names, suite)],
             window=Window.parse(str(dataset.attrs["window"])),
             experimental_fraction=share_of(dataset),
         )
@@ -78,8 +92,14 @@ def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
         return EllipseTruth(dataset)
     window = str(dataset.attrs.get("window", "record"))
     structures = (dataset[name].values.tolist() for name in ("f", "xi"))
-    results = open_results(stored_results(Path(stored), *structures), window=window)
+    results = open_results(stored_results(Path(stored), *structures), window=window).sel(motion=names)
     return StoredTruth(at_share(results, share_of(dataset)))
+
+
+def _places(names: Sequence[str], suite: MotionSuite) -> list[int]:
+    """Places of motions in a suite."""
+    places = {name: place for place, name in enumerate(suite.names)}
+    return [places[name] for name in names]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +179,8 @@ def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Seque
     )
     learn_from = shipped_suite.dataset()
     events, checksums = (dataset[name].values.tolist() for name in ("event", "checksum"))
-    among = earthquakes_among(events, checksums, learn_from)
+    outlines = dataset["outline"].values.tolist() if "outline" in dataset.coords else ()
+    among = earthquakes_among(events, checksums, learn_from, outlines)
     return Division(
         folds=list(from_another(among, learn_from["event"].values)),
         name=f"learned from {REAL}",
@@ -179,7 +200,7 @@ def _by_sets(
             remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
         )
     suite = load_motions(*paths(source.motions), sets=source.sets)
-    sets = np.array(suite.set_names, dtype=np.str_)
+    sets = np.array(suite.set_names, dtype=np.str_)[_places(dataset["motion"].values.tolist(), suite)]
     folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
     name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
     return Division(folds=list(folds), name=name)
@@ -194,6 +215,10 @@ def kept_shares(
     >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
     >>> print(*kept_shares(rows))
     power does not keep the share that it states: it protects 52.0 % of the motions where it states 95 %.
+    >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
+    >>> print(*kept_shares([{**rows[0], "containment": of_one_record}]))
+    power may keep the share that it states, as far as so few earthquakes can tell: it protects 100.0 % of the
+    motions where it states 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):
         judged = [
@@ -212,17 +237,24 @@ def kept_shares(
 
 
 def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
-    """Whether shares are kept, as far as their intervals can tell."""
-    below = [(rate, stated) for rate, stated in judged if rate["rate"] < stated]
-    broken = [
-        percent(stated, decimals=0) for rate, stated in below if (rate["high"] or rate["rate"]) < stated
+    """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
+    phrases: dict[str, list[str]] = {
+        "does not keep the share that it states": [],
+        "keeps the share that it states": [],
+        "may keep the share that it states": [],
+    }
+    broken, kept, open_ = phrases
+    for rate, stated in judged:
+        low, high = (rate[end] if rate[end] is not None else rate["rate"] for end in ("low", "high"))
+        phrase = kept if low >= stated else broken if high < stated else open_
+        phrases[phrase].append(percent(stated, decimals=0))
+    said = {phrase: shares for phrase, shares in phrases.items() if shares}
+    sentences = [
+        phrase if len(said) == 1 else f"{phrase} at {' and '.join(shares)}" for phrase, shares in said.items()
     ]
-    if broken:
-        at = f" at {', '.join(broken)}" if len(judged) > 1 else ""
-        return f"does not keep the share that it states{at}"
-    if below:
-        return "may keep the share that it states, as far as so few motions can tell"
-    return "keeps the share that it states"
+    if open_ in said:
+        sentences[-1] += ", as far as so few earthquakes can tell"
+    return "; it ".join(sentences)
 
 
 _UNITS = {"magnitude": "", "length": " s"}

@@ -1,12 +1,24 @@
 """Ground motions listed, checked and rewritten as a suite; and the synthetic suite, which needs no record."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from reliab.api.sources import Files, listed, paths
-from reliab.motions import Fault, MotionSuite, inspect, load_motions, measure, write_suite
+from reliab.errors import InputError
+from reliab.motions import (
+    Fault,
+    Motion,
+    MotionSuite,
+    fault_of,
+    find_motions,
+    inspect,
+    load_motions,
+    measure,
+    skipped_files,
+    write_suite,
+)
 from reliab.motions.synthetic import synthetic_suite
 from reliab.rows import ResultWithRows
 from reliab.sweep import Names
@@ -18,22 +30,29 @@ class MotionList(ResultWithRows):
     """Ground motions with their measures of intensity.
 
     `rows`: name, event, set, time step [s], duration [s], peak [g], Arias intensity [m/s], significant
-    duration [s], mean period [s] and checksum of each.
+    duration [s], mean period [s] and checksum of each; `faults`: what is wrong with the records that are
+    left out; `skipped`: files in formats that are not read.
     """
 
     rows_in = "motions"
 
     rows: list[dict[str, Any]]
+    faults: tuple[Fault, ...] = ()
+    skipped: tuple[Fault, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `motions`, the rows."""
-        return {"motions": self.rows}
+        """Plain values with stable keys: `motions`, the rows; `faults` and `skipped`."""
+        return {
+            "motions": self.rows,
+            "faults": [asdict(fault) for fault in self.faults],
+            "skipped": [asdict(fault) for fault in self.skipped],
+        }
 
 
 def list_motions(
     sources: Files, *, sets: Names | None = None, time_step: float | None = None, units: str | None = None
 ) -> MotionList:
-    """List motions with their events and measures of intensity.
+    """List motions with their events and measures of intensity; records with faults are left out and named.
 
     Parameters
     ----------
@@ -49,42 +68,47 @@ def list_motions(
     Returns
     -------
     MotionList
-        The motions, one row each.
+        The motions, one row each, and what was left out.
 
     Raises
     ------
     InputError
-        If a record is bad or a set is not in the catalogue.
+        If no record is sound or a set is not in the catalogue.
 
     Examples
     --------
     >>> len(list_motions("synthetic").rows)
     100
     """
-    suite = load_motions(*paths(sources), sets=listed(sets), time_step=time_step, units=units)
-    return MotionList(_describe(suite))
+    named = paths(sources)
+    suite, found = find_motions(*named, sets=listed(sets), time_step=time_step, units=units)
+    rows, faults = [], list(found)
+    for entry in suite.entries:
+        try:
+            rows.append(_describe(entry.load()))
+        except InputError as error:
+            faults.append(fault_of(error, entry.name))
+    if not rows:
+        raise faults[0].error()
+    skipped = [note for source in named for note in skipped_files(source)]
+    return MotionList(rows, tuple(faults), tuple(skipped))
 
 
-def _describe(suite: MotionSuite) -> list[dict[str, Any]]:
-    rows = []
-    for motion in suite:
-        intensity = measure(motion)
-        rows.append(
-            {
-                "motion": motion.name,
-                "event": motion.event,
-                "set": motion.set_name,
-                "time_step": motion.time_step,
-                "samples": motion.acceleration.size,
-                "duration": motion.duration,
-                "pga_g": intensity.peak_acceleration / STANDARD_GRAVITY,
-                "arias_intensity": intensity.arias_intensity,
-                "significant_duration": intensity.significant_duration,
-                "mean_period": intensity.mean_period,
-                "checksum": motion.checksum,
-            }
-        )
-    return rows
+def _describe(motion: Motion) -> dict[str, Any]:
+    intensity = measure(motion)
+    return {
+        "motion": motion.name,
+        "event": motion.event,
+        "set": motion.set_name,
+        "time_step": motion.time_step,
+        "samples": motion.acceleration.size,
+        "duration": motion.duration,
+        "pga_g": intensity.peak_acceleration / STANDARD_GRAVITY,
+        "arias_intensity": intensity.arias_intensity,
+        "significant_duration": intensity.significant_duration,
+        "mean_period": intensity.mean_period,
+        "checksum": motion.checksum,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,15 +165,23 @@ class WrittenSuite:
         Names of the motions.
     events : int
         Number of earthquakes.
+    skipped : tuple of Fault
+        Files of the sources in formats that are not read.
     """
 
     catalogue: Path
     motions: tuple[str, ...]
     events: int
+    skipped: tuple[Fault, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `catalogue`, `motions` and `events`."""
-        return {"catalogue": str(self.catalogue), "motions": list(self.motions), "events": self.events}
+        """Plain values with stable keys: `catalogue`, `motions`, `events` and `skipped`."""
+        return {
+            "catalogue": str(self.catalogue),
+            "motions": list(self.motions),
+            "events": self.events,
+            "skipped": [asdict(note) for note in self.skipped],
+        }
 
 
 def import_motions(
@@ -182,8 +214,12 @@ def import_motions(
     InputError
         If a record is bad or the folder is neither new nor empty.
     """
-    suite = load_motions(*paths(sources), sets=listed(sets), time_step=time_step, units=units)
-    return _written(suite, write_suite(suite, out, event=event), suite.events if event is None else [event])
+    named = paths(sources)
+    suite = load_motions(*named, sets=listed(sets), time_step=time_step, units=units)
+    written = _written(
+        suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
+    )
+    return replace(written, skipped=tuple(note for source in named for note in skipped_files(source)))
 
 
 def synthesize_motions(*, out: str | Path, count: int = 100, seed: int | None = None) -> WrittenSuite:

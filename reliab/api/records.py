@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from reliab.api.arguments import Quantity, require_positive, stated_values
+from reliab.api.arguments import Quantity, require_sound, stated_values
 from reliab.api.channels import Channels
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending, written_whole
@@ -121,7 +121,7 @@ def record(
     path = or_shipped(Path(source), "datasets", "test.csv")
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
-    require_positive(stated)
+    require_sound(stated)
     _require_a_structure(stated)
     about = About(
         **{name: str(value) for name, value in stated.items()},

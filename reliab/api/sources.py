@@ -9,26 +9,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from reliab.api.boundaries import ellipses
+from reliab import sweep
+from reliab.api.arguments import stated_threshold
 from reliab.criterion import carry_to_share, read_ellipses
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly, silent
 from reliab.shipped import or_shipped
-from reliab.simulation.frames import read_structure
-from reliab.sweep import (
-    FrameRequest,
-    Numbers,
-    at_share,
-    for_each_share,
-    open_ellipses,
-    open_results,
-    several,
-    shares_of,
-    stored_results,
-    trace_frame_ellipses,
-)
+from reliab.simulation import frames
+from reliab.sweep import Numbers, at_share, for_each_share, open_ellipses, several, shares_of
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric
 
 Files = str | Path | Sequence[str | Path]
@@ -138,6 +128,8 @@ class EllipseSource:
             return _of_shares(self._traced_in(path, show), self.alpha, path)
         if self.structure is not None:
             return self._of_frame(self.structure, show)
+        from reliab.api.boundaries import ellipses
+
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
             return ellipses(
@@ -171,8 +163,8 @@ class EllipseSource:
 
     def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
-        stored = open_results(
-            stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
+        stored = sweep.open_results(
+            sweep.stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
             traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
@@ -189,8 +181,8 @@ class EllipseSource:
                 value=f"`structure` with {', '.join(given)}",
                 remedy="Leave them out",
             )
-        request = FrameRequest(
-            frame=read_structure(path),
+        request = sweep.FrameRequest(
+            frame=frames.read_structure(path),
             actuator=self.actuator,
             thresholds=self._thresholds,
             metrics=(Metric(self.metric),),
@@ -198,21 +190,16 @@ class EllipseSource:
         )
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Tracing boundaries") as progress:
-            return trace_frame_ellipses(suite, request, progress=progress)
+            return sweep.trace_frame_ellipses(suite, request, progress=progress)
 
 
 def require_thresholds(threshold: Numbers | None) -> None:
-    """Refuse errors that are not positive and finite.
+    """Refuse errors that are no shares of a peak.
 
     `threshold` [-].
     """
     for error in () if threshold is None else several(threshold):
-        if not 0.0 < error < math.inf:
-            raise InputError(
-                "The error threshold must be positive and finite",
-                value=f"`threshold={error:g}`",
-                remedy="Give a fraction, 0.05 for 5 %",
-            )
+        stated_threshold(error)
 
 
 def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401

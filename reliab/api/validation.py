@@ -242,6 +242,8 @@ def _sentences(
 
     Printed laws are learned from none of the motions, and speak of all.
     """
+    if copies := str(validation.ellipses.attrs.get("copies", "")):
+        yield copies
     outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
     whose = "the motions that do not lie outside" if outside.any() else "the motions"
     if outside.all():

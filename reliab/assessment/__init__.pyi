@@ -22,7 +22,6 @@ from .design import (
     chart_frequencies as chart_frequencies,
     tolerable_errors as tolerable_errors,
 )
-from .doubts import ERROR_NAMES as ERROR_NAMES, probability_text as probability_text
 from .error_of_test import (
     CANCELLING as CANCELLING,
     PART_NAMES as PART_NAMES,
@@ -44,11 +43,23 @@ from .frame_test import (
     require_linear_interface as require_linear_interface,
 )
 from .measured_specimen import ForceChannel as ForceChannel
-from .own_equation import doubts_of_ground as doubts_of_ground
 from .placement import carried_limits as carried_limits
 from .plain_error import plain_errors as plain_errors
-from .plausibility import require_plausible as require_plausible
-from .recorded_force import require_restoring_force as require_restoring_force, unit_like as unit_like
+from .plausibility import RunningSign as RunningSign, require_plausible as require_plausible
+from .recorded_force import (
+    doubts_of_force as doubts_of_force,
+    doubts_of_sign as doubts_of_sign,
+    require_restoring_force as require_restoring_force,
+    unit_like as unit_like,
+)
+from .recorded_ground import doubts_of_ground as doubts_of_ground
 from .several import Assessments as Assessments, verdict_table as verdict_table
-from .tracking_index import LEVEL as LEVEL, Windows as Windows, noise_floor as noise_floor
-from .verdict import Word as Word, word_of_probability as word_of_probability
+from .tracking_index import LEVEL as LEVEL, Windows as Windows, white_noise_share as white_noise_share
+from .verdict import (
+    ERROR_NAMES as ERROR_NAMES,
+    Word as Word,
+    error_in_words as error_in_words,
+    next_steps as next_steps,
+    probability_text as probability_text,
+    word_of_probability as word_of_probability,
+)

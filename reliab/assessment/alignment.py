@@ -199,18 +199,36 @@ def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
     return None
 
 
+def factor_of_ground(test: ExactTest) -> float | None:
+    """Factor by which the recorded ground acceleration explains a test best; None where none does."""
+    if test.ground is None:
+        return None
+    by_ground, of_ground = _forces_of_ground(test, test.ground)
+    size = float(np.linalg.norm(of_ground))
+    factor = float(np.sum(by_ground * of_ground)) / size**2 if size else 0.0
+    return factor if abs(factor) * size > _ALIKE * float(np.linalg.norm(by_ground)) else None
+
+
+def _forces_of_ground(test: ExactTest, ground: Array) -> tuple[Array, Array]:
+    """Return forces on the specimen that the ground must have caused, and those that a ground motion causes.
+
+    `ground` [m/s²], shape (n,). Forces and moments are over what the specimen bears.
+    """
+    structure, step = test.stated.structure, test.time_step
+    none, borne = np.zeros(test.command.shape[1]), np.linalg.norm(test.fed_back, axis=1)
+    alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
+    unit = np.where(borne > 0.0, borne, np.inf)[:, np.newaxis]
+    still = structure.displacements(np.zeros((borne.size, ground.size)), ground, step)
+    return (test.fed_back - alone) / unit, structure.force_of_computer(still, ground, step) / unit
+
+
 def _placed(test: ExactTest, motion: Motion) -> GroundOfTest | None:
     """Find the part of a record that a test saw; forces and moments count by what the specimen bears."""
     structure, step, size = test.stated.structure, test.time_step, test.command.shape[1]
     if structure.all_driven:
         return None
-    none, borne = np.zeros(size), np.linalg.norm(test.fed_back, axis=1)
-    alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
-    unit = np.where(borne > 0.0, borne, np.inf)[:, np.newaxis]
-    by_ground = (test.fed_back - alone) / unit
     history = Padded.around(motion, step * size).sampled(step)
-    still = structure.displacements(np.zeros((borne.size, history.size)), history, step)
-    of_ground = structure.force_of_computer(still, history, step) / unit
+    by_ground, of_ground = _forces_of_ground(test, history)
     alike = similarity(by_ground, of_ground, in_size=False)
     begin = int(np.argmax(np.abs(alike)))
     if abs(alike[begin]) < _ALIKE_SOMEWHERE:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget import Equipment
+from reliab.assessment.budget import Equipment, sizes_of_unknown
 from reliab.assessment.contradictions import (
     limited,
     of_columns,
@@ -16,24 +16,33 @@ from reliab.assessment.contradictions import (
     of_specimen,
     of_stability,
 )
-from reliab.assessment.default_criterion import default_criterion
+from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.doubts import doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.own_equation import Explanation, OwnEquation, error_under, examine_equation
+from reliab.assessment.own_equation import (
+    Explanation,
+    OwnEquation,
+    error_under,
+    examine_equation,
+    ratio_per_second,
+)
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
+from reliab.assessment.recorded_force import stated_stiffness
+from reliab.assessment.recorded_ground import examine_ground, require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
 from reliab.criterion import Criterion
-from reliab.recordings import Recording
+from reliab.recordings import Recording, without_spikes
+from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, whole_structure
-from reliab.vocabulary import Metric
+from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen import ForceChannel
@@ -41,6 +50,8 @@ if TYPE_CHECKING:
     from reliab.motions import Motion
     from reliab.simulation.hybrid_test import UpdatedModel
 
+_LEAST_RATIO, _LARGEST_RATIO = 0.001, 0.5  # of a structure, where an equation of motion shows it
+_LIKE_DAMPING = ("time_shift", "filter_delay", "feedback_lag")  # what looks like a damping ratio
 _DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
 
 
@@ -102,8 +113,8 @@ def assess(
         What the recorded force of a measured specimen contains besides that of the specimen.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
-        warnings. The test is then undecided unless the verdict is the same with each of seven
-        ratios from 0.5 to 10 %.
+        warnings. A recorded ground acceleration shows the ratio; without one the test is undecided unless
+        the verdict is the same with each of seven ratios from 0.5 to 10 %.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
@@ -120,13 +131,21 @@ def assess(
         If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
-    _require_judgeable(recording, structure, stated or {})
+    linear = model is None and not measured_specimen
+    _require_judgeable(recording, structure, stated or {}, linear=linear)
+    stated = dict(stated or {})
+    shown = _shown_damping(recording, structure, stated, equipment) if assumed and linear else None
+    if shown is not None:
+        structure, stated = replace(structure, damping_ratio=shown.value), {**stated, "xi": shown}
+        ratio = f"{significant(shown.value, 2)} ± {significant(shown.deviation, 1)}"
+        assumed = (f"No damping ratio was stated; the recorded ground acceleration shows {ratio}.",)
     named = structure.frequency, structure.damping_ratio, threshold, confidence
-    chosen = criterion or default_criterion(*named, metric=metric, duration=recording.duration)
+    chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
     question = Question(
         structure=structure,
-        stated=dict(stated or {}),
+        stated=stated,
         equipment=equipment,
+        damping_shown=shown is not None,
         metric=Metric(chosen.metric),
         threshold=chosen.threshold,
         model=model,
@@ -159,7 +178,9 @@ def _examined(
         tracking = track(clean, window=taper, seed=question.seed)
     judged = _judged(recording, clean, faults, question)
     turning = examine_turning(judged.error, recording, question)
-    verdict = judged.verdict(_with_any_damping(clean, question) if assumed else ())
+    verdict = judged.verdict(
+        _with_any_damping(clean, question) if assumed and not question.damping_shown else ()
+    )
     verdict = doubted_by_rest(verdict, judged.error, clean)
     assessment = Assessment(
         recording=recording,
@@ -185,10 +206,16 @@ def _examined(
     return _with_contradictions(assessment, clean, question)
 
 
-def _require_judgeable(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> None:
+def _require_judgeable(
+    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue], *, linear: bool
+) -> None:
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
-    require_plausible(recording, stiffness=_stated_stiffness(structure, stated))
+    require_plausible(recording, stiffness=stated_stiffness(structure, stated), linear=linear)
+    if "mass" in stated and not linear:
+        lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+        sound, *_ = without_spikes(recording)
+        require_unit_of_force(sound, structure, mass=stated["mass"].value, feedback_lag=lag)
 
 
 def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
@@ -201,6 +228,7 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
         ),
         *of_stability(assessment.stability_margin),
         *of_motion(assessment.placement),
+        *assessment.equation.doubts,
         *of_specimen(assessment.error.specimen),
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
     )
@@ -216,13 +244,6 @@ def _depends_on_columns(assessment: Assessment, clean: Recording, question: Ques
     shown = replace(question, structure=assessment.equation.structure(question.structure))
     swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), shown)
     return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
-
-
-def _stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
-    """Stiffness of the specimen [N/m]; None where no mass is stated."""
-    if "mass" not in stated:
-        return None
-    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
 
 
 def _placed(
@@ -273,6 +294,31 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
         equation=equation,
         otherwise=(*otherwise, *explained),
     )
+
+
+def _shown_damping(
+    recording: Recording,
+    structure: Structure,
+    stated: Mapping[str, StatedValue],
+    equipment: Equipment | None,
+) -> StatedValue | None:
+    """Take the damping ratio that the recorded ground acceleration shows; None where it shows none.
+
+    A skew and a lag of the force look like damping, so that it is no better known than these.
+    """
+    mass, lag = stated.get("mass"), stated.get("feedback_lag", StatedValue(0.0))
+    shown = examine_ground(
+        without_spikes(recording)[0],
+        structure,
+        mass=None if mass is None else mass.value,
+        feedback_lag=lag.value / MILLI,
+    ).identified
+    if shown is None or not _LEAST_RATIO < shown.damping_ratio.value < _LARGEST_RATIO:
+        return None
+    sizes = sizes_of_unknown(stated, structure, equipment, recording.time_step)
+    late = [sizes[name].deviation for name in _LIKE_DAMPING if name in sizes]
+    of_channels = ratio_per_second(structure) * float(np.linalg.norm(late))
+    return StatedValue(shown.damping_ratio.value, float(np.hypot(shown.damping_ratio.deviation, of_channels)))
 
 
 def _with_any_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:

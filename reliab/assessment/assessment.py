@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.assessment.doubts import ERROR_NAMES, probability_text, sizes_otherwise
+from reliab.assessment.doubts import sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
-from reliab.assessment.recorded_force import unexamined_unit
+from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
-from reliab.assessment.verdict import Word
+from reliab.assessment.verdict import ERROR_NAMES, Word, probability_text
 from reliab.criterion import whole_is_worst
 from reliab.html_table import html_table
 from reliab.significant import percent, percent_with_interval, share_in_words, significant
@@ -137,10 +137,11 @@ def _of_columns(findings: Findings) -> Iterator[str]:
 
 
 def _of_force(findings: Findings) -> Iterator[str]:
-    if "mass" not in findings.stated and (
-        sentence := unexamined_unit(findings.recording, findings.structure)
-    ):
-        yield sentence
+    yield from doubts_of_force(findings.recording)
+    unknown = findings.error.specimen_known != "stated" or "alpha" in findings.equation.wrong
+    if "mass" not in findings.stated or not unknown:
+        sentence = remark_on_force(findings.recording, findings.structure, findings.stated)
+        yield from (sentence,) if sentence else ()
 
 
 def _of_signal(findings: Findings) -> Iterator[str]:

@@ -16,7 +16,7 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.rebuilt_error.spread import LEVEL, weighted_interval
+from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, weighted_quantiles
 from reliab.errors import InputError
 from reliab.signals import correlated
 from reliab.significant import significant
@@ -32,6 +32,7 @@ _IN_COMMON: Final = (
     "as their skew, are the same in all of them. State in a test's header what differs in it."
 )
 _OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
+_EVEN: Final = 0.5
 _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the same
 
 
@@ -42,7 +43,7 @@ class RankedTest:
     file: str  # The test
     assessment: Assessment | FrameAssessment  # What is found about it
     error: Estimate  # Its error with the 90 % interval [-]
-    # By how much its error exceeds that of the first test, with the 90 % interval [-]; None for the first
+    # By how much its error exceeds that of the first test: median and 90 % interval [-]; None for the first
     difference: Estimate | None
     probability_larger: float | None  # That it is larger than that of the first test; None for the first
 
@@ -53,7 +54,7 @@ class Comparison:
 
     metric: Metric  # Which error
     threshold: float  # Error with which each test is compared [-]
-    tests: tuple[RankedTest, ...]  # The smallest error first
+    tests: tuple[RankedTest, ...]  # The one whose error is probably smallest first
     faults: Mapping[str, str]  # By file, why others could not be judged
     notes: tuple[str, ...]  # What limits the comparison, in sentences
     assumed: str = _IN_COMMON  # What is taken to be the same in all tests, in a sentence
@@ -107,7 +108,7 @@ def rank_tests(
     metric, threshold = next(
         (assessment.error.metric, assessment.error.threshold) for assessment in judged.values()
     )
-    order = sorted(judged, key=lambda file: judged[file].error.estimate(metric).value)
+    order = _ranked_files({file: found.error for file, found in judged.items()}, metric)
     first = judged[order[0]].error
     tests = tuple(_ranked(file, judged[file], first, metric) for file in order)
     return Comparison(
@@ -129,16 +130,38 @@ def _ranked(
             file=file, assessment=assessment, error=estimate, difference=None, probability_larger=None
         )
     differences, weights = paired_differences(error, first, metric)
-    low, high = weighted_interval(differences, weights)
-    value = estimate.value - first.estimate(metric).value
-    larger = (float(weights[differences > 0.0].sum()) + 0.5) / (weights.size + 1.0)
+    low, middle, high = weighted_quantiles(differences, weights, ENDS[0], _EVEN, ENDS[1])
     return RankedTest(
         file=file,
         assessment=assessment,
         error=estimate,
-        difference=Estimate(value=value, low=min(low, value), high=max(high, value)),
-        probability_larger=min(max(larger, 1.0 - _LARGEST_PROBABILITY), _LARGEST_PROBABILITY),
+        difference=Estimate(value=middle, low=low, high=high),
+        probability_larger=_probability_larger(differences, weights),
     )
+
+
+def _ranked_files(errors: Mapping[str, ErrorOfTest], metric: Metric) -> list[str]:
+    """Order tests so that each is probably better than those after it.
+
+    By the number of tests that it is probably better than, then by the sum of these probabilities: errors
+    that what is unknown moves together may be ordered otherwise than their values.
+    """
+    better = {
+        file: [
+            _probability_larger(*paired_differences(other, error, metric))
+            for other in errors.values()
+            if other is not error
+        ]
+        for file, error in errors.items()
+    }
+    return sorted(errors, key=lambda file: (-sum(p > _EVEN for p in better[file]), -sum(better[file])))
+
+
+def _probability_larger(differences: Array, weights: Array) -> float:
+    """Probability that a difference is positive, equal errors counting half."""
+    positive = float(weights[differences > 0.0].sum() + _EVEN * weights[differences == 0.0].sum())
+    larger = (positive + _EVEN) / (weights.size + 1.0)
+    return min(max(larger, 1.0 - _LARGEST_PROBABILITY), _LARGEST_PROBABILITY)
 
 
 def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> tuple[Array, Array]:
@@ -187,6 +210,12 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
         notes.append(
             f"Other quantities are unknown in {', '.join(apart)} than in {tests[0].file}: no unknown "
             "property is assumed to be common to these tests, and their differences are less certain."
+        )
+    smaller = [test.file for test in tests[1:] if test.error.value < tests[0].error.value]
+    if smaller:
+        notes.append(
+            f"The value of {', '.join(smaller)} is smaller than that of {tests[0].file}, whose error is "
+            "probably the smaller one: what is unknown acts on them differently."
         )
     second = tests[1]
     if second.probability_larger is not None and second.probability_larger < 0.5 + 0.5 * LEVEL:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.budget import Size, Source
-from reliab.assessment.tracking_index import TrackingIndex, noise_floor, power_of
+from reliab.assessment.tracking_index import TrackingIndex, is_noisier, power_of
 from reliab.assessment.verdict import Verdict, Word
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
@@ -29,7 +29,6 @@ _AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural fre
 _LEAD = 1e-5  # s
 _BEYOND = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
-_NOISIER, _ROUNDING = 10.0, 1e-8  # in power
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,20 +139,12 @@ def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contra
             "may be swapped, or a compensator overcorrects.",
             remedy=remedy,
         )
-    noise_of_command, noise_of_measured = (
-        _noise(history) for history in (recording.command, recording.measured)
-    )
-    if noise_of_command > _NOISIER * noise_of_measured and noise_of_command > _ROUNDING:
+    if is_noisier(recording.command, recording.measured):
         yield Contradiction(
             finding="The command is noisier than the measured displacement, though a command is computed "
             "and the other is measured: the columns may be swapped.",
             remedy=remedy,
         )
-
-
-def _noise(values: NDArray[np.float64]) -> float:
-    floor, total = noise_floor(values)
-    return floor * values.size / total
 
 
 def of_ground(

@@ -8,13 +8,19 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
-from reliab.assessment.verdict import Verdict, Word, word_of_probability
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.verdict import (
+    ERROR_NAMES,
+    Verdict,
+    Word,
+    error_in_words,
+    word_of_probability,
+)
 from reliab.recordings import CoupledRecording, Recording
 from reliab.significant import percent, significant
 from reliab.structures import is_of_entries
 from reliab.vocabulary import Metric
 
-ERROR_NAMES = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _NONLINEAR = (
     "State `specimen` as measured, with the `mass`: its behaviour is then learned from its recorded "
@@ -53,12 +59,10 @@ def verdict_of_error(
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
     largest = f"{error.of_which}, the largest," if error.of_which else ""
-    reason = (
-        f"{name}{largest} is {percent(size.value, decimals=2)}, 90 % interval "
-        f"{percent(size.low, decimals=2)} to {percent(size.high, decimals=2)}, against a threshold of "
-        f"{percent(error.threshold)}: "
-        f"probability {probability_text(error.probability)} of staying below it."
+    how_large = error_in_words(
+        f"{name}{largest}", size, error.threshold, error.probability, with_interval=True
     )
+    reason = f"{how_large}."
     verdict = Verdict(
         word=word,
         reasons=(reason,),
@@ -100,11 +104,12 @@ def doubted_by_rest(
     probability = float(np.mean(error.rebuilt.errors(Metric.RMS) * factor <= error.threshold))
     if share > _MOSTLY_MOVING or word_of_probability(probability) is Word.RELIABLE:
         return verdict
+    size = error.estimate(Metric.RMS)
+    while_moving = Estimate(value=factor * size.value, low=factor * size.low, high=factor * size.high)
     reason = (
         f"The structure moves in {significant(samples * recording.time_step)} of "
-        f"{significant(recording.duration)} s only: over these RMS^R is "
-        f"{percent(error.estimate(Metric.RMS).value * factor, decimals=2)}, below "
-        f"{percent(error.threshold)} with probability {probability_text(probability)}."
+        f"{significant(recording.duration)} s only: over these "
+        f"{error_in_words(ERROR_NAMES[Metric.RMS], while_moving, error.threshold, probability)}."
     )
     return verdict.doubted([reason], [_CUT])
 
@@ -137,19 +142,6 @@ def sizes_otherwise(error: ErrorWithThreshold, otherwise: tuple[ErrorOfTest, ...
     )
     size = percent(error.estimate(error.metric).value, decimals=2)
     return f"{ERROR_NAMES[error.metric]} is {size}, but {sizes}."
-
-
-def probability_text(probability: float, *, bound: float = 0.99) -> str:
-    """Write a probability, without claiming more than 0.99.
-
-    >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)
-    ('0.78', '> 0.99', '< 0.01')
-    """
-    if probability > bound:
-        return f"> {bound:g}"
-    if probability < 1.0 - bound:
-        return f"< {significant(1.0 - bound, 2)}"
-    return f"{probability:.2f}"
 
 
 def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:

@@ -82,6 +82,7 @@ class Question:
     force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
     # The frame under test, of which `structure` is the mode that governs the error; None for one mass
     frame: "FrameUnderTest | None" = None
+    damping_shown: bool = False  # Whether the test itself showed its damping ratio, which nobody stated
 
     @property
     def whole(self) -> Partition:
@@ -114,6 +115,8 @@ class Question:
         sizes = sizes_of_unknown(
             self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
         )
+        if self.damping_shown:
+            sizes["damping_ratio"] = replace(sizes["damping_ratio"], source=Source.LEARNED)
         return sizes if self.frame is None else {**sizes, **sizes_of_structure(self.frame)}
 
 

@@ -8,6 +8,7 @@ from typing import TypedDict, TypeVar, Unpack, overload
 import numpy as np
 
 from reliab.arrays import Array
+from reliab.assessment.alignment import factor_of_ground
 from reliab.assessment.budget import Equipment, Size, tolerances_of
 from reliab.assessment.contradictions import (
     Contradiction,
@@ -20,15 +21,17 @@ from reliab.assessment.contradictions import (
 from reliab.assessment.doubts import doubted_by_entries, doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
+from reliab.assessment.exact_response import exact_test
 from reliab.assessment.fault_effects import error_of_one_with_faults, error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
-from reliab.assessment.frame_responses import errors_of_responses
+from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.measured_specimen import ForceChannel
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.rebuilt_error import Part
+from reliab.assessment.recorded_ground import require_unit_of_ground
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict
@@ -179,11 +182,12 @@ def _of_one(
     mode, partition = question.structure, frame.partition
     require_length(recording, mode.frequency)
     require_drawable(recording, partition)
-    faults = tuple(_faults(recording, frame, question.threshold))
+    faults = tuple(_faults(recording, frame, question.threshold, linear=question.linear))
     error, effects = error_of_one_with_faults(recording, faults, question)
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
+    responses = _responses(error, recording, partition, motion)
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -192,7 +196,7 @@ def _of_one(
         over_frequency=over_frequency,
         error=error,
         resolved=_resolved(sound, over_frequency, error),
-        responses=errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion),
+        responses=responses,
         faults=effects,
         verdict=turning.limit(_verdict(error, effects, sound)),
         turning=turning,
@@ -231,7 +235,7 @@ def _of_several(
         recording=recording,
         frame=frame,
         error=error,
-        responses=errors_of_responses(error, partition.degrees_of_freedom, ground, motion),
+        responses=_responses(error, recording, partition, motion),
         faults=effects,
         verdict=_verdict(error, effects, repaired(recording, faults)),
         turning=examine_turning(error, recording, question),
@@ -244,6 +248,19 @@ def _of_several(
         *of_ground(shown, question.sizes(recording.time_step), partition),
         *of_stability(assessment.stability_margin),
     )
+
+
+def _responses(
+    error: ErrorWithThreshold,
+    recording: Recording | CoupledRecording,
+    partition: Partition,
+    motion: Motion | None,
+) -> ResponseErrors:
+    responses = errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion)
+    if motion is None and recording.ground is not None:
+        exact = exact_test(error, partition.degrees_of_freedom, recording.ground)
+        require_unit_of_ground(recording, factor_of_ground(exact))
+    return responses
 
 
 def _verdict(
@@ -260,12 +277,13 @@ def _contradicted(assessment: _Assessment, *contradictions: Contradiction) -> _A
 
 
 def _faults(
-    recording: Recording | CoupledRecording, frame: FrameUnderTest, threshold: float
+    recording: Recording | CoupledRecording, frame: FrameUnderTest, threshold: float, *, linear: bool = True
 ) -> Iterator[Fault]:
     """Find the faults of each channel; those that hardly move have none."""
     shares = frame.partition.shares_at_sensors(frame.to_interface)
     for number, channel in _channels(recording):
-        require_plausible(channel, stiffness=float(frame.partition.specimen_stiffness[number, number]))
+        stiffness = float(frame.partition.specimen_stiffness[number, number])
+        require_plausible(channel, stiffness=stiffness, linear=linear)
         share = float(shares[number])
         faults, _ = faults_of_channel(channel, threshold=threshold, experimental_fraction=share)
         if isinstance(recording, CoupledRecording):

@@ -14,10 +14,12 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.budget import without_skew
+from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.rebuilt_error.identification import Identification, Identified, fit_spring, identify
+from reliab.assessment.rebuilt_error.identification import Identification, Identified, fit_spring
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
+from reliab.assessment.recorded_ground import examine_ground
 from reliab.recordings import Recording
 from reliab.significant import percent, significant
 from reliab.stated_value import StatedValue
@@ -26,13 +28,10 @@ from reliab.vocabulary import MILLI
 
 _SIGNIFICANT = 3.0  # standard errors
 
-_LARGEST_MISFIT = 0.3
-"""Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
-
 _FEWEST_PERIODS = 5.0
 _AGREES = 2.0  # stated standard deviations
 _LEAST = 0.02  # of the damping ratio, below which nothing is said of it; it moves the error by about 0.5 %
-_TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
+_BY_DEFAULT = {"experimental_fraction": 1.0, "feedback_lag": 0.0}  # what is taken where nobody states it
 _QUANTITIES = {
     "frequency": ("f", "a natural frequency", " Hz", 1.0),
     "damping_ratio": ("xi", "a damping ratio", "", 1.0),
@@ -182,6 +181,7 @@ class OwnEquation:
     explanations: tuple[Explanation, ...] = ()
     nonlinear: str = ""  # A sentence, where the recorded force shows a nonlinear specimen; else empty
     notes: tuple[str, ...] = ()  # What was found about the recorded ground acceleration, in sentences
+    doubts: tuple[Contradiction, ...] = ()  # Where that contradicts the test
 
     def structure(self, stated: Structure) -> Structure:
         """Structure with the identified frequency and share, where they contradict the stated ones.
@@ -215,14 +215,17 @@ def examine_equation(
     lag = stated.get("feedback_lag", StatedValue(0.0))
     seconds = lag.value / MILLI
     of_force = None if nonlinear else _term_of_force(recording, structure, lag)
-    identified, notes = _identified(recording, structure, stated, seconds)
+    mass = stated["mass"].value if "mass" in stated else None
+    ground = examine_ground(recording, structure, mass=mass, feedback_lag=seconds)
+    identified = ground.identified
     if identified is None:
         explanations = explain(None, of_force, seconds)
         return OwnEquation(
             contradictions=tuple(_said(of_force, explanations, structure)),
             explanations=explanations,
             nonlinear=nonlinear,
-            notes=notes,
+            notes=ground.notes,
+            doubts=ground.doubts,
         )
     estimates = {
         _QUANTITIES[name][0]: (name, getattr(identified, name))
@@ -239,44 +242,7 @@ def examine_equation(
         ),
         explanations=explanations,
         nonlinear=nonlinear,
-        notes=notes,
-    )
-
-
-def doubts_of_ground(recording: Recording, structure: Structure, mass: float) -> tuple[str, ...]:
-    """Say whether the recorded ground acceleration is reversed, or not this test's; `mass` [kg]."""
-    if recording.ground is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
-        return ()
-    return _identified(recording, structure, {"mass": StatedValue(mass)}, 0.0)[1]
-
-
-def _identified(
-    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue], lag: float
-) -> tuple[Identification | None, tuple[str, ...]]:
-    """Identify the structure from the recorded ground acceleration; None with the reason where it is not."""
-    if recording.ground is None:
-        return None, ()
-    if recording.duration * structure.frequency < _FEWEST_PERIODS:
-        return None, (_TOO_SHORT,)
-    mass = stated["mass"].value if "mass" in stated else None
-    force = recording.force / mass if recording.force is not None and mass is not None else None
-    candidates = [
-        identify(
-            recording.command,
-            recording.measured,
-            sign * recording.ground,
-            recording.time_step,
-            structure,
-            force=force,
-            feedback_lag=lag,
-        )
-        for sign in (1.0, -1.0)
-    ]
-    identified = min(candidates, key=lambda candidate: candidate.misfit)
-    if identified.misfit > _LARGEST_MISFIT:
-        return None, (_other_ground(identified.misfit, with_force=force is not None),)
-    return identified, () if identified is candidates[0] else (
-        "The ground acceleration has the opposite sign.",
+        notes=ground.notes,
     )
 
 
@@ -340,17 +306,7 @@ def _sentence(name: str, estimate: Identified) -> str:
     return (
         f"The test's own equation of motion shows {words} of {value:.4g} ± "
         f"{significant(deviation, 1)}{unit}; "
-        f"{stated:.4g}{unit} was stated."
-    )
-
-
-def _other_ground(misfit: float, *, with_force: bool) -> str:
-    where = ", or the recorded force is not what acted" if with_force else ""
-    check = "channel, unit and range of both" if with_force else "channel and unit"
-    return (
-        f"The recorded ground acceleration does not belong to this test{where} (the equation of motion "
-        f"leaves {percent(misfit, decimals=0)} of it unexplained): check {check}. The structure was "
-        "not identified from it."
+        f"{stated:.4g}{unit} was {'taken' if stated == _BY_DEFAULT.get(name) else 'stated'}."
     )
 
 

@@ -98,6 +98,7 @@ def carried_limits(
     Returns a [-] and b [ms²], of which a/ξ² and bω₀²/ξ² are those of the nearest valid structure, and that
     structure [Hz, -] if it is another one.
     """
+    criterion.require_converged()
     carried = _Carried.into(criterion.law.validity, structure)
     a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio, side))
     place = carried.frequency, carried.damping_ratio

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
-from reliab.assessment.tracking_index import noise_floor
+from reliab.assessment.tracking_index import white_noise_share
 from reliab.errors import InputError
 from reliab.recordings import CoupledRecording, Recording, without_spikes
 from reliab.signals import correlated
@@ -74,16 +75,19 @@ def require_drawable(recording: Recording, structure: Partition) -> None:
     require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
 
 
-def require_plausible(recording: Recording, *, stiffness: float | None = None) -> None:
+def require_plausible(recording: Recording, *, stiffness: float | None = None, linear: bool = False) -> None:
     """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
 
-    `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined.
+    `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined;
+    `linear`: whether the specimen is taken as linear.
     """
     clean, *_ = without_spikes(recording)
     _require_following(clean)
     if clean.force is not None:
         step, where = clean.time_step, clean.name
-        require_restoring_force(clean.measured, clean.force, step, stiffness=stiffness, where=where)
+        require_restoring_force(
+            clean.measured, clean.force, step, stiffness=stiffness, linear=linear, where=where
+        )
         require_order(clean.command, clean.measured, clean.force, step, where)
 
 
@@ -109,9 +113,8 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the columns and their units are the right ones",
             where=recording.name,
         )
-    floor, total = noise_floor(recording.measured)
-    noise = 0.5 * floor * recording.measured.size / total  # a periodogram has half as many bins as samples
-    if noise > _LARGEST_NOISE:
+    noise = white_noise_share(recording.measured)
+    if noise > _LARGEST_NOISE and best**2 < 1.0 - _LARGEST_NOISE:  # else it follows a random command
         raise InputError(
             "The measured displacement must follow the command",
             value=f"{percent(noise, decimals=0)} of its power is white noise",
@@ -134,6 +137,35 @@ def _require_one_unit(ratio: float, where: str) -> None:
                     remedy="State the unit in the column's name (measured_mm), or convert the column",
                     where=where,
                 )
+
+
+class RunningSign:
+    """Sign of the measured displacement against its command while a test runs, by actuators."""
+
+    def __init__(self) -> None:
+        self._size, self._sums, self._products = 0, np.zeros((2, 1)), np.zeros((3, 1))
+
+    def add(self, command: Array, measured: Array) -> None:
+        """Add the next samples, shape (k,) or (p, k)."""
+        rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured)])
+        self._size += rows.shape[2]
+        self._sums = self._sums + rows.sum(axis=2)
+        self._products = self._products + np.stack([(a * b).sum(axis=1) for a, b in _pairs(*rows)])
+
+    def is_reversed(self, frequency: float) -> bool:
+        """Whether one of them runs against its command, which no delay below half a period [Hz] makes."""
+        if 2.0 * frequency * _LONGEST_REACTION >= 1.0 or not self._size:
+            return False
+        means = self._sums / self._size
+        of_command, both, of_measured = (
+            products / self._size - a * b
+            for products, (a, b) in zip(self._products, _pairs(*means), strict=True)
+        )
+        return bool((both < _OPPOSITE * np.sqrt(np.maximum(of_command * of_measured, 0.0))).any())
+
+
+def _pairs(command: Array, measured: Array) -> tuple[tuple[Array, Array], ...]:
+    return (command, command), (command, measured), (measured, measured)
 
 
 def _moving(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,7 +6,8 @@ motion does no work against it; and where it explains the force by the command, 
 displacement, the columns are exchanged.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,24 +15,32 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
+from reliab.assessment.tracking_index import is_noisier
 from reliab.errors import InputError
 from reliab.recordings import Recording, without_spikes
+from reliab.signals import CubicPath
 from reliab.significant import percent, significant
+from reliab.stated_value import StatedValue
 from reliab.structures import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
 _BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
 _FAR_BETTER = 0.01  # where the force follows the displacement as that of a spring does
+_EXPLAINED = 0.05  # of the force's power left over, below which a force may be that of the specimen
 _EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
 _SKEWED = 1.2  # samples: a lead that may be the skew of two channels
 _OF_LEAD = 0.25  # of the power that a force which follows the command leaves over, seen from ahead of it
+_IN_TIME = 0.25  # of what is left over, by the same displacement without its lead
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
 _MOST_STEPS = 3  # per term; collinear terms could take turns for ever
-_STIFFNESSES = (0.01, 3.0)  # over the stated one
+_STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
+_STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
+_AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
+_SAME_UNIT = 0.1
 _UNITS: Final = {
     1e6: "meganewtons for newtons, or newtons for meganewtons",
     1e3: "kilonewtons for newtons, or newtons for kilonewtons",
@@ -44,13 +53,19 @@ _UNITS: Final = {
 
 
 def require_restoring_force(
-    measured: Array, force: Array, time_step: float, *, stiffness: float | None = None, where: str = ""
+    measured: Array,
+    force: Array,
+    time_step: float,
+    *,
+    stiffness: float | None = None,
+    linear: bool = False,
+    where: str = "",
 ) -> None:
-    """Refuse a force that is reversed, stands still, follows no motion, or is in another unit.
+    """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
 
     `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
-    stated one of the specimen [N/m], without which the unit is not examined; `where`: what the test is
-    called.
+    stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether the specimen
+    is taken as linear; `where`: what the test is called.
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
@@ -72,12 +87,8 @@ def require_restoring_force(
     kernel = _kernel(measured, force, time_step)
     if kernel is None:
         return
-    unexplained, unexplained_if_reversed = _left_over(measured, (force, -force), kernel)
-    # in motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip
-    springs_back = _stiffness(measured, force, kernel) is not None
-    better = _FAR_BETTER if springs_back else _BETTER
-    reversed_explains = unexplained_if_reversed < min(better * unexplained, _UNRELATED)
-    if reversed_explains and not _takes_work(measured, force, kernel):
+    sign = _Sign.of_force(measured, force, kernel)
+    if sign.reverse_explains and not sign.may_be_right:
         raise InputError(
             "The recorded force must resist the motion",
             value="a force that acts along it, as if its sign were reversed",
@@ -85,16 +96,67 @@ def require_restoring_force(
             "positive direction",
             where=where,
         )
-    if unexplained > _UNRELATED:
+    if sign.unexplained > _UNRELATED:
         raise InputError(
             "The recorded force must follow the measured displacement",
-            value=f"a force of whose power {percent(unexplained, decimals=0)} follows no spring, dashpot, "
-            "mass or friction",
+            value=f"a force of whose power {percent(sign.unexplained, decimals=0)} follows no spring, "
+            "dashpot, mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=where,
         )
     if stiffness:
-        _require_unit(measured, force, kernel, stiffness, where)
+        _require_unit(measured, force, kernel, stiffness, where, linear=linear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sign:
+    """Which sign of a force a passive specimen explains."""
+
+    unexplained: float  # Power left over of the force as recorded, over that of the force [-]
+    reverse_explains: bool  # Whether the force is explained clearly better with its sign turned
+    may_be_right: bool  # Whether it is explained as recorded, too, so that no sign is certain
+
+    @classmethod
+    def of_force(cls, measured: Array, force: Array, kernel: Kernel) -> "_Sign":
+        """Explain a force, and its reverse.
+
+        In motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip.
+        """
+        unexplained, if_reversed = _left_over(measured, (force, -force), kernel)
+        springs_back = _stiffness(measured, force, kernel) is not None
+        better = _FAR_BETTER if springs_back else _BETTER
+        explains = if_reversed < min(better * unexplained, _UNRELATED)
+        return cls(
+            unexplained=unexplained,
+            reverse_explains=explains and not _takes_work(measured, force, kernel),
+            may_be_right=springs_back and unexplained < _EXPLAINED,
+        )
+
+
+def doubts_of_force(recording: Recording) -> Iterator[str]:
+    """Say where sign or columns of a recorded force may be wrong, though that is not certain."""
+    clean, *_ = without_spikes(recording)
+    if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
+        return
+    yield from doubts_of_sign(clean.measured, clean.force, clean.time_step)
+    if _follows_command(clean.command, clean.measured, clean.force, kernel):
+        yield (
+            "The recorded force follows the command more closely than the measured displacement. Check the "
+            "displacement sensor (drift, stroke, clock), and that the two columns are not exchanged."
+        )
+
+
+def doubts_of_sign(measured: Array, force: Array, time_step: float) -> Iterator[str]:
+    """Say where a force that a spring explains is explained better with its sign turned.
+
+    `measured` displacement [m] and `force` [N], shape (n,); `time_step` [s].
+    """
+    kernel = _kernel(measured, force, time_step)
+    if kernel is not None and _Sign.of_force(measured, force, kernel).reverse_explains:
+        yield (
+            "The recorded force is that of a mass with its sign turned, as the restoring force of a free "
+            "vibration is. Check its sign: it is positive where the specimen resists a positive displacement."
+        )
 
 
 def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
@@ -106,29 +168,40 @@ def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
 
 
 def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
-    """Refuse a test whose force follows the command, and whose measured displacement is ahead of it.
+    """Refuse a test whose force follows the command, and whose measured displacement is only ahead of it.
 
-    A force that follows the command alone is no proof: a displacement sensor that drifts hides the motion
-    that the specimen follows, but it does not know what will be commanded. Nor is it a proof where the
-    measured displacement explains the force, too: an actuator that leads moves the specimen earlier than its
-    command, which a computer knows without noise, and a skew shows as a lead.
+    A force that follows the command is no proof: a displacement sensor that drifts hides the motion that the
+    specimen follows. Where the columns are exchanged, the displacement explains the force as soon as its lead
+    is taken off, and the command, which is then a reading, is no cleaner than the displacement.
 
     `command`, `measured`, `force` [m]; `time_step` [s].
     """
     kernel = _kernel(measured, force, time_step)
-    if kernel is None:
+    if kernel is None or not _follows_command(command, measured, force, kernel):
         return
-    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
-    lead = _lead(measured, command, kernel)
-    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
-    misses = lead > _SKEWED * time_step and by_measured > _OF_LEAD * of_lead
-    if misses and by_command < _EXCHANGED * by_measured:
+    path = CubicPath.through(np.arange(measured.size) * time_step, measured)
+    in_time = path.later(_lead(measured, command, kernel))
+    as_read, as_late = (_left_over(moved, (force,), kernel)[0] for moved in (measured, in_time))
+    if as_late < _IN_TIME * as_read and not is_noisier(measured, command):
         raise InputError(
             "The recorded force must follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
             remedy="Exchange the columns, or name them with `command` and `measured`",
             where=where,
         )
+
+
+def _follows_command(command: Array, measured: Array, force: Array, kernel: Kernel) -> bool:
+    """Whether the command explains a force far better than a measured displacement that is ahead of it.
+
+    A displacement that explains the force, too, is in order: an actuator that leads moves the specimen
+    earlier than its command, which a computer knows without noise, and a skew shows as a lead.
+    """
+    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
+    lead = _lead(measured, command, kernel)
+    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
+    misses = lead > _SKEWED * kernel.time_step and by_measured > _OF_LEAD * of_lead
+    return misses and by_command < _EXCHANGED * by_measured
 
 
 def _lead(first: Array, second: Array, kernel: Kernel) -> float:
@@ -148,14 +221,33 @@ def _without_line(values: Array) -> Array:
     return np.asarray(centred - place * (float(place @ centred) / float(place @ place)))
 
 
-def unexamined_unit(recording: Recording, structure: Structure) -> str:
-    """Say that no stated mass tells the unit of a recorded force, and which mass it belongs to; else ""."""
+def stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
+    """Stiffness of the specimen [N/m]; None where no mass is stated."""
+    if "mass" not in stated:
+        return None
+    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
+
+
+def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> str:
+    """Say that a force differs from what is stated of a linear specimen, or which mass it belongs to.
+
+    Empty where there is nothing to say.
+    """
     clean, *_ = without_spikes(recording)
     if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
         return ""
-    stiffness = _stiffness(clean.measured, clean.force, kernel)
+    expected = stated_stiffness(structure, stated)
+    least = _SPRING if expected is None else _STRAIGHT
+    stiffness = _stiffness(clean.measured, clean.force, kernel, least)
     if stiffness is None:
         return ""
+    if expected is not None:
+        if abs(stiffness / expected - 1.0) <= _AGREES:
+            return ""
+        return (
+            f"The recorded force is {percent(stiffness / expected, decimals=0)} of what the stated mass, "
+            "frequency and share make of the measured displacement. Check them, and the scale of the force."
+        )
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
     return (
         "The unit of the recorded force was not examined: in newtons it belongs to a structure of "
@@ -163,26 +255,38 @@ def unexamined_unit(recording: Recording, structure: Structure) -> str:
     )
 
 
-def _stiffness(measured: Array, force: Array, kernel: Kernel) -> float | None:
+def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SPRING) -> float | None:
+    """Stiffness where force and displacement are correlated at least so much; else None."""
     moved, resisted = (row - row.mean() for row in (kernel.seen(measured, 0), kernel.seen(force, 0)))
     slope = float(moved @ resisted) / float(moved @ moved)
     of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
-    return slope if of_spring >= _SPRING else None
+    return slope if of_spring >= least else None
 
 
-def _require_unit(measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str) -> None:
-    slope = _stiffness(measured, force, kernel)
+def _require_unit(
+    measured: Array, force: Array, kernel: Kernel, stiffness: float, where: str, *, linear: bool
+) -> None:
+    slope = _stiffness(measured, force, kernel, _STRAIGHT)
+    straight, slope = slope is not None, slope or _stiffness(measured, force, kernel)
     if slope is None:
         return
-    ratio, (least, most) = slope / stiffness, _STIFFNESSES
-    if least <= ratio <= most:
-        return
+    ratio = slope / stiffness
+    # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
+    exact = straight and not linear and bool(unit_like(ratio, tolerance=_SAME_UNIT))
+    least, most = _OF_LINEAR if exact or (straight and linear) else _STIFFNESSES
+    if not least <= ratio <= most:
+        raise other_unit_of_force(ratio, where)
+
+
+def other_unit_of_force(ratio: float, where: str) -> InputError:
+    """Ask for the unit of a force that is a ratio of what the stated specimen makes."""
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
     alike = f", as {unit} would have" if unit else ""
-    raise InputError(
+    return InputError(
         "The recorded force must be that of the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
-        remedy="State the unit in the column's name (force_kN), or check mass, frequency and share",
+        remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "
+        "frequency and share of the specimen",
         where=where,
     )
 

@@ -85,7 +85,7 @@ def place_by_response(
     None where they cannot be carried: for an error other than RMS^R, a partly numerical or nonlinear
     structure, one beyond those that ship, a criterion of other motions, or a response outside of theirs.
     """
-    of_shipped = criterion.provenance.source == SOURCE
+    of_shipped = criterion.provenance.source == SOURCE and criterion.promise is not None
     if not of_shipped or question.metric != Metric.RMS or not question.linear:
         return None
     structure = question.structure

@@ -8,6 +8,7 @@ from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.same_test import SameTest, combine_runs
 from reliab.errors import InputError
+from reliab.significant import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,7 +66,8 @@ class Assessments:
     def __repr__(self) -> str:
         verdicts = [str(assessment.verdict.word).replace("_", " ") for assessment in self.judged.values()]
         counts = [f"{verdicts.count(word)} {word}" for word in ("reliable", "undecided", "not reliable")]
-        return f"<Assessments of {len(self.files)} tests: {', '.join(counts)}, {len(self.faults)} not judged>"
+        judged = ", ".join([*counts, f"{len(self.faults)} not judged"])
+        return f"<Assessments of {counted(len(self.files), 'test')}: {judged}>"
 
     def _repr_html_(self) -> str:
         """Table for notebooks."""

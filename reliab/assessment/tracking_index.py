@@ -45,6 +45,7 @@ from reliab.signals import CubicPath, hann, periodogram, taper, upper_level
 
 _ABOVE_FLOOR = 10.0
 _SMOOTHED = 16  # bins over which a periodogram is averaged
+_NOISIER, _ROUNDING = 10.0, 5e-9  # in power
 _ROOM = 0.9  # share of the Nyquist frequency up to which a filter is worth while
 
 LEVEL = 0.95
@@ -97,6 +98,18 @@ def noise_floor(values: Array) -> tuple[float, float]:
     """Level of the upper half of a periodogram, per bin, and its total."""
     power = power_of(values)
     return upper_level(power), float(power.sum())
+
+
+def white_noise_share(values: Array) -> float:
+    """Share of white noise in the power of a history, shape (n,), by the upper half of its spectrum [-]."""
+    floor, total = noise_floor(values)
+    return 0.5 * floor * values.size / total  # a periodogram has half as many bins as samples
+
+
+def is_noisier(first: Array, second: Array) -> bool:
+    """Whether a history has far more white noise than another, as a reading has beside a command."""
+    noise = white_noise_share(first)
+    return noise > _ROUNDING and noise > _NOISIER * white_noise_share(second)
 
 
 def power_of(values: Array) -> Array:

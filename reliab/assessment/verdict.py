@@ -1,14 +1,20 @@
-"""The verdict: reliable, undecided or not reliable, with its reasons and what would decide it."""
+"""The verdict: reliable, undecided or not reliable, with its reasons, the next steps, and their words."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.significant import percent, significant
+from reliab.assessment.rebuilt_error import Estimate
+from reliab.significant import percent, percent_range, significant
+from reliab.vocabulary import Metric
 
 CERTAIN: Final = 0.95
 """Probability from which on a test is called reliable; below 1 − this, not reliable."""
+
+
+ERROR_NAMES: Final = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
+"""Names of the errors in sentences."""
 
 
 class Word(StrEnum):
@@ -30,7 +36,8 @@ class Verdict:
 
     word: Word  # What it says
     reasons: tuple[str, ...]  # Why, in sentences
-    would_decide: tuple[str, ...] = ()  # What would decide an undecided test, in sentences
+    # What to do about an undecided test, in sentences; what narrows the interval may not decide it
+    would_decide: tuple[str, ...] = ()
 
     def doubted(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
         """Return the verdict as undecided for further reasons; unchanged where there are none."""
@@ -52,6 +59,53 @@ def word_of_probability(probability: float) -> Word:
     if probability >= CERTAIN:
         return Word.RELIABLE
     return Word.NOT_RELIABLE if probability <= 1.0 - CERTAIN else Word.UNDECIDED
+
+
+def error_in_words(
+    name: str, size: Estimate, threshold: float, probability: float, *, with_interval: bool = False
+) -> str:
+    """Say how large an error is [-], and with what probability it stays below a threshold [-].
+
+    The value is said where it and the probability decide alike, else the 90 % interval. `with_interval`:
+    whether the interval is said in any case.
+
+    >>> size = Estimate(value=0.0576, low=0.0051, high=0.0847)
+    >>> error_in_words("RMS^R", size, 0.05, 0.61)
+    'RMS^R is 0.51 to 8.47 %, below 5 % with probability 0.61'
+    >>> error_in_words("RMS^R", size, 0.05, 0.004, with_interval=True)
+    'RMS^R is 5.76 % (90 % interval 0.51 to 8.47 %), below 5 % with probability < 0.01'
+    """
+    decided = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
+    value, interval = percent(size.value, decimals=2), percent_range(size.low, size.high)
+    if word_of_probability(probability) is decided:
+        how_large = f"{value} (90 % interval {interval})" if with_interval else value
+    else:
+        how_large = f"{interval} (90 % interval)" if with_interval else interval
+    return (
+        f"{name} is {how_large}, below {percent(threshold)} with probability {probability_text(probability)}"
+    )
+
+
+def probability_text(probability: float, *, bound: float = 0.99) -> str:
+    """Write a probability, without claiming more than 0.99.
+
+    >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)
+    ('0.78', '> 0.99', '< 0.01')
+    """
+    if probability > bound:
+        return f"> {bound:g}"
+    if probability < 1.0 - bound:
+        return f"< {significant(1.0 - bound, 2)}"
+    return f"{probability:.2f}"
+
+
+def next_steps(steps: Sequence[str], narrowing: Collection[str]) -> Iterator[str]:
+    """Say what to do about a verdict beside what narrows the interval of the error, which may not decide it.
+
+    >>> list(next_steps(["Cut the test.", "Measure the skew."], ["Measure the skew."]))
+    ['Next step: Cut the test.']
+    """
+    yield from (f"Next step: {step}" for step in steps if step not in narrowing)
 
 
 def verdict_by_index(
@@ -99,9 +153,9 @@ def verdict_by_index(
         word=Word.UNDECIDED,
         reasons=(
             (
-                "The error of such a test stays below the threshold under "
-                f"{percent(probability, decimals=0)} of the population's ground motions: fewer than the "
-                f"{percent(confidence, decimals=0)} that were asked for, and too many to call the test bad."
+                f"The index {significant(index)} exceeds 1, yet under {percent(probability, decimals=0)} of "
+                "the population's ground motions the error of such a test stays below the threshold: too "
+                "many to call it bad."
             ),
         ),
         would_decide=("Give the test's ground motion; the index is then judged by its boundary.",),

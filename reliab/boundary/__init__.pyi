@@ -16,6 +16,10 @@ from .curves import (
     InscribedEllipse as InscribedEllipse,
     Parabola as Parabola,
 )
+from .cut_records import (
+    CUT_LENGTHS as CUT_LENGTHS,
+    ratios_of_cut_record as ratios_of_cut_record,
+)
 from .finite_errors import (
     DIRECTIONS as DIRECTIONS,
     predicted_ellipse as predicted_ellipse,
@@ -25,6 +29,7 @@ from .finite_errors import (
 from .first_order import (
     FirstOrderEllipse as FirstOrderEllipse,
     ellipse_of_response as ellipse_of_response,
+    exact_response as exact_response,
     first_order_ellipse as first_order_ellipse,
 )
 from .suite_boundary import (

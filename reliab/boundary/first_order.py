@@ -21,6 +21,7 @@ has built up.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -111,14 +112,26 @@ def ellipse_of_response(response: Array, time_step: float, structure: Structure)
     >>> round(ellipse.effective_duration), round(ellipse.amplitude / (4 * 0.05**2), 1)
     (200, 2.0)
     """
-    w0, xi = structure.circular_frequency, structure.damping_ratio
-    filtered = recursively_filtered(*_sampled_oscillator(w0, xi, time_step), response)
-    of_gain = response - structure.experimental_fraction * w0**2 * filtered
-    histories = response, of_gain, np.gradient(of_gain, time_step)
+    histories = error_histories(response, time_step, structure)
     squares = [float(np.trapezoid(history**2, dx=time_step)) for history in histories]
     return _per_squared_error(squares, float(np.abs(response).max()), (response.size - 1) * time_step)
 
 
+def exact_response(acceleration: Array, time_step: float, structure: Structure) -> Array:
+    """Exact displacement [m] from rest at the samples of a ground acceleration [m/s²], linear in between."""
+    oscillator = _sampled_oscillator(structure.circular_frequency, structure.damping_ratio, time_step)
+    return recursively_filtered(*oscillator, -acceleration)
+
+
+def error_histories(response: Array, time_step: float, structure: Structure) -> tuple[Array, Array, Array]:
+    """Exact response x, its error Z for an amplitude error of one, and dZ/dt, that for a delay of 1 s."""
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    filtered = recursively_filtered(*_sampled_oscillator(w0, xi, time_step), response)
+    of_gain = response - structure.experimental_fraction * w0**2 * filtered
+    return response, of_gain, np.gradient(of_gain, time_step)
+
+
+@lru_cache(maxsize=1024)  # the motions of a suite share their steps
 def _sampled_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array]:
     """Coefficients of the recursion of x'' + 2 ξ ω₀ x' + ω₀² x = u, exact for straight lines in a step."""
     whole = np.zeros((4, 4))  # states, u and the rise of u in a step

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from reliab.cli.defaults import read_defaults
+from reliab.cli.defaults import read_defaults, without_config
 from reliab.cli.demand import as_options
 from reliab.cli.interruption import interruption, noticed_interruption
 from reliab.cli.output import write_what_can_be_written
@@ -67,9 +67,16 @@ def _answer(
         bool,
         typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version."),
     ] = False,
+    config: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE.toml",
+            help="A laboratory's defaults, in place of reliab.toml of your configuration folder.",
+        ),
+    ] = None,
 ) -> None:
     """Answer whether a real-time hybrid simulation can be trusted."""
-    del version  # the callback has printed it
+    del version, config  # the callback has printed it, and `run` has read it
 
 
 def application(*names: str) -> typer.Typer:
@@ -135,15 +142,19 @@ def run(arguments: Sequence[str]) -> int:
     """
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
-    command = _asked(arguments)
     try:
+        arguments, config = without_config(arguments)
+        command = _asked(arguments)
         with noticed_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning
+            defaults = read_defaults(_commands, config)
+            for sentence in defaults.sentences(arguments):
+                _say(sentence, typer.colors.BRIGHT_BLACK)
             try:
                 command.main(
                     list(spread(arguments, command)),
                     prog_name="reliab",
-                    default_map=read_defaults(_commands),
+                    default_map=defaults.values,
                     obj=_commands,
                 )
             finally:

@@ -17,7 +17,7 @@ _COLUMNS = {
     "error": "right",
     "90 % interval": "right",
     "more than the first (90 % interval)": "right",
-    "probability": "right",
+    "probability of that": "right",
     "A": "right",
     "d, ms": "right",
     "verdict": "left",
@@ -45,7 +45,7 @@ class CompareDemand(options.JudgesTests, options.ReadsTests):
 
 @takes(CompareDemand)
 def compare(demand: CompareDemand) -> None:
-    """Rank tests by their errors, and say how certain their order is."""
+    """Rank tests, the one whose error is probably smallest first, and say how certain their order is."""
     from reliab import api
 
     files = options.files_of(demand.tests, demand.out)

@@ -16,8 +16,11 @@ import typer
 
 from reliab.api import unused
 from reliab.errors import InputError
+from reliab.progress import shows_tasks
 
-_WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
+WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
+"""Options that name a file to write."""
+
 _BROUGHT_UP_TO_DATE = {"out": ("channels", "tests")}  # a table among the tests of a pattern is no test
 _Answer = TypeVar("_Answer")
 _Options = TypeVar("_Options", bound="Demand")
@@ -108,7 +111,7 @@ class Demand:
 
     def refuse_to_overwrite(self) -> None:
         """Refuse to write over a file that the command reads, such as the only recording of a test."""
-        for name in _WRITTEN:
+        for name in WRITTEN:
             target = getattr(self, name, None)
             if target is None or not Path(target).is_file():
                 continue
@@ -124,7 +127,7 @@ class Demand:
     def _read_beside(self, written: str) -> Iterator[Path]:
         """Give the files that may be read, but those that an option may bring up to date."""
         for item in fields(self):
-            if item.name not in (*_WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ()), "given", "in_options"):
+            if item.name not in (*WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ()), "given", "in_options"):
                 value = getattr(self, item.name)
                 named = value if isinstance(value, list) else [value]
                 yield from (Path(one) for one in named if isinstance(one, str | Path))
@@ -146,7 +149,10 @@ def takes(options: type[_Options]) -> Callable[[Callable[[_Options], None]], Cal
             say = partial(_in_options, root=context.find_root())
             demand = options(given=given, in_options=say, **values)
             demand.refuse_to_overwrite()
-            command(demand)
+            from reliab.cli.output import progress_bar
+
+            with shows_tasks(progress_bar):
+                command(demand)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
         run.__signature__ = inspect.Signature([context, *_parameters(options)])  # type: ignore[attr-defined]

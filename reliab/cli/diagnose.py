@@ -115,6 +115,6 @@ def _proved(block: "BlockDiagnosis") -> str:
         else ""
     )
     return (
-        f"{block.block.block}, held-out {', '.join(gap.held_out)}, {gap.channel}: error over the signal's "
+        f"{block.block.block}, held-out {block.held_out}, {gap.channel}: error over the signal's "
         f"RMS {gap.before:.4f} before, {gap.after:.4f} after, noise {floor}; {gap.conclusion}.{least}"
     )

@@ -1,4 +1,4 @@
-"""`reliab monitor`: the error of a test while it runs."""
+"""`reliab monitor`: the error of a test while it runs, and the verdict on it at the end."""
 
 import json
 import sys
@@ -12,7 +12,7 @@ import typer
 
 from reliab.cli import options
 from reliab.cli.completion import samples
-from reliab.cli.demand import Demand, argument, option, takes
+from reliab.cli.demand import Demand, argument, flag, option, takes
 from reliab.cli.output import console, say, table, write_json
 from reliab.cli.printable import printable
 from reliab.errors import InputError
@@ -23,7 +23,7 @@ from reliab.vocabulary import Metric
 if TYPE_CHECKING:
     from reliab.api import Message
 
-_ABOVE_THRESHOLD = 1
+_NO = 1  # exit code where the answer is no
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +91,7 @@ class MonitorDemand(Demand):
         "Write the monitor for use inside the control loop, as C sources or as an FMU of FMI 2.0 or 3.0; "
         "needs --rate.",
     )
+    check: bool = flag("Exit with code 1 unless the test is reliable, as `reliab assess` does.")
     json_target: str | None = option(
         "FILE|-",
         "One JSON object per line for each message; '-' prints only these to standard output.",
@@ -100,17 +101,21 @@ class MonitorDemand(Demand):
 
 @takes(MonitorDemand)
 def monitor(demand: MonitorDemand) -> None:
-    """Follow the error of a test while it runs; exit with code 1 when that of the whole test is too large.
+    """Follow the error of a test while it runs, and judge the whole test at its end.
+
+    The verdict at the end is that of `reliab assess` on the same file; exit code 1 where it is not reliable,
+    0 where it is reliable or undecided. With --check the exit code is 1 unless it is reliable.
 
     Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
     may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
-    The alarm of the error is raised when its interval is above twice the threshold and the peak of the
-    response has not doubled for 12 s. A test may last as long as you like: its memory stays below 1 GB; but
-    with --model, a measured specimen or several actuators it is held whole, and may last about an hour. What
-    --export writes has no such limit. A measured specimen is learned anew whenever the test has grown by a
-    fourth; until its
-    force is predicted to 10 % on parts of the test that were held out, no error is stated, and where that is
-    so at the end the exit code is 0.
+    The alarm of the error waits until its interval is above twice the threshold and the peak of the response
+    has not doubled for 12 s. A reversed sign of the measured displacement is told after two periods.
+
+    A test may last as long as you like: its memory stays below 1 GB. One that is too long to be held, from
+    about 1000 periods on, is judged by the interval that was drawn piece by piece. With --model, a measured
+    specimen or several actuators it is held whole, and may last about an hour. What --export writes has no
+    such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its force
+    is predicted to 10 % on parts of the test that were held out, no error is stated.
     """
     if demand.export is not None:
         _export(demand)
@@ -136,26 +141,26 @@ def _follow(demand: MonitorDemand) -> None:
             "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
         )
     messages = demand.ask(
-        follow_test, "json_target", say=lambda text: typer.echo(printable(text), file=sys.stderr)
+        follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
     quiet = demand.json_target == "-"
     screen = Screen(metric=demand.metric, threshold=demand.threshold, quiet=quiet)
-    above = False
+    verdict = ""
     with _opened(demand.json_target) as lines, screen:
         for message in messages:
             if lines is not None:
                 lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
                 lines.flush()
             screen.show(message)
-            above = message.to_dict().get("above_threshold") or False
+            verdict = message.to_dict().get("verdict", verdict)
     if demand.source != "-" and not quiet:
         say(
             f"No new row came for {demand.wait:g} s: the test counts as finished. When called again, it "
             "reads "
             "the file from its beginning; of a replaced file it reads only the new rows."
         )
-    if above:
-        raise typer.Exit(_ABOVE_THRESHOLD)
+    if verdict == "not_reliable" or (demand.check and verdict != "reliable"):
+        raise typer.Exit(_NO)
 
 
 def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
@@ -202,20 +207,28 @@ class Screen:
             self._print(list(message.alarms.values())[-1], style="red")
         elif message.kind == "end":
             self._stop()
-            if content["above_threshold"] is None:
-                self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)
-                limit = percent(self._threshold, decimals=2)
-                self._print(f"Whether the error of the whole test is above {limit} is undecided.")
-                return
-            self._print(_line(content, self._metric, self._threshold))
-            side = "above" if content["above_threshold"] else "not above"
-            self._print(f"The error of the whole test is {side} {percent(self._threshold, decimals=2)}.")
+            self._show_end(message)
         elif self._live is not None:
             self._live.update(_table(message, self._metric, self._threshold))
         elif "error" in content:
             self._print(_line(content, self._metric, self._threshold))
         elif content.get("specimen", {}).get("until_s") == content["time_s"]:
             self._print(_still_learning(content))
+
+    def _show_end(self, message: "Message") -> None:
+        """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
+        from reliab.cli.assess.shown_briefly import show_briefly
+
+        content = message.to_dict()
+        if "error" in content:
+            self._print(_line(content, self._metric, self._threshold))
+        if message.assessment is not None:
+            show_briefly(message.assessment.to_dict(), without_details=False)
+            self._print("For warnings and all results: `reliab assess` with the same options, and --details.")
+            return
+        if "error" not in content:
+            self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)
+        self._print(f"{content['verdict'].replace('_', ' ').upper()}: {' '.join(content['reasons'])}")
 
     def _print(self, text: str, style: str | None = None) -> None:
         """Print a line at once, in a pipe too."""
@@ -235,14 +248,14 @@ def _still_learning(message: Mapping[str, Any]) -> str:
 
 
 def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
+    from reliab.assessment import probability_text
+
     error = message["error"][metric]
     damping, deviation = message["net_damping_ratio"], message["net_damping_deviation"]
     return (
         f"{message['time_s']:8.2f} s  {metric.upper()}{_governing(message)} "
-        f"{percent(error['value'], decimals=2)} (90 %: "
-        f"{percent(error['low'], decimals=2)} to {percent(error['high'], decimals=2)}), below "
-        f"{percent(threshold)} with "
-        f"probability {message['error']['probability']:.3f}, net damping "
+        f"{percent_with_interval(error['value'], error['low'], error['high'])}, probability below "
+        f"{percent(threshold)}: {probability_text(message['error']['probability'])}, net damping "
         + ("not settled" if damping is None else _with_deviation(damping, deviation))
         + (", near instability" if message["near_instability"] else "")
     )

@@ -1,7 +1,7 @@
 """``reliab motions``: list, check, import and synthesize ground motions."""
 
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from reliab.cli.demand import Demand, argument, option, takes
 from reliab.cli.options import JSON_TARGET, SETS
 from reliab.cli.output import console, say, write_json
 from reliab.cli.printable import printable
-from reliab.significant import significant
+from reliab.significant import counted, significant
 
 if TYPE_CHECKING:
     from reliab.api import WrittenSuite
@@ -57,9 +57,18 @@ def list_motions(demand: MotionsDemand) -> None:
     """List motions with their events and measures of intensity."""
     from reliab import api
 
-    content = demand.ask(api.list_motions, "json_target").to_dict()
+    listed = demand.ask(api.list_motions, "json_target")
+    content = listed.to_dict()
     if not write_json(content, demand.json_target):
         _show_motions(content["motions"])
+        for fault in listed.faults:
+            line = "" if fault.line is None else f", line {fault.line}"
+            value = f"; found {fault.value}" if fault.value else ""
+            text = (
+                f"Left out: {_within(fault.file, demand.sources)}{line}: {fault.rule}{value}. {fault.remedy}."
+            )
+            say(demand.in_options(text), style="yellow", soft_wrap=True)
+        _show_notes(listed.skipped, demand.sources)
 
 
 @app.command("check")
@@ -70,7 +79,8 @@ def check(demand: MotionsDemand) -> None:
 
     checked = demand.ask(check_motions, "json_target")
     if not write_json(checked.to_dict(), demand.json_target):
-        _show_faults(checked.faults, checked.records, demand.sources)
+        faults = [replace(fault, remedy=demand.in_options(fault.remedy)) for fault in checked.faults]
+        _show_faults(faults, checked.records, demand.sources)
         _show_notes(checked.notes, demand.sources)
     if checked.faults:
         raise typer.Exit(2)
@@ -97,8 +107,8 @@ def synthesize(demand: SynthesizeDemand) -> None:
 def _say_written(written: "WrittenSuite", json_target: str | None) -> None:
     if not write_json(written.to_dict(), json_target):
         folder = written.catalogue.parent
-        text = f"{len(written.motions)} motions from {written.events} events written to {folder}"
-        say(text, soft_wrap=True)
+        motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
+        say(f"{motions} from {events} written to {folder}", soft_wrap=True)
 
 
 def _show_motions(rows: list[dict[str, Any]]) -> None:
@@ -108,7 +118,9 @@ def _show_motions(rows: list[dict[str, Any]]) -> None:
 
     events = {row["event"] for row in rows}
     table = Table(
-        title=f"{len(rows)} motions from {len(events)} events", box=box.SIMPLE, padding=(0, 1, 0, 0)
+        title=f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}",
+        box=box.SIMPLE,
+        padding=(0, 1, 0, 0),
     )
     for heading in ("motion", "event", "set"):
         table.add_column(heading, overflow="fold", no_wrap=heading == "motion")
@@ -129,13 +141,13 @@ def _show_motions(rows: list[dict[str, Any]]) -> None:
 
 def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:
     if not faults:
-        console().print(f"{records} records, no faults.")
+        console().print(f"{counted(records, 'record')}, no faults.")
         return
     from rich.table import Table
     from rich.text import Text
 
     files = len({fault.file for fault in faults})
-    table = Table(title=f"{len(faults)} faults in {files} files", show_lines=True)
+    table = Table(title=f"{counted(len(faults), 'fault')} in {counted(files, 'file')}", show_lines=True)
     for heading in ("file", "line", "rule", "found", "remedy"):
         right = heading == "line"
         table.add_column(

@@ -6,15 +6,17 @@ import json
 import os
 import sys
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
 
 from reliab.cli.printable import printable, substituted
+from reliab.cli.progress_lines import progress_lines
 from reliab.errors import CLOSED_PIPE
 from reliab.files import write_json_file
+from reliab.progress import Progress, quietly, shows_tasks
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -185,10 +187,17 @@ def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -
 
 
 @contextmanager
-def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with the time left on a terminal, and nothing in a pipe."""
+def progress_bar(what: str) -> Iterator[Progress]:
+    """Show a bar with the time left on a terminal, and lines that state it in a pipe or a file."""
+    show = _bar if sys.stderr.isatty() else progress_lines
+    with show(what) as report, shows_tasks(quietly):  # a task inside another is a part of it
+        yield report
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Progress]:
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn, TimeRemainingColumn
 
     columns = (
         TextColumn("{task.description}"),
@@ -196,8 +205,7 @@ def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
         MofNCompleteColumn(),
         TimeRemainingColumn(compact=True),
     )
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=None)
 
         def report(done: int, total: int) -> None:

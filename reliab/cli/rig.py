@@ -359,8 +359,9 @@ def show_prediction(content: Mapping[str, Any]) -> None:
 def show_plan(content: Mapping[str, Any]) -> None:
     """Print each remedy in a sentence, and what the error depends on."""
     _say(
-        f"{percent(content['share_now'])} of the coming tests would have an error below "
-        f"{percent(content['threshold'])}; {percent(content['share'])} are wanted. Each remedy alone:"
+        f"Under the motions that ship {percent(content['share_now'])} of the coming tests would have an "
+        f"error below {percent(content['threshold'])}; {percent(content['share'])} are wanted. Each remedy "
+        "alone:"
     )
     for remedy in content["remedies"]:
         _say(f"- {remedy['sentence']}")

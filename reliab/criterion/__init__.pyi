@@ -3,7 +3,7 @@ from .carrying import (
     carry_to_response as carry_to_response,
     carry_to_suite as carry_to_suite,
 )
-from .copies import events_of_originals as events_of_originals, without_copies as without_copies
+from .copies import without_copies as without_copies
 from .criterion import Criterion as Criterion
 from .derivation import (
     MOST_AT_REST as MOST_AT_REST,
@@ -24,7 +24,14 @@ from .ellipse_sample import (
     of_curve as of_curve,
     sample_of as sample_of,
 )
-from .ellipse_table import REST as REST, EllipseTable as EllipseTable, names_along as names_along
+from .ellipse_table import (
+    REST as REST,
+    EllipseTable as EllipseTable,
+    between_tables as between_tables,
+    names_along as names_along,
+    neighbours as neighbours,
+    with_threshold as with_threshold,
+)
 from .experimental_share import (
     carry_to_share as carry_to_share,
     growth as growth,
@@ -38,11 +45,7 @@ from .goodness_of_fit import (
 )
 from .motion_predictive import MotionPredictive as MotionPredictive
 from .population import Population as Population
-from .protection import (
-    PROTECTED_FROM as PROTECTED_FROM,
-    protect_over_lengths as protect_over_lengths,
-    protects as protects,
-)
+from .protection import protect_over_lengths as protect_over_lengths
 from .provenance import (
     Provenance as Provenance,
     installed_versions as installed_versions,

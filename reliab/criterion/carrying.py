@@ -2,10 +2,10 @@
 
 Most of the scatter of a and b between motions is known before a test. They follow from the exact response
 alone (`reliab.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself scatters by
-0.6. Without a record, its length T is known: in the dimensionless length
-u = ln(ξω₀T) a and b pass from the transient to the stationary limit. Either dependence is fitted to the
-population by least squares, and every motion keeps its own residual; a criterion of the carried ellipses is
-then one for further motions of such a response, length or suite, by any method.
+0.6. What is left is fitted to the population by least squares, and every motion keeps its own residual.
+Without a record, its length is known: each motion is carried to it by cutting its own record
+(`reliab.boundary.cut_records`). A criterion of the carried ellipses is then one for further motions of such a
+response, length or suite, by any method.
 
 The residuals of one earthquake belong together: the coefficients' covariance is that of whole earthquakes
 (Liang and Zeger 1986), and what it leaves open at the case asked for widens the residuals.
@@ -23,13 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
-from reliab.criterion.ellipse_table import DIMENSIONS, EllipseTable, names_along, tabled
+from reliab.criterion.ellipse_table import CUT, DIMENSIONS, EllipseTable, names_along, tabled
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
 from reliab.criterion.response_measures import ResponseMeasures
-from reliab.criterion.scaling import scales
 from reliab.criterion.scope import Position, compare_with_scope, scope_of
 from reliab.errors import InputError
+from reliab.significant import significant
 from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ Labels = dict[str, Any]
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
-# `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed"
+# `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed" and "What `criterion_lengths.py` printed"
 _BY_RESPONSE_ELSEWHERE: Final = (
     "Of simulated motions of other kinds (small earthquakes, large and far ones, pulses, soft soil) 96 to "
     "98 % keep limits that state 95 %, 91 to 97 % those that state 90 % and 77 to 90 % those that state "
@@ -52,9 +52,9 @@ _BY_RESPONSE_ELSEWHERE: Final = (
     "the threshold by up to 7 % of it."
 )
 _BY_LENGTH_ELSEWHERE: Final = (
-    "Of simulated motions of other kinds and of records cut short 93 to 99 % keep limits that state 95 % and "
-    "82 to 97 % those that state 90 %, but 72 to 90 % those that state 80 % and 38 to 79 % those that state "
-    "50 %: rely on 95 %."
+    "Of simulated motions of other kinds, whole and cut to their shaking or to 20 s, 93 to 100 % keep limits "
+    "that state 95 % and 81 to 100 % those that state 90 %, but 62 to 100 % those that state 80 % and 32 to "
+    "97 % those that state 50 %: rely on 95 %."
 )
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
@@ -164,22 +164,26 @@ def _as_given(given: _Given, carried: EllipseTable) -> _Given:
 def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     """Transfer the ellipses of a population to records of another length [s].
 
+    Each record is cut to the length, where it is longer, from the onset of its shaking; shorter ones stay as
+    they are, since quiet time that is added makes no motion safer.
+
     Parameters
     ----------
     ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the population, of whole records whose lengths stand in the coordinate `duration`.
+        Ellipses of the population, of whole records, with the ratios of cut ones.
     duration : float
         Length of the records of further tests [s].
 
     Returns
     -------
     xarray.Dataset or EllipseTable
-        Ellipses of the population's motions as if each record had that length.
+        Ellipses of the population's motions as if no record were longer. Those of another error than RMS^R,
+        which is a mean over the record, stay.
 
     Raises
     ------
     InputError
-        If lengths are not known, or the length is not positive.
+        If it is not known how the records can be cut, or the length is not positive.
 
     Examples
     --------
@@ -195,23 +199,23 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     if not 0.0 < duration < np.inf:
         raise InputError("The length of a record must be positive", value=duration, remedy="Give seconds")
     table = tabled(ellipses)
-    if "duration" not in table.of_motions:
+    if table.cut_records is None:
         raise InputError(
-            "Ellipses can be transferred to a length only from records of known lengths",
-            value="ellipses without the coordinate duration",
-            remedy="Derive the criterion from records, or from real_suite",
+            "Ellipses can be transferred to a length only where it is known how their records can be cut",
+            value="ellipses without the ratios of cut records",
+            remedy="Derive the criterion from `motions`, whole records, or from real_suite",
         )
-    f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
-    grid, lengths = _grid(f, xi), table.of_motions["duration"][:, None, None]
-
-    def carried(name: str, cell: Labels, values: Array) -> Array:
-        unit = float(cell["threshold"]) ** 2 * scales(*grid)[("a", "b").index(name)]
-        fit = _Fit.by_least_squares(np.log(values / unit), _of_length(lengths, *grid), table.events)
-        return np.asarray(unit * np.exp(fit.carried(fit.residuals, _of_length(duration, *grid))))
-
-    words = f"for records of {duration:g} s"
-    assembled = _assembled(table, f, xi, _each(carried))
-    stated = _stating(assembled, words, scope_of(table), {"length": duration}, _BY_LENGTH_ELSEWHERE)
+    of_rms = np.array(names_along(table, "metric")) == Metric.RMS
+    ratios = table.cut_records.at(duration)[:, :, :, None, None, None, None, :]
+    factors = np.where(of_rms[:, None, None, None], ratios, 1.0)
+    at_rest = table.error_at_rest
+    if at_rest is not None:  # of the whole record: not known where that is cut
+        whole = table.of_motions["duration"][:, None, None, None] <= duration
+        at_rest = np.where(whole, at_rest, np.nan)
+    a, b = table.a * factors[..., 0], table.b * factors[..., 1]
+    carried = replace(table, a=a, b=b, error_at_rest=at_rest, cut_records=None)
+    words = f"for records of {significant(duration)} s"
+    stated = _stating(carried, words, scope_of(table), {"length": duration}, _BY_LENGTH_ELSEWHERE)
     return _as_given(ellipses, stated)
 
 
@@ -250,7 +254,7 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
             remedy="Choose among those of the population, or give the suite as `motions` alone",
         ) from missing
     case = {}
-    if "duration" in suite.coords and "duration" in ellipses.coords:
+    if "duration" in suite.coords and CUT[0] in ellipses:
         case["length"] = float(np.exp(np.log(suite["duration"]).mean()))
         near = carry_to_length(near, case["length"])
 
@@ -358,12 +362,6 @@ def _growth(size: Array) -> Array:
     return np.asarray(np.minimum(size, _STEEPEST) ** 2)
 
 
-def _of_length(duration: Array | float, f: Array, xi: Array) -> Array:
-    """Covariates of the passage from the transient to the stationary limit."""
-    u = np.log(2.0 * np.pi * f * xi * duration)
-    return np.stack([np.ones_like(u), u, u**2], axis=-1)
-
-
 def _grid(f: Array, xi: Array) -> tuple[Array, Array]:
     """Natural frequencies (F, 1) and damping ratios (1, X)."""
     return f.reshape(-1, 1), xi.reshape(1, -1)
@@ -379,7 +377,8 @@ def _assembled(
         index: Any = (..., *at)
         pair = (values[index].astype(np.float64) for values in (table.a, table.b))
         a[index], b[index] = carried(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
-    return replace(table, a=a, b=b, at={**table.at, "f": f, "xi": xi}, error_at_rest=None)
+    grid = {**table.at, "f": f, "xi": xi}
+    return replace(table, a=a, b=b, at=grid, error_at_rest=None, cut_records=None)
 
 
 def _each(

@@ -5,10 +5,9 @@ import numpy as np
 from reliab.criterion.ellipse_table import EllipseTable, names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods import Method
-from reliab.criterion.protection import lengths_together
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.significant import percent, significant
-from reliab.vocabulary import Side
+from reliab.vocabulary import CurveName, Metric, Side
 
 _FEW_EVENTS = 30
 _SHARED_BY = 2  # fewest motions that can be of one earthquake
@@ -26,12 +25,12 @@ def cautions_of(
         _too_small(ellipses, confidence),
         _fitted(grid, method),
         _left_out(grid, method),
-        _unequally_kept(ellipses),
+        _lengths_together(ellipses, grid),
         few_events(grid.fewest_events),
         _unstated_earthquakes(ellipses),
         "" if empty else _beyond_the_earthquakes(grid, method, confidence),
         "" if empty else _shortfall(grid, method, confidence),
-        *_not_lognormal(grid, method),
+        *not_lognormal(grid, method),
     )
     return tuple(sentence for sentence in sentences if sentence)
 
@@ -69,14 +68,16 @@ def _too_small(ellipses: EllipseTable, confidence: float) -> str:
     )
 
 
-def _unequally_kept(ellipses: EllipseTable) -> str:
-    if not lengths_together(ellipses):
+def _lengths_together(ellipses: EllipseTable, grid: SampleGrid) -> str:
+    lengths = ellipses.of_motions.get("duration", np.empty(0))
+    recorded = "carried_to" not in ellipses.attrs and ellipses.attrs.get("window") == "record"
+    if not recorded or grid.metric != Metric.RMS or grid.curve != CurveName.INSCRIBED or lengths.size == 0:
         return ""
     return (
-        "This share is that of all lengths together; short records have less. Of the 100 motions of "
-        "real_suite, each judged without its earthquake, 51 and 81 % keep limits that state 50 and 80 %; of "
-        "records up to 25 s it is 37 and 73 %, of those above 45 s 68 and 92 %. State the length, or better "
-        "the record, for a share of its own; from 90 % on every length is protected."
+        f"These limits are of records of {lengths.min():.0f} to {lengths.max():.0f} s together, and limits "
+        "grow with the length: under short records fewer tests keep the error than stated, under long ones "
+        "more. Derive the criterion from real_suite, or from thirty `motions` of ten earthquakes, to protect "
+        "each length."
     )
 
 
@@ -152,13 +153,12 @@ def _unstated_earthquakes(ellipses: EllipseTable) -> str:
     )
 
 
-def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
+def not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
+    """Say where motions are not lognormal, if the promise of a method needs them to be."""
     cells = grid.cells
     if not method.assumes_lognormality:
         return []
     objections = [(objection(sample.a, "a"), objection(sample.b, "b")) for sample in cells]
-    if len(cells) == 1:
-        return list(objections[0])
     rejected = sum(any(pair) for pair in objections)
     if not rejected:
         return []
@@ -167,4 +167,7 @@ def _not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
         "lognormal quantile does not keep the stated confidence there; the methods dirichlet, "
         "order_statistic and conformal do not need it."
     )
-    return [sentence]
+    sentences = [text for text in objections[0] if text] if len(cells) == 1 else [sentence]
+    if method.settings.get("assurance") is not None:
+        sentences.append("No assurance is stated: it would need lognormal motions.")
+    return sentences

@@ -1,7 +1,8 @@
 """Copies of one record among ground motions: the same record under several names.
 
-They are recognised by their checksums; where these are not known, as in a table of ellipses, by their
-boundaries.
+A copy may be scaled, reversed or trimmed, and still tells nothing new of earthquakes. Records are known by
+their checksums and outlines; where these are not stored, as in a table of ellipses, by their boundaries,
+which are the same for a record that was scaled or reversed.
 """
 
 from typing import TYPE_CHECKING, TypeVar
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
+from reliab.motions import are_copies
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,11 +19,12 @@ if TYPE_CHECKING:
 _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 
 _WRITTEN_OUT = 2  # copies that a sentence names
+_SAME = 2e-4  # difference of ln a and ln b that rounding and tracing leave between a record and its copy
 
 
 def without_copies(ellipses: _Given) -> _Given:
     """Let each record count once, and note as `copies` which motions were left out."""
-    first = _originals(ellipses)
+    first = copied_from(ellipses)
     copied = np.flatnonzero(first != np.arange(first.size))
     if not copied.size:
         return ellipses
@@ -29,8 +32,8 @@ def without_copies(ellipses: _Given) -> _Given:
     pairs = [f"{names[place]} of {names[first[place]]}" for place in copied[:_WRITTEN_OUT]]
     more = ", …" if copied.size > _WRITTEN_OUT else ""
     sentence = (
-        f"{copied.size} of {first.size} motions are the records of others ({', '.join(pairs)}{more}): "
-        "each record counts once."
+        f"{copied.size} of {first.size} motions are the records of others, as they are, scaled, reversed or "
+        f"trimmed ({', '.join(pairs)}{more}): each record counts once."
     )
     originals = np.unique(first)
     if isinstance(ellipses, EllipseTable):
@@ -38,9 +41,15 @@ def without_copies(ellipses: _Given) -> _Given:
     return ellipses.isel(motion=originals).assign_attrs(copies=sentence)
 
 
-def events_of_originals(ellipses: Ellipses) -> NDArray[np.str_]:
-    """Earthquake of each motion, copies having that of their record, shape (motions,)."""
-    return _along_motions(ellipses, "event")[_originals(ellipses)]
+def copied_from(ellipses: Ellipses) -> NDArray[np.intp]:
+    """Find the first motion with the record of each, shape (motions,)."""
+    alike = _have_same_boundary(ellipses)
+    checksums, outlines = (_along_motions(ellipses, name) for name in ("checksum", "outline"))
+    if checksums.size and all(checksums.tolist()):
+        alike |= checksums[:, None] == checksums
+    if outlines.size and all(outlines.tolist()):
+        alike |= are_copies(outlines, outlines)
+    return np.asarray(alike.argmax(axis=1))
 
 
 def _along_motions(ellipses: Ellipses, name: str) -> NDArray[np.str_]:
@@ -52,17 +61,19 @@ def _along_motions(ellipses: Ellipses, name: str) -> NDArray[np.str_]:
     return np.array([str(text) for text in texts], dtype=np.str_)
 
 
-def _originals(ellipses: Ellipses) -> NDArray[np.intp]:
-    """Find the first motion with the record of each, shape (motions,)."""
-    checksums = _along_motions(ellipses, "checksum")
-    if checksums.size and all(checksums.tolist()):
-        identities = checksums.tolist()
-    else:
-        rows = np.concatenate([_rows(ellipses, "a"), _rows(ellipses, "b")], axis=1)
-        known = np.isfinite(rows).any(axis=1).tolist()  # motions without an ellipse have nothing in common
-        identities = [row.tobytes() if known[place] else place for place, row in enumerate(rows)]
-    first: dict[object, int] = {}
-    return np.array([first.setdefault(identity, place) for place, identity in enumerate(identities)])
+def _have_same_boundary(ellipses: Ellipses) -> NDArray[np.bool_]:
+    """Whether ellipses are the same wherever a motion has one, shape (motions, motions)."""
+    rows = np.concatenate([_rows(ellipses, "a"), _rows(ellipses, "b")], axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        logarithms = np.log(np.where(rows > 0.0, rows, np.nan))
+    alike = np.eye(len(rows), dtype=bool)
+    finite = np.isfinite(logarithms)
+    for place, row in enumerate(logarithms):
+        cells = finite[place]
+        if cells.any():  # motions without an ellipse have nothing in common
+            near = np.abs(logarithms[:, cells] - row[cells]) <= _SAME
+            alike[place] |= near.all(axis=1) & (finite == cells).all(axis=1)
+    return alike
 
 
 def _rows(ellipses: Ellipses, name: str) -> NDArray[np.float64]:

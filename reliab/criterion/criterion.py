@@ -14,9 +14,10 @@ from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
-from reliab.described_files import MOST_BYTES_OF_JSON, described_text
+from reliab.described_files import described_text
 from reliab.errors import InputError
 from reliab.html_table import html_table
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.vocabulary import MILLI, PERCENT, Metric, Side
 
@@ -84,12 +85,7 @@ class Criterion:
                 law.validity.require_error(self.threshold, self.metric)
         checked_share(self.confidence, "confidence")
         Metric.parse(self.metric)
-        if not 0.0 < self.threshold < np.inf:
-            raise InputError(
-                "The error threshold must be positive",
-                value=self.threshold,
-                remedy="Give a fraction, 0.05 for 5 %",
-            )
+        require_physical("error threshold", self.threshold)
 
     def limits(
         self, frequency: ArrayLike, damping_ratio: ArrayLike, side: str = Side.LAG
@@ -228,6 +224,15 @@ class Criterion:
         }
         return table_of_criterion(promise, self.law, self.provenance)
 
+    def require_converged(self) -> None:
+        """Refuse to decide by a posterior that has not converged."""
+        if not self.provenance.settings.get("converged", True):
+            raise InputError(
+                "A criterion decides only where the posterior behind it has converged",
+                value=f"one by {self.method} that has not",
+                remedy="Derive it again with more `steps`",
+            )
+
     @property
     def knows_leads(self) -> bool:
         """Whether there are limits for tests that lead, or leads are counted as lags as the paper does."""
@@ -281,7 +286,7 @@ class Criterion:
     def read(cls, path: str | Path) -> "Criterion":
         """Read a criterion's file; the errors of `from_json`, and one if it cannot be read."""
         rule, remedy = "A criterion's file must be readable", "Write one with `reliab criterion --out`"
-        text = described_text(path, rule=rule, remedy=remedy, most=MOST_BYTES_OF_JSON)
+        text = described_text(path, rule=rule, remedy=remedy, kind="criterion")
         from reliab.criterion.criterion_file import from_text
 
         return cls(**from_text(text, str(path)))

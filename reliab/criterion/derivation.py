@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.criterion.cautions import cautions_of, few_leads
+from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import position, position_of_name
@@ -68,11 +68,10 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     InputError
         If an actuator at rest would pass; the message names the structure where it does most often.
     """
-    table = tabled(ellipses)
+    table = tabled(ellipses).at_threshold(threshold)
     if table.error_at_rest is None:
         return
     errors = table.error_at_rest[..., position_of_name(table, "metric", metric)]
-    position(table, "threshold", threshold)
     shares = share_at_rest(errors.astype(np.float64), threshold)
     if shares.max() <= MOST_AT_REST:
         return
@@ -116,9 +115,8 @@ def derive_criterion(
     therefore scaled by one factor, so that on average over the structures as many of the motions are
     contained as by the limits themselves.
 
-    Where at least thirty motions of ten earthquakes show how limits depend on the length of a record, the
-    criterion protects every length of this population from a share of 90 % on; see
-    :func:`protect_over_lengths`.
+    Where the ellipses of at least thirty motions of ten earthquakes say how their records can be cut, the
+    criterion protects short, middle and long records alike; see :func:`protect_over_lengths`.
 
     Parameters
     ----------
@@ -143,7 +141,7 @@ def derive_criterion(
     law : type of Law or str, optional
         How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
-        Error on the boundaries [-], one of the dataset's.
+        Error on the boundaries [-], as :meth:`EllipseTable.at_threshold` takes it.
     metric : str, optional
         Which error.
     confidence : float, optional
@@ -184,12 +182,7 @@ def derive_criterion(
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
-        protect_over_lengths(
-            without_copies(_read(ellipses, f, xi, threshold, str(metric))),
-            metric=str(metric),
-            curve=known_method.curve,
-            confidence=confidence,
-        ),
+        without_copies(_read(ellipses, f, xi, threshold, str(metric))),
         method=known_method,
         law=known(FITTED, law) if isinstance(law, str) else law,
         frequency=f,
@@ -253,8 +246,13 @@ class Derivation:
         chains: Path | None = None,
         progress: Progress = silent,
     ) -> Self:
-        """Learn from ellipses; the parameters are those of :func:`derive_criterion`."""
-        chosen = _only(_only(tabled(ellipses), "f", frequency), "xi", damping_ratio)
+        """Learn from ellipses, of which every length is protected.
+
+        The parameters are those of :func:`derive_criterion`.
+        """
+        population = protect_over_lengths(tabled(ellipses), metric=metric, curve=method.curve)
+        whole = population.at_threshold(threshold)
+        chosen = _only(_only(whole, "f", frequency), "xi", damping_ratio)
         require_meaning(chosen, threshold=threshold, metric=metric)
         curves = names_along(chosen, "curve")
         error = {
@@ -337,7 +335,11 @@ class Derivation:
         )
 
     def _provenance(self, confidence: float, empty: int, source: str) -> Provenance:
-        carried = self.method.carried_confidence(self.lag.grid.fewest_motions, self.lag.grid.fewest_events)
+        grid, method = self.lag.grid, self.method
+        carried = method.carried_confidence(grid.fewest_motions, grid.fewest_events)
+        settings = method.settings
+        if settings.get("assurance") is not None and not_lognormal(grid, method):
+            settings["assurance"] = None
         return Provenance(
             source=source,
             motions=kind_of_motions(self.ellipses.events.tolist()),
@@ -352,7 +354,7 @@ class Derivation:
             position=self.ellipses.attrs.get("position", "inside"),
             promised_from=float(self.ellipses.attrs.get("promised_from", 0.0)),
             settings={
-                **self.method.settings,
+                **settings,
                 **self.lag.learned.settings,
                 "carried_confidence": carried,
                 **({"converged": self.converged} if self.diagnostics else {}),

@@ -12,10 +12,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion.laws.law import LARGEST
 from reliab.encodings import encoding_of_file
 from reliab.errors import InputError
-from reliab.files import decoding
+from reliab.file_limits import LIMITS
+from reliab.files import decoding, ordinary
+from reliab.physical_range import OF_DIMENSIONS, RANGES
 from reliab.renamed import renamed
 from reliab.shipped import or_shipped
 from reliab.sweep import at_share
@@ -50,7 +51,7 @@ def read_table(
     table = table.assign(**({} if states_share else {_SHARE: "1"}))
     table = table.join(given[[name for name in given if name not in table]])
     for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
-        table[name] = _positive(table[name], name, path)
+        table[name] = _in_range(table[name], name, path)
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
@@ -69,20 +70,31 @@ def _cells(path: Path) -> pd.DataFrame:
     rule, remedy = "A table of ellipses must be a readable CSV file", "Give a file with the columns a and b"
     with decoding(rule, remedy=remedy, where=path), warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)  # a row of more cells than the first line
-        return pd.read_csv(
+        LIMITS["table of ellipses"].require_small(ordinary(path))
+        LIMITS["table of ellipses"].require_narrow(path)
+        rows = pd.read_csv(
             path,
+            header=None,  # which would number names that occur twice
             skipinitialspace=True,
             dtype=str,
             keep_default_na=False,
             index_col=False,
             encoding=encoding_of_file(path),
         )
+    return rows[1:].set_axis(list(rows.iloc[0]), axis="columns").reset_index(drop=True)
 
 
 def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
     """Give every column the name that it has here, and the motions names and earthquakes."""
     table = table.rename(columns=lambda name: str(name).strip().lower())
     table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
+    if not table.columns.is_unique:
+        raise InputError(
+            "A table of ellipses must name each column once",
+            value=f"{table.columns[table.columns.duplicated()][0]!r} more than once",
+            remedy="Remove or rename the other column; capital and small letters are the same",
+            where=f"{path}, line 1",
+        )
     missing = [name for name in ("a", "b") if name not in table]
     if missing:
         raise InputError(
@@ -102,12 +114,13 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
     return table
 
 
-def _positive(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
+def _in_range(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
     numbers = pd.to_numeric(column, errors="coerce")
-    wrong = ~((numbers > 1.0 / LARGEST) & (numbers < LARGEST))
+    limits = RANGES[OF_DIMENSIONS.get(name, "number")]
+    wrong = ~limits.includes(numbers)
     if wrong.any():
         raise InputError(
-            f"The column {name} must hold positive numbers below {LARGEST:g}",
+            f"The column {name} must hold numbers {limits.span}",
             value=repr(column[wrong].iloc[0]),
             remedy="Correct or remove the row",
             where=f"{path}, line {_line(wrong)}",

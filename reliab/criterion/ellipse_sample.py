@@ -158,7 +158,7 @@ def sample_of(
         If the dataset lacks the structure, the error, the curve or the side, or too few motions have an
         ellipse there.
     """
-    table = tabled(ellipses)
+    table = tabled(ellipses).at_threshold(threshold)
     of_curve_and_side = places_of_curve(table, curve, side)
     of_numbers = (("f", frequency), ("xi", damping_ratio), ("threshold", threshold))
     at: Any = tuple(position(table, name, value) for name, value in of_numbers)

@@ -1,6 +1,7 @@
 """How much of the scatter lies between earthquakes, and how many motions that is worth."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,27 +46,61 @@ def event_components(values: Array, events: NDArray[np.str_]) -> EventComponents
     >>> float(components.event_share.round(3)), float(components.effective_number.round(1))
     (0.995, 3.0)
     """
-    _, group, sizes = np.unique(events, return_inverse=True, return_counts=True)
-    n, k = values.shape[0], sizes.size
-    deviation = values - values.mean(axis=0)
-    total = (deviation**2).sum(axis=0)
-    if k in (1, n):
-        within = np.asarray(total / (n - 1))
+    squares = SumsOfSquares.from_values(values, events)
+    n = values.shape[0]
+    if not squares.separate:
+        within = np.asarray(squares.total / (n - 1))
         return EventComponents(
             between=np.zeros_like(within), within=within, effective_number=np.full_like(within, n)
         )
-    sums = np.zeros((k, *values.shape[1:]))
-    np.add.at(sums, group, deviation)
-    weights = sizes.reshape(-1, *(1,) * (values.ndim - 1))
-    explained = (sums**2 / weights).sum(axis=0)
-    within = (total - explained) / (n - k)
-    mean_size = (n - (sizes**2).sum() / n) / (k - 1)
-    between = np.maximum((explained / (k - 1) - within) / mean_size, 0.0)
-    within = np.where(between > 0.0, within, total / (n - 1))
-    variance_of_mean = between * (sizes**2).sum() / n**2 + within / n
+    within = squares.within / squares.degrees_within
+    between = np.maximum((squares.between / squares.degrees_between - within) / squares.mean_size, 0.0)
+    within = np.where(between > 0.0, within, squares.total / (n - 1))
+    variance_of_mean = between * squares.concentration + within / n
     varied = variance_of_mean > 0.0  # equal values are worth as many motions as there are
     effective = np.where(varied, (between + within) / np.where(varied, variance_of_mean, 1.0), float(n))
     effective = np.maximum(effective, _FEWEST_EFFECTIVE)
     return EventComponents(
         between=np.asarray(between), within=np.asarray(within), effective_number=np.asarray(effective)
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SumsOfSquares:
+    """Sums of squares of an analysis of variance by earthquake, of values of shape (motions, ...)."""
+
+    between: Array  # Of the means of earthquakes about the mean of all motions, shape (...)
+    within: Array  # Of motions about the means of their earthquakes
+    degrees_between: int
+    degrees_within: int
+    mean_size: float  # Motions of an earthquake, as they count for the variance between earthquakes
+    concentration: float  # Part of the variance between earthquakes in that of the mean of all motions
+
+    @classmethod
+    def from_values(cls, values: Array, events: NDArray[np.str_]) -> Self:
+        """Divide the squares of values by the earthquakes of their motions."""
+        _, group, sizes = np.unique(events, return_inverse=True, return_counts=True)
+        n, k = values.shape[0], sizes.size
+        deviation = values - values.mean(axis=0)
+        sums = np.zeros((k, *values.shape[1:]))
+        np.add.at(sums, group, deviation)
+        between = (sums**2 / sizes.reshape(-1, *(1,) * (values.ndim - 1))).sum(axis=0)
+        concentration = float((sizes**2).sum()) / n**2
+        return cls(
+            between=np.asarray(between),
+            within=np.asarray((deviation**2).sum(axis=0) - between),
+            degrees_between=k - 1,
+            degrees_within=n - k,
+            mean_size=n * (1.0 - concentration) / max(k - 1, 1),
+            concentration=concentration,
+        )
+
+    @property
+    def separate(self) -> bool:
+        """Whether the two can be told apart: several earthquakes, one of them with several motions."""
+        return self.degrees_between > 0 and self.degrees_within > 0
+
+    @property
+    def total(self) -> Array:
+        """Sum of the squares about the mean of all motions."""
+        return np.asarray(self.between + self.within)

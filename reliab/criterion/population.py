@@ -107,7 +107,7 @@ class Population:
         Population
             All motions and structures.
         """
-        table = tabled(ellipses).sorted_by("f", "xi")
+        table = tabled(ellipses).at_threshold(threshold).sorted_by("f", "xi")
         of_curve_and_side = places_of_curve(table, curve, side)
         of_metric = position_of_name(table, "metric", metric)
         at = (..., position(table, "threshold", threshold), of_metric, *of_curve_and_side)

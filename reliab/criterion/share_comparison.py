@@ -16,7 +16,6 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from reliab.arrays import Array
-from reliab.boundary import REACH
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import LEAST_SHARE_OVER_DAMPING, growth
 
@@ -107,6 +106,8 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
         for criterion in criteria
     }
     reference = max(limits)
+    from reliab.boundary import REACH
+
     furthest = _NEAR_REACH * np.expm1(-REACH * xi) ** 2
     ratios = []
     for share in sorted(set(limits) - {reference}):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion.ellipse_table import DIMENSIONS, REST, EllipseTable, words_of
+from reliab.criterion.ellipse_table import CUT, DIMENSIONS, REST, CutRecords, EllipseTable, words_of
 from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, directions_about
 from reliab.files import decoding
 from reliab.received import opened_hdf5
@@ -43,11 +43,17 @@ def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
         return EllipseTable(
             **{name: _numbers(file, name, part)[0] for name in ("a", "b")},
             at=at | {name: at[name][part[name]] for name in ("curve", "metric")},
-            of_motions={name: _values(file, name) for name in ("event", "duration", "checksum")},
+            of_motions={name: _values(file, name) for name in ("event", "duration", "checksum", "outline")},
             error_at_rest=file[REST][place["window"]][..., part["metric"]],
+            cut_records=_cut_records(file) if window == "record" else None,
             attrs={SHARE_ATTRIBUTE: float(file.attrs[SHARE_ATTRIBUTE][0]), "window": window},
             words=words_of(),
         )
+
+
+def _cut_records(file: "h5py.File") -> CutRecords:
+    ratios = np.stack([file[name][()].astype(np.float64) for name in CUT], axis=-1)
+    return CutRecords(lengths=_values(file, "length").astype(np.float64), ratios=ratios)
 
 
 def shipped_measures(angle: float | None = None) -> ResponseMeasures:

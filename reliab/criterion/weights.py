@@ -27,8 +27,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.criterion.ellipse_table import CUT
 from reliab.criterion.scope import magnitudes_of
 from reliab.errors import InputError
+from reliab.file_limits import LIMITS
 from reliab.files import decoding, ordinary
 from reliab.shipped import shipped
 
@@ -85,7 +87,7 @@ class Weights:
         order = np.argsort(np.nan_to_num(log_a.mean(others).values, nan=np.inf), kind="stable")
         upper = np.cumsum(self.values[order])
         places = order[np.searchsorted(upper, (np.arange(count) + 0.5) / count * upper[-1])]
-        drawn = ellipses.isel(motion=places)
+        drawn = ellipses.isel(motion=places).drop_vars(CUT, errors="ignore")
         names = [f"{name}#{number}" for number, name in enumerate(drawn["motion"].values, start=1)]
         words = f"weighted: {ellipses.sizes['motion']} motions are worth {count}"
         before = ellipses.attrs.get("carried_to")
@@ -97,7 +99,8 @@ class Weights:
 def _read(path: str | Path) -> dict[str, pd.DataFrame]:
     """Classes and shares of each quantity."""
     with decoding("A target must be a readable table in CSV", remedy=_REMEDY, where=path):
-        table = pd.read_csv(ordinary(path))
+        LIMITS["weights"].require_small(ordinary(path))
+        table = pd.read_csv(path)
     if list(table.columns) != list(_COLUMNS):
         raise _wrong(
             f"A target has the columns {', '.join(_COLUMNS)}", ", ".join(map(str, table.columns)), path

@@ -11,6 +11,7 @@ import numpy as np
 from reliab.arrays import Array, Spectrum
 from reliab.effects.kernel import Kernel
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.vocabulary import Block
 
 
@@ -234,18 +235,14 @@ class Effect(ABC):
     def __post_init__(self) -> None:
         for parameter in self.parameters:
             value = getattr(self, parameter.name)
-            if not np.isfinite(value):
-                raise InputError(
-                    f"The parameter {parameter.name} of {self.name} must be finite",
-                    value=value,
-                    remedy=f"Give {parameter.meaning} in {parameter.units}",
-                )
-            if not (parameter.signed or value > 0.0):
-                raise InputError(
-                    f"The parameter {parameter.name} of {self.name} must be positive",
-                    value=value,
-                    remedy=f"Give {parameter.meaning} in {parameter.units}",
-                )
+            require_physical(
+                "number",
+                value,
+                zero=parameter.signed,
+                signed=parameter.signed,
+                called=f"parameter {parameter.name} of {self.name}",
+                remedy=f"Give {parameter.meaning} in {parameter.units}",
+            )
 
     @property
     def values(self) -> Array:

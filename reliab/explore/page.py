@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from reliab.criterion import (
     MOST_AT_REST,
-    PROTECTED_FROM,
     REST,
+    carry_to_length,
     is_ellipse,
     names_along,
     population_of,
@@ -42,6 +42,7 @@ from reliab.vocabulary import CurveName
 
 _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"
+_RECORD, _ARIAS = "record", "arias"
 _ROUNDING = 1e-9
 _IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:function\*?|class|const) (\w+))", re.MULTILINE)
@@ -77,6 +78,19 @@ class Settings:
     threshold: float | None = None
     confidence: float = 0.95
     metric: str | None = None
+
+
+def by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """Choose the ellipses of a page among those of a file, by window.
+
+    Those of whole records are carried to each length to which the records can be cut; where nothing is known
+    of that, the windows of the first seconds stand for lengths.
+    """
+    whole = windows.get(_RECORD)
+    if whole is not None and "length" in whole.coords:
+        cuts = (float(length) for length in whole["length"])
+        return {_RECORD: whole, **{f"{length:g}": carry_to_length(whole, length) for length in cuts}}
+    return {label: table for label, table in windows.items() if label != _ARIAS} or dict(windows)
 
 
 def write_page(
@@ -133,7 +147,7 @@ def words() -> dict[str, Any]:
     return {
         "names": names,
         "lengths": dict(LENGTHS),
-        "times": dict(TIMES),
+        "times": {name: factor for name, factor in TIMES.items() if name not in {"d", "h"}},  # disp_d
         "otherUnits": sorted({name for units in UNITS.values() for name in units} - {*LENGTHS, *TIMES}),
         "otherQuantities": others,
     }
@@ -194,7 +208,8 @@ def _within(name: str, value: float | None, held: list[float], usual: float) -> 
         raise InputError(
             f"The {name} must lie in the range of the ellipses, {low:g} to {high:g}",
             value=value,
-            remedy="Choose one in that range, or give other ellipses",
+            remedy="Choose one in that range, or trace ellipses of it with `reliab ellipses` and give them "
+            "as `ellipses`",
         )
     return value
 
@@ -205,14 +220,10 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     A float32 whose mantissa was rounded to eleven binary digits, as in the ellipses that ship, is its sign,
     eight bits of exponent and eleven of mantissa. The sign is plus, and a as well as b span less than 32
     powers of two: sixteen bits above an offset hold it exactly. Zero stands for a motion without an ellipse.
-    Other ellipses are rounded to the same digits, 2.4e-4 relative. Where lengths are protected, the ellipses
-    of all lengths together follow those of the windows, for smaller shares.
+    Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
     protected = [protect_over_lengths(dataset) for dataset in ellipses.values()]
-    together = [
-        dataset for dataset, own in zip(ellipses.values(), protected, strict=True) if own is not dataset
-    ]
-    tables = [_inscribed(dataset) for dataset in (*protected, *together)]
+    tables = [_inscribed(dataset) for dataset in protected]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -232,8 +243,6 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     planes = codes.astype("<u2").reshape(-1, 1).view(np.uint8).T
     return {
         "windows": list(ellipses),
-        "tables": len(tables),
-        "protectedFrom": PROTECTED_FROM,
         "thresholds": first["threshold"].values.astype(float).tolist(),
         "metrics": first["metric"].values.tolist(),
         "sides": names_along(first, "side"),
@@ -244,6 +253,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "share": share_of(first),
         **_ranges(first),
         "population": population_of(next(iter(ellipses.values()))),
+        "protection": str(first.attrs.get("carried_to", "")),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),

@@ -1,6 +1,5 @@
 """Check whole folders of records and report every fault at once."""
 
-import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,14 +12,14 @@ from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.loading import (
     BUILT_IN,
-    UNREAD,
     declare,
     load_motions,
     motion_name,
     scan_file,
     scan_folder,
-    unread_files,
+    skipped_files,
 )
+from reliab.motions.quality import Copies, find_flaws
 from reliab.motions.readers.reading import Declared, Reading
 from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
@@ -29,7 +28,7 @@ from reliab.vocabulary import STANDARD_GRAVITY
 
 _LIKENESS = 50.0
 """Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
-_DECIMALS = 4  # of samples over their peak, in which scaled copies agree
+_SAME = 2e-3  # largest difference between the peaks of equal records whose texts round them
 _FEWEST = 3  # fewest records for which the peaks are compared with their median
 
 
@@ -39,8 +38,8 @@ class Inspection:
 
     records: int  # Number of motions that were checked
     faults: list[Fault]  # Everything that is wrong, in the order of the catalogue or of the paths
-    # Points to check that are not faults: files in formats that are not read, peaks that differ much from the
-    # others although the files state their units, and one record in several files
+    # Points to check that are not faults: files that were skipped, peaks that differ much from the others
+    # although the files state their units, what headers say of their numbers, flaws of the samples, copies
     notes: list[Fault] = field(default_factory=list)
 
 
@@ -99,8 +98,8 @@ def inspect(
         )
     faults: list[Fault] = []
     peaks: list[_Peak] = []
-    copies: list[Fault] = []
-    first: dict[str, str] = {}
+    notes: list[Fault] = []
+    copies = Copies()
     checked = 0
     for record, report in _records(source, declared, faults):
         if sets is not None and record.set_name not in sets:
@@ -114,15 +113,39 @@ def inspect(
             peaks.append(
                 _Peak(file=report.file, value=value, has_units=reading.units_stated, confirmed=confirmed)
             )
-            original = first.setdefault(_digest(reading), record.name)
-            if original != record.name:
-                copies.append(_copy(report.file, original))
+            notes.extend(_notes(record, reading, copies))
     if not checked and not faults:
         faults.append(_no_records(source, sets))
     unlike = list(_unlike_peaks(peaks))
     mixed = [fault for has_units, fault in unlike if not has_units]
-    notes = [*_unread(source), *(fault for has_units, fault in unlike if has_units), *copies]
-    return Inspection(records=checked, faults=list(dict.fromkeys([*faults, *mixed])), notes=notes)
+    weak = [fault for has_units, fault in unlike if has_units]
+    return Inspection(
+        records=checked,
+        faults=list(dict.fromkeys([*faults, *mixed])),
+        notes=[*skipped_files(source), *weak, *notes],
+    )
+
+
+def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fault]:
+    """Note what was applied to a record, the flaws of its samples, and whether it is a copy."""
+    channel = f"channel {record.channel}: " if record.channel else ""
+
+    def note(rule: str, value: str, remedy: str) -> Fault:
+        return Fault(file=str(record.path), line=None, rule=rule, value=f"{channel}{value}", remedy=remedy)
+
+    for applied in reading.applied:
+        yield note("What a header says of its numbers is applied", applied, "Check that this is meant")
+    for value, remedy in find_flaws(reading.acceleration, reading.time_step):
+        yield note("Samples should be those of the ground", value, remedy)
+    if copy := copies.find(record.name, reading.acceleration, reading.time_step):
+        original, factor = copy
+        scale = "" if abs(abs(factor) - 1) < _SAME else f" times {significant(abs(factor))}"
+        reversal = " with its sign reversed" if factor < 0 else ""
+        yield note(
+            "Each record should be there once",
+            f"the same record as {original}{scale}{reversal}",
+            "Keep one: a criterion counts equal copies once, but a scaled one as a record of its own",
+        )
 
 
 def _records(source: Path, declared: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
@@ -154,38 +177,6 @@ def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
         rule="A source of motions must hold a record",
         value="none" if sets is None else f"none in the sets {', '.join(sets)}",
         remedy=f"Put records or a {CATALOGUE} into it",
-    )
-
-
-def _unread(source: Path) -> Iterator[Fault]:
-    """Name data files of a folder without a catalogue whose format is not read."""
-    if not is_folder(source) or is_file(source / CATALOGUE):
-        return
-    for path in unread_files(source):
-        yield Fault(
-            file=str(path),
-            line=None,
-            rule="A record must be in a format that is read",
-            value=UNREAD[path.suffix.lower()],
-            remedy="Skipped; export it as text or CSV if it is a record",
-        )
-
-
-def _digest(reading: Reading) -> str:
-    """Digest of a record that its scaled copies share, up to the rounding of their text."""
-    peak = float(np.abs(reading.acceleration).max()) or 1.0
-    digest = hashlib.sha256(np.float64(reading.time_step).tobytes())
-    digest.update((np.round(reading.acceleration / peak, _DECIMALS) + 0.0).tobytes())
-    return digest.hexdigest()
-
-
-def _copy(file: str, original: str) -> Fault:
-    return Fault(
-        file=file,
-        line=None,
-        rule="Each record should be there once",
-        value=f"the same record as {original}, as it is or scaled",
-        remedy="Keep one: a criterion counts equal copies once, but a scaled one as a record of its own",
     )
 
 

@@ -26,6 +26,23 @@ class Fault:
         return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=where)
 
 
+def fault_of(error: InputError, name: str) -> Fault:
+    """Make an error about a record a fault of its file, or of its name where the error tells no file.
+
+    >>> fault_of(InputError("It must be so", where="a.AT2, line 3"), "a").line
+    3
+    """
+    file, _, line = error.where.rpartition(", line ")
+    has_line = line.isdecimal()
+    return Fault(
+        file=(file if has_line else error.where) or name,
+        line=int(line) if has_line else None,
+        rule=error.rule,
+        value="" if error.value is None else str(error.value),
+        remedy=error.remedy,
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Report:
     """The faults of one file, in the order in which they were found."""

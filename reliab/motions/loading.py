@@ -5,9 +5,10 @@ file extension is left out if it is one of a record format and the name stays un
 numbered.
 
 Events are known only where the headers say so: records share an event if they are channels of one file, or
-if their headers give the same earthquake and date (PEER), the same origin time and epicentre (K-NET), the
-same origin time (CSMIP, COSMOS) or the same line ``# event: NAME`` (text). Every other motion counts as a
-separate event. To declare events, write a catalogue with a column ``event``.
+if their headers give the same earthquake and date (PEER, SMC), the same origin time and epicentre (K-NET),
+the same origin time (CSMIP, COSMOS, GeoNet, AFAD, CWB, ASA, SAC), the same identifier (ESM), the same station
+and begin (miniSEED) or the same line ``# event: NAME`` (text). Every other motion counts as a separate event.
+To declare events, write a catalogue with a column ``event``.
 """
 
 import warnings
@@ -17,39 +18,34 @@ from pathlib import Path
 
 from reliab.errors import InputError
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
-from reliab.motions.faults import Report
+from reliab.motions.faults import Fault, Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Declared
-from reliab.motions.readers.registry import TEXT, claims_to_be_record, detect, open_records
+from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
+from reliab.physical_range import require_physical
 
-_STRIPPED = frozenset((".at2", ".v2", ".v2c", ".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"))
-UNREAD = {
-    ".mat": "a MATLAB file",
-    ".npy": "a NumPy file",
-    ".npz": "a NumPy file",
-    ".h5": "an HDF5 file",
-    ".hdf5": "an HDF5 file",
-    ".nc": "a netCDF file",
-    ".xls": "an Excel file",
-    ".xlsx": "an Excel file",
-    ".sac": "a SAC file",
-    ".mseed": "a miniSEED file",
-    ".smc": "an SMC file",
-    ".zip": "an archive",
-    ".gz": "an archive",
-}
-"""Endings of files that may hold records but are not read, and what they are."""
+_COMPONENTS = frozenset(("K-NET",))
+"""Formats whose endings name a component, such as ``.NS`` and ``.EW``."""
+
+_DOCUMENTS = frozenset(
+    (
+        *(".md", ".rst", ".pdf", ".doc", ".docx", ".odt", ".tex", ".bib", ".htm", ".html", ".png", ".jpg"),
+        *(".jpeg", ".gif", ".svg", ".tif", ".tiff", ".py", ".ipynb", ".m", ".r", ".sh", ".bat", ".json"),
+        *(".toml", ".yaml", ".yml", ".xml"),
+    )
+)
+"""Endings of files that no one takes for records."""
 
 _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
 def scan_folder(folder: Path, declared: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
     """Find the records of a folder."""
-    paths = [path for path in sorted(folder.rglob("*")) if _may_be_record(path, folder)]
+    paths = [path for path, reason in _survey(folder) if not reason]
     names = _names(paths, folder)
     for path in paths:
         report = Report(file=str(path))
@@ -61,13 +57,45 @@ class UnreadFileWarning(UserWarning):
     """A folder holds files that may be records in a format that is not read."""
 
 
-def unread_files(folder: Path) -> list[Path]:
-    """Find files of a folder that may hold records in a format that is not read."""
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in UNREAD and path.is_file())
-    hidden = (
-        any(component.startswith(".") for component in path.relative_to(folder).parts) for path in paths
-    )
-    return [path for path, out_of_sight in zip(paths, hidden, strict=True) if not out_of_sight]
+def skipped_files(source: str | Path) -> list[Fault]:
+    """Name the files of a folder without a catalogue that are not read, and why."""
+    folder = Path(source)
+    if source in BUILT_IN or not is_folder(folder) or is_file(folder / CATALOGUE):
+        return []
+    return [
+        Fault(
+            file=str(path),
+            line=None,
+            rule="A record must be in a format that is read",
+            value=reason,
+            remedy="Skipped; export it as text or CSV if it is a record",
+        )
+        for path, reason in _survey(folder)
+        if reason
+    ]
+
+
+def _survey(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Go through the files of a folder that may be records, each with why it is none; empty if it is one."""
+    for path in sorted(folder.rglob("*")):
+        hidden = any(component.startswith(".") for component in path.relative_to(folder).parts)
+        no_record = path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS)
+        if not hidden and not no_record and path.suffix.lower() not in _DOCUMENTS and path.is_file():
+            yield path, "" if claims_to_be_record(path) else _reason_to_skip(path)
+
+
+def _reason_to_skip(path: Path) -> str:
+    """Say why a file without the ending of a record is none; empty if its content is that of one."""
+    if kind := UNREAD.get(path.suffix.lower()):
+        return kind
+    report = Report(file=str(path))
+    source = open_source(path, report, limit=HEAD, binary=True)
+    if source is None:
+        return "an empty file" if "empty" in report.faults[0].rule else report.faults[0].value
+    form = detect(source)
+    if form is TEXT:
+        return "numbers, but neither the ending of a text record nor a header that is known"
+    return "" if form else "a format that is not known"
 
 
 def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list[RecordFile]:
@@ -88,19 +116,6 @@ def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list
     ]
 
 
-def _may_be_record(path: Path, folder: Path) -> bool:
-    """Tell whether a file has the extension of a record or is recognised by its header."""
-    inner = path.relative_to(folder)
-    if any(component.startswith(".") for component in inner.parts) or not path.is_file():
-        return False
-    if path.name.lower() == CATALOGUE or path.stem.lower().lstrip("_").startswith(_NOT_RECORDS):
-        return False
-    if claims_to_be_record(path):
-        return True
-    source = open_source(path, Report(file=str(path)), limit=HEAD)
-    return source is not None and detect(source) not in {None, TEXT}
-
-
 def _names(paths: list[Path], folder: Path) -> dict[Path, str]:
     short = {path: motion_name(path.relative_to(folder)) for path in paths}
     count = Counter(short.values())
@@ -118,7 +133,9 @@ def motion_name(path: Path) -> str:
     >>> motion_name(Path("KOBE/NIS000.AT2")), motion_name(Path("AOM001.EW"))
     ('KOBE/NIS000', 'AOM001.EW')
     """
-    name = (path.with_suffix("") if path.suffix.lower() in _STRIPPED else path).as_posix()
+    forms = (form for form in FORMATS.values() if form.name not in _COMPONENTS)
+    is_ending = any(path.suffix.lower() in form.endings for form in forms)
+    name = (path.with_suffix("") if is_ending else path).as_posix()
     return name.encode(errors="backslashreplace").decode()  # bytes of a name that are not text
 
 
@@ -171,8 +188,26 @@ def load_motions(
         raise InputError(
             "At least one source of motions must be given", remedy="Name a file, a folder or synthetic"
         )
+    suite, faults = find_motions(*sources, sets=sets, time_step=time_step, units=units)
+    if faults:
+        raise faults[0].error()
+    for source in sources:
+        _warn_of_skipped(source)
+    return suite
+
+
+def find_motions(
+    *sources: str | Path,
+    sets: Sequence[str] | None = None,
+    time_step: float | None = None,
+    units: str | None = None,
+) -> tuple[MotionSuite, list[Fault]]:
+    """Find motions as :func:`load_motions` does, and the faults of those that cannot be found."""
     declared = declare(time_step, units)
-    suite = MotionSuite(entry for source in sources for entry in _entries(source, declared))
+    faults: list[Fault] = []
+    suite = MotionSuite(entry for source in sources for entry in _entries(source, declared, faults))
+    if not suite and faults:
+        raise faults[0].error()
     selected = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
     if not selected:
         raise InputError(
@@ -180,7 +215,17 @@ def load_motions(
             value=f"only motions of the set {HELD_OUT}",
             remedy=f"Name the set {HELD_OUT} to use it",
         )
-    return selected
+    return selected, faults
+
+
+def _warn_of_skipped(source: str | Path) -> None:
+    skipped = skipped_files(source)
+    if not skipped:
+        return
+    names = [f"{Path(note.file).relative_to(source).as_posix()} ({note.value})" for note in skipped]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    text = f"{source}: skipped {', '.join(names[:_NAMED])}{more}; export records as text or CSV"
+    warnings.warn(text, UnreadFileWarning, stacklevel=3)
 
 
 def read_motion(
@@ -198,7 +243,7 @@ def read_motion(
     Parameters
     ----------
     path : str or Path
-        A PEER AT2, K-NET, KiK-net, COSMOS or CSMIP file, or text in one or two columns.
+        A file of one of the formats of `reliab.motions.readers`, or text in columns.
     name : str, optional
         Name of the motion; the file's name by default.
     event : str, optional
@@ -238,24 +283,24 @@ def declare(time_step: float | None, units: str | None) -> Declared:
 
     `time_step` [s].
     """
-    if time_step is not None and not 0 < time_step < float("inf"):
-        raise InputError("The time step must be positive", value=time_step, remedy="Give it in seconds")
+    if time_step is not None:
+        require_physical("time step", time_step)
     return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
 
 
-def _entries(source: str | Path, declared: Declared) -> list[MotionEntry]:
+def _entries(source: str | Path, declared: Declared, faults: list[Fault]) -> list[MotionEntry]:
     if source in BUILT_IN:
         from reliab.motions.synthetic import synthetic_suite
 
         return list(synthetic_suite().entries)
     path = Path(source)
     if is_folder(path):
-        return list(_folder_entries(path, declared))
+        return list(_folder_entries(path, declared, faults))
     if is_file(path):
         report = Report(file=str(path))
         records = scan_file(path, motion_name(Path(path.name)), declared, report)
-        report.raise_first()
-        return list(records)
+        faults.extend(report.faults)
+        return [] if report.faults else list(records)
     raise InputError(
         "A source of motions must be a file, a folder or a built-in suite",
         value=str(source),
@@ -263,24 +308,19 @@ def _entries(source: str | Path, declared: Declared) -> list[MotionEntry]:
     )
 
 
-def _folder_entries(folder: Path, declared: Declared) -> list[RecordFile]:
+def _folder_entries(folder: Path, declared: Declared, faults: list[Fault]) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
         records = read_catalogue(catalogue, report, declared)
-        report.raise_first()
+        faults.extend(report.faults)
         return records
-    unread = unread_files(folder)
-    if unread:
-        names = ", ".join(path.relative_to(folder).as_posix() for path in unread[:_NAMED])
-        names += f" and {len(unread) - _NAMED} more" if len(unread) > _NAMED else ""
-        message = f"{folder}: skipped {names}, in formats that are not read; export records as text or CSV"
-        warnings.warn(message, UnreadFileWarning, stacklevel=4)
-    entries = []
+    entries: list[RecordFile] = []
+    before = len(faults)
     for _, records, report in scan_folder(folder, declared):
-        report.raise_first()
-        entries.extend(records)
-    if not entries:
+        faults.extend(report.faults)
+        entries.extend(() if report.faults else records)
+    if not entries and len(faults) == before:
         raise InputError(
             "A folder of motions must hold a record",
             value="none",

@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.vocabulary import STANDARD_GRAVITY
 
 MOST_SAMPLES = 2_000_000
@@ -149,13 +150,7 @@ def _check_samples(samples: Array, name: str) -> Array:
 
 
 def _check_step(time_step: float, name: str) -> float:
-    if not (np.isfinite(time_step) and time_step > 0):
-        raise InputError(
-            "The time step must be positive and finite",
-            value=time_step,
-            remedy="Give it in seconds",
-            where=name,
-        )
+    require_physical("time step", time_step, where=name)
     return float(time_step)
 
 
@@ -176,8 +171,7 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
     >>> resample(slow, rate_hz=4.0).acceleration.tolist()
     [0.0, 0.5, 1.0, 0.5, 0.0]
     """
-    if not (math.isfinite(rate_hz) and rate_hz > 0):
-        raise InputError("The sampling rate must be positive", value=rate_hz, remedy="Give it in hertz")
+    require_physical("sampling rate", rate_hz)
     steps = math.floor(motion.duration * rate_hz + _WHOLE)
     if steps < 1:
         raise InputError(

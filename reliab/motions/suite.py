@@ -8,6 +8,7 @@ from typing import Protocol, overload
 from reliab.errors import InputError
 from reliab.html_table import html_table
 from reliab.motions.motion import Motion
+from reliab.significant import counted
 
 _SHOWN = 100  # motions in a table
 
@@ -131,7 +132,9 @@ class MotionSuite(Sequence[Motion]):
         return self._entries[index].load()
 
     def __repr__(self) -> str:
-        return f"<MotionSuite of {len(self)} motions from {len(set(self.events))} events>"
+        return (
+            f"<MotionSuite of {counted(len(self), 'motion')} from {counted(len(set(self.events)), 'event')}>"
+        )
 
     def _repr_html_(self) -> str:
         """Table for notebooks: motions by earthquake; no record is read."""

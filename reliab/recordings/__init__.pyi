@@ -12,13 +12,16 @@ from .coupled_recording import (
     CoupledRecording as CoupledRecording,
     read_coupled_recording as read_coupled_recording,
 )
+from .followed_rows import (
+    rows_about_zero as rows_about_zero,
+    rows_at_equal_steps as rows_at_equal_steps,
+    rows_without_skew as rows_without_skew,
+    step_of_rows as step_of_rows,
+)
 from .following import (
     Rows as Rows,
     chunks_of_text as chunks_of_text,
     rows_as_written as rows_as_written,
-    rows_at_equal_steps as rows_at_equal_steps,
-    rows_without_skew as rows_without_skew,
-    step_of_rows as step_of_rows,
 )
 from .naming import page_words as page_words
 from .readers import is_frame as is_frame, read_tests as read_tests
@@ -51,4 +54,4 @@ from .units import (
     TIMES as TIMES,
     UNITS as UNITS,
 )
-from .zero import rows_about_zero as rows_about_zero, zero_of as zero_of
+from .zero import zero_of as zero_of

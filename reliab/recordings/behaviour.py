@@ -104,3 +104,8 @@ def _peak(x: Array, y: Array) -> tuple[float, float]:
 def _noise(values: Array) -> float:
     """Estimate what changes from sample to sample, by third differences."""
     return float(np.sqrt(np.mean(np.diff(values, 3) ** 2)))
+
+
+def white_noise(values: Array) -> float:
+    """Root mean square of white noise, from fourth differences, in which no motion is left; shape (n,)."""
+    return float(np.median(np.abs(np.diff(values, 4))) / (0.6745 * np.sqrt(70.0)))

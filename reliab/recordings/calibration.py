@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from reliab.arrays import Array
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.recordings.behaviour import white_noise
 from reliab.recordings.recording import Recording
 from reliab.signals import converter_step, low_pass, smoothed
 from reliab.significant import percent
@@ -107,7 +108,7 @@ def calibrate_channels(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    noise, command_noise = _noise_of(recording.measured), _noise_of(recording.command)
+    noise, command_noise = white_noise(recording.measured), white_noise(recording.command)
     resolution = converter_step(recording.measured)
     calibration = ChannelCalibration(
         skew_ms=None,
@@ -197,11 +198,6 @@ def _require_one_motion(recording: Recording) -> None:
             remedy="Feed one signal to both channels, or move the actuator slowly and without a specimen",
             where=recording.name,
         )
-
-
-def _noise_of(values: Array) -> float:
-    """Root mean square of white noise, from fourth differences, in which no motion is left; shape (n,)."""
-    return float(np.median(np.abs(np.diff(values, 4))) / (0.6745 * np.sqrt(70.0)))
 
 
 class _Channels:
@@ -325,7 +321,7 @@ def _filter_of(command: Array, rate: float) -> tuple[float, Array]:
     """Design the filter that lets the command's motion through [Hz], shape (odd,)."""
     size = command.size
     spectrum = np.fft.rfft((command - command.mean()) * scipy.signal.windows.hann(size))
-    noise_power = 0.375 * size * _noise_of(command) ** 2
+    noise_power = 0.375 * size * white_noise(command) ** 2
     energy = np.cumsum(np.maximum(np.abs(spectrum) ** 2 - _ABOVE_NOISE * noise_power, 0.0))
     edge = _HARMONICS * float(np.searchsorted(energy, _PASSED * energy[-1])) * rate / size
     return edge, low_pass(edge, rate)

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.described_files import described, read_toml
 from reliab.errors import InputError
+from reliab.physical_range import Physical
 from reliab.recordings.recording import Part, Stated, StatedChannels
 from reliab.stated_value import StatedValue
 from reliab.vocabulary import MILLI
@@ -21,9 +22,10 @@ _PARTS: Final = {
     "ground": Part.GROUND,
 }
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
-_Reading = Annotated[float, Field(ge=-1e30, le=1e30)]
+_Reading = Annotated[float, Physical("number", zero=True, signed=True)]
 _LowPass = Annotated[str, Field(pattern=r"^[0-9.]{1,12}(/[1-8])?$")]
-_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
+_NotNegative = Annotated[float, Physical("number", zero=True)]
+_Time = Annotated[float, Physical("time", zero=True)]
 
 
 class _Table(BaseModel):
@@ -39,7 +41,7 @@ class ChannelTable(_Table):
     )
     unit: Annotated[str, Field(max_length=20)] = Field(default="", description="Unit, in place of the file's")
     sign: Literal[-1, 1] = Field(default=1, description="1, or -1 where the channel is reversed")
-    scale: Annotated[float, Field(gt=0.0, le=1e30)] = Field(
+    scale: Annotated[float, Physical("number")] = Field(
         default=1.0, description="Factor by which readings are multiplied"
     )
     zero: _Reading = Field(
@@ -49,7 +51,14 @@ class ChannelTable(_Table):
     def stated(self) -> Stated:
         """Return the same for the recognition."""
         columns = (self.column,) if isinstance(self.column, str) else tuple(self.column)
-        return Stated(columns=columns, unit=self.unit, sign=self.sign, scale=self.scale, zero=self.zero)
+        return Stated(
+            columns=columns,
+            unit=self.unit,
+            sign=self.sign,
+            scale=self.scale,
+            zero=self.zero,
+            is_scaled=bool({"scale", "zero"} & self.model_fields_set),
+        )
 
 
 class ChannelTables(_Table):
@@ -65,7 +74,7 @@ class ChannelTables(_Table):
 class SamplingTable(_Table):
     """How tests were sampled, where their files do not say so."""
 
-    rate_hz: Annotated[float, Field(ge=1e-3, le=1e9)] | None = Field(
+    rate_hz: Annotated[float, Physical("sampling rate")] | None = Field(
         default=None, description="Samples in a second"
     )
 
@@ -73,15 +82,15 @@ class SamplingTable(_Table):
 class CalibrationTable(_Table):
     """What the measured channel adds to a motion, as `reliab calibrate` measures it."""
 
-    skew_ms: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
+    skew_ms: Annotated[float, Physical("time", zero=True, signed=True)] | None = Field(
         default=None, description="Time by which the measured channel is late [ms]"
     )
-    skew_sd_ms: _NotNegative = Field(default=0.0, description="Its standard deviation [ms]")
-    scale: Annotated[float, Field(gt=0.0, le=1e3)] | None = Field(
+    skew_sd_ms: _Time = Field(default=0.0, description="Its standard deviation [ms]")
+    scale: Annotated[float, Physical("scale")] | None = Field(
         default=None, description="Reading of the measured channel over that of the command's"
     )
     scale_sd: _NotNegative = Field(default=0.0, description="Its standard deviation")
-    hysteresis: _NotNegative | None = Field(
+    hysteresis: Annotated[float, Physical("hysteresis", zero=True)] | None = Field(
         default=None,
         description="Difference of the readings at one position that is reached from either side, over "
         "the range",

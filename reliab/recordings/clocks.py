@@ -1,70 +1,84 @@
-"""One clock for all channels of a test: the step between samples, and what happens where clocks differ.
+"""One clock for all channels of a test: where each begins, its steps, and what brings them together.
 
-One rule. Times may be rounded, and may be off equal steps by half a step, as those of a jittering clock are:
-then the histories are interpolated at equal steps. A channel of another rate is interpolated at the times of
-the command. A longer gap is refused, and so are channels that share less than nine tenths of their time.
+One rule. Each channel has a begin and times, of its own or of the test. Times may be rounded; where they are
+uneven otherwise but no sample is missing, as of a clock that jitters, drifts or changes its rate, and where
+channels have different clocks, all histories are interpolated at equal steps of the clock of the first. A gap
+is refused, and so are channels that share less than nine tenths of their time.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.recordings.holds import Hold, find_hold
+from reliab.recordings.naming import describe
 from reliab.recordings.readers import Columns
-from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Channel
-from reliab.recordings.units import TIMES, unit_of
+from reliab.recordings.readers.attributes import RATES, STEPS, plain
+from reliab.recordings.readers.columns import seconds_between
+from reliab.recordings.recording import (
+    DISPLACEMENTS,
+    LARGEST_READING,
+    Channel,
+    require_few_samples,
+)
+from reliab.recordings.time_stamps import Clock, clock_of, require_step
+from reliab.recordings.units import TIMES, Unit, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals import CubicPath
 from reliab.significant import significant
+from reliab.vocabulary import MILLI
 
-_JITTER: Final = 0.01  # share of a step by which a time may be off and still count as equal
-_LARGEST_JITTER: Final = 0.5
-_FEW: Final = 0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
+_EVEN: Final = 0.01  # relative, by which rates may differ and still be one
 _LEAST_SHARED: Final = 0.9
-_DIGITS: Final = 9
-_ROUNDED: Final = 1e-9  # relative
-_LARGEST_RATIO: Final = 20.0  # of two rates
-_SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
-_STEP_NAMES: Final = ("dt", "timestep", "timesteps", "step", "samplingperiod", "sampleperiod", "ts", "deltat")
-_RATE_NAMES: Final = (
-    *("rate", "ratehz", "fs", "samplingrate", "samplerate"),
-    *("samplingratehz", "samplingfrequency", "sampleratehz"),
+_SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
+_SHORTEST_TEST: Final = 0.25  # s, below which times without a unit may be in minutes, hours or days
+_FASTEST: Final = 2e-5  # s, the same of a step
+_STATED_UNIT: Final = re.compile(  # behind a name, of times, that no program here knows
+    r"[\[(]\s*((?:[\d.e+*/x ^-]|[muµn]|milli|micro|nano|hundredths of )*"
+    r"(?:s|secs?|sek|seconds?|ticks?|samples?|counts?|frames?|millis|micros))\s*[\])]\s*$",
+    re.IGNORECASE,
 )
+_SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milliseconds or samples
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Clock:
-    """Times of a channel."""
+class Aligned:
+    """Histories of a test at one clock."""
 
-    begin: float  # s
+    values: Mapping[str, Array]  # As read, by the keys of the channels, shape (n,)
     step: float  # s
-    times: Array | None  # s, shape (n,), where they are not equally spaced
-
-    def at(self, size: int) -> Array:
-        """Return the times of its samples [s]."""
-        even = self.begin + self.step * np.arange(size, dtype=np.float64)
-        return even if self.times is None else self.times
+    applied: Mapping[str, tuple[str, ...]]  # What was done to each, in words
+    notes: tuple[str, ...]  # What was done to all of them, in sentences
+    has_rows: bool  # Whether the samples are the rows of the file
 
 
-def finite(columns: Columns, name: str) -> Array:
-    """Take the samples of a column, all of which must be finite numbers."""
-    return _readings(columns, name, columns.values[name])
+def with_paired_times(columns: Columns) -> Columns:
+    """Give channels the times that stand beside each, where there are several columns of them.
 
-
-def _readings(columns: Columns, name: str, values: Array) -> Array:
-    wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
-    if wrong.size:
-        first = values[wrong[0]]
-        raise InputError(
-            f"Every value must be a finite number below {LARGEST_READING:g}",
-            value=f"{'an empty cell or NaN' if np.isnan(first) else first}, {wrong.size} in all",
-            remedy="Repair the recording; a gap cannot be left empty",
-            where=columns.place(int(wrong[0]), name),
-        )
-    return values
+    A column of times is that of the columns behind it, up to the next, where all bear one name; else that of
+    the channels with the role in its name, where there are several roles.
+    """
+    named = describe(list(columns.series), columns.units)
+    times = [name for name, what in named.items() if what.quantity is Quantity.TIME]
+    of_roles = {named[name].role: name for name in times if named[name].role is not None}
+    owners: dict[str, str] = {}
+    if len(times) > 1 and len({re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}) == 1:
+        for name in named:
+            owners[name] = name if name in times else next(reversed(owners.values()), "")
+    elif len(of_roles) > 1:
+        owners = {name: of_roles.get(what.role, "") for name, what in named.items()}
+    series = dict(columns.series)
+    for name, owner in owners.items():
+        if owner and name not in times and series[name].times is None:
+            clock, unit = columns.series[owner], named[owner].unit
+            text = unit.text if unit else ""
+            series[name] = replace(series[name], times=clock.values, times_unit=text, start=clock.start)
+    return replace(columns, series=series)
 
 
 def at_one_clock(
@@ -73,208 +87,234 @@ def at_one_clock(
     *,
     rate_hz: float | None,
     time_units: str | None,
-) -> tuple[dict[str, Array], float, list[str]]:
-    """Bring the channels of a test to the clock of the first one.
-
-    Returns histories as read, by the keys of `channels`, shape (n,); step [s]; what was done, in sentences.
-    """
+) -> Aligned:
+    """Bring the channels of a test to the clock of the first one."""
     time = channels.get("time")
-    histories = {
-        key: finite(columns, channel.column) for key, channel in channels.items() if channel is not time
+    values = {
+        key: _readings(columns, channel.column, columns.values[channel.column])
+        for key, channel in channels.items()
+        if channel is not time
     }
-    first = next(iter(histories))
-    size = (histories[first] if time is None else columns.values[time.column]).size
-    shared = (
-        None if rate_hz is not None and time is None else _shared_clock(columns, time, rate_hz, time_units)
+    shared = _shared_clock(columns, time, rate_hz, time_units)
+    size = next(iter(values.values())).size if time is None else columns.values[time.column].size
+    clocks = _from_one_date(
+        columns,
+        {key: _clock_of(columns, channels[key].column, shared, size, time_units) for key in values},
+        channels,
     )
-    clocks = {key: _clock_of(columns, channels[key].column, shared, size, rate_hz) for key in histories}
-    lead, notes = clocks[first], []
-    if lead.times is not None:
-        notes.append(
-            f"The clock jitters by up to {significant(_jitter(lead.times, lead.step), 2)} of a step; the "
-            f"channels were interpolated at equal steps of {lead.step:.6g} s."
+    lead = next(iter(clocks))
+    if rate_hz is not None and abs(clocks[lead].step * rate_hz - 1.0) > _EVEN:
+        raise InputError(
+            "The times must agree with the sampling rate",
+            value=f"{1.0 / clocks[lead].step:.6g} Hz against {rate_hz:g} Hz",
+            remedy="Correct `rate`, or say with `time_units` in what unit the times are",
+            where=columns.where,
         )
-    return _interpolated(columns, channels, histories, clocks, notes), lead.step, notes
+    return _interpolated(columns, channels, values, clocks)
+
+
+def _readings(columns: Columns, name: str, values: Array) -> Array:
+    """Take the samples or the times of a column, all of which must be finite numbers."""
+    wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
+    if wrong.size:
+        first = values[wrong[0]]
+        kind = "an empty cell, NaN or a sample marked as missing" if np.isnan(first) else first
+        raise InputError(
+            f"Every value must be a finite number below {LARGEST_READING:g}",
+            value=f"{kind}, {wrong.size} in all",
+            remedy="Repair the recording; a gap cannot be left empty",
+            where=columns.place(int(wrong[0]), name),
+        )
+    return values
+
+
+def _from_one_date(
+    columns: Columns, clocks: Mapping[str, Clock], channels: Mapping[str, Channel]
+) -> dict[str, Clock]:
+    """Count the times of all channels from the earliest date that one of them states."""
+    dated = {key: clock for key, clock in clocks.items() if clock.start is not None}
+    if not dated:
+        return dict(clocks)
+    if bare := [key for key in clocks if key not in dated]:
+        raise InputError(
+            "The channels of a test must all state when they begin, or none",
+            value=f"a date in {channels[next(iter(dated))].column!r}, none in {channels[bare[0]].column!r}",
+            remedy="Export them with one clock, or from the program that recorded both",
+            where=columns.where,
+        )
+    first = min(clock.start for clock in dated.values() if clock.start is not None)
+    return {key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated.items()}
 
 
 def _interpolated(
     columns: Columns,
     channels: Mapping[str, Channel],
-    read: Mapping[str, Array],
+    values: Mapping[str, Array],
     clocks: Mapping[str, Clock],
-    notes: list[str],
-) -> dict[str, Array]:
-    """Histories at the times of the first one; those that have its clock are only cut."""
-    histories, first = dict(read), next(iter(read))
-    lead = clocks[first]
-    begins = [clock.begin for clock in clocks.values()]
-    ends = [clock.at(histories[key].size)[-1] for key, clock in clocks.items()]
-    places, count = _common(columns, lead, histories[first].size, max(begins), min(ends))
+) -> Aligned:
+    """Histories at equal steps of the first clock; those that have it are only cut."""
+    first = next(iter(clocks))
+    lead, size = clocks[first], values[first].size
+    place, count = _common(columns, values, clocks)
+    at = lead.begin + lead.step * np.arange(place, place + count)
+    histories, applied = {}, {}
     for key, clock in clocks.items():
-        if (
-            clock.times is None
-            and clock.begin == lead.begin
-            and clock.step == lead.step
-            and lead.times is None
-        ):
-            histories[key] = histories[key][places : places + count]
-            continue
-        at = lead.begin + lead.step * np.arange(places, places + count)
-        times = clock.at(histories[key].size)
-        histories[key] = CubicPath.through(times, histories[key])(np.clip(at, times[0], times[-1]))
-        if abs(clock.step / lead.step - 1.0) > _JITTER:
-            notes.append(
-                f"{channels[key].column!r} was recorded at {1.0 / clock.step:.5g} Hz and interpolated at the "
-                f"{1.0 / lead.step:.5g} Hz of {channels[first].column!r}."
-            )
-    return histories
+        hold = find_hold(values[key], clock.step) if channels[key].part in DISPLACEMENTS else None
+        shift = (clock.begin - lead.begin) / lead.step
+        is_cut = hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _SAME
+        if is_cut:
+            begin = place - round(shift)
+            histories[key] = values[key][begin : begin + count]
+        else:
+            nodes, known = clock.at(values[key].size), values[key]
+            inside = np.clip(at, nodes[0], nodes[-1])
+            if hold is not None:
+                nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
+            histories[key] = CubicPath.through(nodes, known)(inside)
+        of_own = not is_cut and (lead.times is None or clock.times is not lead.times)
+        applied[key] = tuple(_applied(clock, lead, hold, channels[first].column, is_interpolated=of_own))
+    return Aligned(
+        values=histories,
+        step=lead.step,
+        applied=applied,
+        notes=(lead.note,) if lead.note else (),
+        has_rows=lead.times is None and (place, count) == (0, size),
+    )
 
 
-def _common(columns: Columns, lead: Clock, size: int, begin: float, end: float) -> tuple[int, int]:
-    """First sample of the leading clock that all channels have, and the number of those."""
-    slack = 1e-6
-    first = max(int(np.ceil((begin - lead.begin) / lead.step - slack)), 0)
-    last = min(int(np.floor((end - lead.begin) / lead.step + slack)), size - 1)
-    if last - first + 1 < _LEAST_SHARED * size:
+def _is_parallel(clock: Clock, lead: Clock, size: int) -> bool:
+    """Whether two clocks have equal steps over a test, of which only the begins may differ."""
+    even = clock.times is None and lead.times is None
+    return even and abs(clock.step / lead.step - 1.0) * size < _SAME
+
+
+def _applied(
+    clock: Clock, lead: Clock, hold: Hold | None, first: str, *, is_interpolated: bool
+) -> Iterator[str]:
+    """Say what was done to a channel to bring it to the clock of the first one, if it has another."""
+    late = clock.begin - lead.begin
+    if abs(late) > _SAME * lead.step:
+        yield f"begins {significant(MILLI * abs(late), 5)} ms {'after' if late > 0.0 else 'before'} {first!r}"
+    if hold is not None:
+        yield f"interpolated, since it holds each value for {significant(hold.length)} samples"
+    if abs(clock.step / lead.step - 1.0) > _EVEN:
+        rates = 1.0 / clock.step, 1.0 / lead.step
+        yield f"recorded at {rates[0]:.5g} Hz and interpolated at the {rates[1]:.5g} Hz of {first!r}"
+    elif is_interpolated and hold is None:
+        yield f"interpolated at the samples of {first!r}"
+
+
+def _common(columns: Columns, values: Mapping[str, Array], clocks: Mapping[str, Clock]) -> tuple[int, int]:
+    """First equal step of the leading clock that all channels have, and the number of those."""
+    lead = next(iter(clocks.values()))
+    ends = {key: (clock.begin, clock.end(values[key].size)) for key, clock in clocks.items()}
+    begin, end = max(begin for begin, _ in ends.values()), min(end for _, end in ends.values())
+    place = max(int(np.ceil((begin - lead.begin) / lead.step - _SAME)), 0)
+    count = int(np.floor((end - lead.begin) / lead.step + _SAME)) - place + 1
+    whole = next(iter(ends.values()))
+    size = int(np.floor((whole[1] - whole[0]) / lead.step + _SAME)) + 1
+    if count < _LEAST_SHARED * size:
         raise InputError(
             "The channels of a test must be recorded at the same time",
-            value=f"{max(last - first + 1, 0)} of {size} samples in common",
+            value=f"{max(count, 0)} of {size} samples in common",
             remedy="Cut the channels to the same time, or name those of one test",
             where=columns.where,
         )
-    return first, last - first + 1
+    require_few_samples(count, columns.where)
+    return place, count
 
 
-def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, rate_hz: float | None) -> Clock:
+def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time_units: str | None) -> Clock:
     """Clock of a column: its own times, else those of the test."""
-    if name in columns.clocks:
-        return _clock(columns, name, _readings(columns, name, columns.clocks[name]), 1.0)
-    count = columns.values[name].size
-    if count != size:
+    series = columns.series[name]
+    if series.times is not None:
+        unit = _time_unit(columns, time_units or series.times_unit)
+        times = _readings(columns, name, series.times)
+        clock = clock_of(columns, name, times, 1.0 if unit is None else unit.factor)
+        _require_unit(columns, name, clock, times.size, unit)
+        return replace(clock, start=series.start)
+    if series.values.size != size:
         raise InputError(
             "Channels without times of their own must have the same length",
-            value=f"{count} samples of {name!r} and {size} of others",
+            value=f"{series.values.size} samples of {name!r} and {size} of others",
             remedy="Export all channels at one rate, or with their times",
             where=columns.where,
         )
     if shared is not None:
-        return shared
-    return Clock(begin=0.0, step=1.0 / rate_hz if rate_hz else _stated_step(columns), times=None)
+        return shared if series.start is None else replace(shared, start=series.start)
+    if not (step := _stated_step(columns)):
+        raise InputError(
+            "A test's file must say at what times the samples were taken",
+            value=columns.listed,
+            remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
+            where=columns.where,
+        )
+    require_step(step, columns.where)
+    if step >= _SLOWEST:
+        raise InputError(
+            "The sampling rate that a file states must be one of a test",
+            value=f"{1.0 / step:.6g} Hz",
+            remedy="Give it with `rate`",
+            where=columns.where,
+        )
+    return Clock(begin=0.0, step=step)
 
 
 def _shared_clock(
     columns: Columns, time: Channel | None, rate_hz: float | None, time_units: str | None
 ) -> Clock | None:
+    """Clock of all channels without their own: a column of times, else the rate that the user states."""
     if time is None:
-        return None
-    unit = unit_of(time_units or time.unit)
-    if time_units is not None and (unit is None or unit.quantity is not Quantity.TIME):
+        if rate_hz is not None:
+            require_step(1.0 / rate_hz, columns.where)
+        return None if rate_hz is None else Clock(begin=0.0, step=1.0 / rate_hz)
+    unit, of_file = _time_unit(columns, time_units or time.unit), _time_unit(columns, time.unit)
+    factor = time.factor
+    if time_units is not None and unit is not None:
+        factor *= unit.factor / (1.0 if of_file is None else of_file.factor)
+    times = _readings(columns, time.column, columns.values[time.column])
+    clock = clock_of(columns, time.column, times, factor)
+    if rate_hz is None:
+        _require_unit(columns, time.column, clock, times.size, unit)
+    return replace(clock, start=columns.series[time.column].start)
+
+
+def _time_unit(columns: Columns, text: str) -> Unit | None:
+    """Read a unit of time; None where nothing states one."""
+    unit = unit_of(text)
+    if text and (unit is None or unit.quantity is not Quantity.TIME):
         raise InputError(
-            "The unit must be one of time", value=time_units, remedy=f"Choose among {', '.join(TIMES)}"
+            "The unit must be one of time",
+            value=text,
+            remedy=f"Choose among {', '.join(TIMES)}, or export the channels over time",
+            where=columns.where,
         )
-    times = finite(columns, time.column)
-    clock = _clock(columns, time.column, times, unit.factor if unit else 1.0)
-    if unit is None and rate_hz is None and clock.step >= _SLOWEST:
+    return unit
+
+
+def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Unit | None) -> None:
+    """Ask for a unit where a test in seconds would be shorter or slower than any."""
+    stated = _STATED_UNIT.search(name)
+    if unit is None and stated is not None:
+        raise InputError(
+            "The unit of the times must be known",
+            value=stated[1],
+            remedy=f"Say it with `time_units`: {', '.join(TIMES)}",
+            where=columns.where,
+        )
+    if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):
         raise InputError(
             "Times must state their unit where they may not be in seconds",
-            value=f"steps of {clock.step:g} in {time.column!r}",
-            remedy="Say it with `time_units`, or give the sampling rate with `rate`",
+            value=f"steps of {clock.step:.6g} in {name!r}",
+            remedy="Say it with `time_units`, such as ms or d, or give the sampling rate with `rate`",
             where=columns.where,
         )
-    if rate_hz is not None and abs(clock.step * rate_hz - 1.0) > _JITTER:
-        raise InputError(
-            "The times must agree with the sampling rate",
-            value=f"{1.0 / clock.step:.6g} Hz against {rate_hz:g} Hz",
-            remedy="Correct `rate`, or say with `time_units` in what unit the times are",
-            where=columns.where,
-        )
-    return clock
 
 
 def _stated_step(columns: Columns) -> float:
-    """Step [s] that the file states beside its columns."""
-    for names, invert in ((_STEP_NAMES, False), (_RATE_NAMES, True)):
-        for name, value in {**columns.scalars, **_numbers(columns.header)}.items():
-            if name.rpartition(".")[2].lower().replace("_", "").replace(" ", "") in names and value > 0.0:
+    """Step [s] that the file states beside its columns; 0 where it states none."""
+    for names, invert in ((STEPS, False), (RATES, True)):
+        for name, value in columns.scalars.items():
+            if plain(name.rpartition(".")[2]) in names and value > 0.0:
                 return 1.0 / value if invert else value
-    raise InputError(
-        "A test's file must say at what times the samples were taken",
-        value=columns.listed,
-        remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
-        where=columns.where,
-    )
-
-
-def _numbers(header: Mapping[str, str]) -> dict[str, float]:
-    """Numbers that a header states, without units but hertz and seconds."""
-    numbers = {}
-    for name, text in header.items():
-        try:
-            numbers[name] = float(text.removesuffix("Hz").removesuffix("s"))
-        except ValueError:
-            continue
-    return numbers
-
-
-def _clock(columns: Columns, name: str, times: Array, scale: float) -> Clock:
-    """Clock of times in a unit of `scale` [s]; they may be rounded or jitter by half a step."""
-    if times.size < FEWEST_SAMPLES:
-        raise InputError(
-            f"A test must have at least {FEWEST_SAMPLES} samples",
-            value=times.size,
-            remedy="Give the whole test",
-            where=columns.where,
-        )
-    steps = np.diff(times)
-    usual, mean = float(np.median(steps)), float((times[-1] - times[0]) / steps.size)
-    off = np.abs(steps - usual) > _JITTER * abs(usual)
-    if off.mean() > _FEW:  # the step is no multiple of what the times are rounded to
-        off = np.abs(steps - mean) > 1.01 * _rounding(times) + _JITTER * abs(mean)
-    if not off.any() and mean > 0.0:
-        return Clock(begin=scale * float(times[0]), step=_of_whole_rate(scale * mean), times=None)
-    if mean > 0.0 and off.mean() > _FEW and _jitters(times, steps, mean):
-        return Clock(begin=scale * float(times[0]), step=scale * mean, times=scale * times)
-    row = int(np.flatnonzero(off)[0] if off.any() else np.argmin(steps)) + 1
-    raise InputError(
-        f"Samples must follow each other at equal steps, here mostly of {usual:.6g}",
-        value=f"{times[row]:.10g} after {times[row - 1]:.10g}",
-        remedy=_remedy(float(steps[row - 1])),
-        where=columns.place(row, name),
-    )
-
-
-def _jitters(times: Array, steps: Array, mean: float) -> bool:
-    """Tell times of which no sample is missing, though none is where it should be."""
-    largest = _jitter(times, mean)
-    near = bool((steps > 0.0).all()) and largest < _LARGEST_JITTER  # a missing sample is half a step at least
-    return near or (largest <= 1.0 and bool((np.abs(steps - mean) <= _LARGEST_JITTER * mean).all()))
-
-
-def _remedy(step: float) -> str:
-    """Say what to do about a step between samples that is not like the others."""
-    if step == 0.0:
-        return "Leave out rows that repeat the time of the row before"
-    if step < 0.0:
-        return "Cut the file where its time goes back, as where another test begins, and name one test"
-    return "Resample the test, or cut it where samples are missing"
-
-
-def _of_whole_rate(step: float) -> float:
-    """Step [s], without the rounding of the times where it is that of a whole number of hertz."""
-    rate = round(1.0 / step)
-    return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDED else step
-
-
-def _jitter(times: Array, step: float) -> float:
-    """Largest distance of a time from the even clock that is nearest to all, in steps."""
-    count = np.arange(times.size) - (times.size - 1) / 2.0
-    late = times - times.mean()
-    return float(np.abs(late - count * (count @ late) / (count @ count)).max() / step)
-
-
-def _rounding(times: Array) -> float:
-    """One unit in the last decimal that the times have."""
-    for digits in range(_DIGITS + 1):
-        if np.abs(times - times.round(digits)).max() <= 1e-12 * max(np.abs(times).max(), 1.0):
-            return float(10.0**-digits)
     return 0.0

@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings.readers import Columns, is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import (
@@ -68,8 +69,7 @@ class CoupledRecording:
                 where=self.name,
             )
         require_few_samples(shape[1], self.name)
-        if not (np.isfinite(self.time_step) and self.time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+        require_physical("time step", self.time_step, where=self.name)
         actuators = tuple(self.actuators) or tuple(str(place + 1) for place in range(shape[0]))
         object.__setattr__(self, "actuators", actuators)
         for what, rows in (("command", self.command), ("measured displacement", self.measured)):
@@ -109,7 +109,8 @@ def read_coupled_recording(
     time_units = reading.pop("time_units", None)
     columns = read_frame(path) if is_frame(path) else read_test(path, **reading)
     columns = with_numbered_pairs(columns)
-    recording = coupled_recording_of(histories_of(columns, laboratory, time_units=time_units))
+    histories = histories_of(columns, laboratory, time_units=time_units)
+    recording = coupled_recording_of(histories.without_moves())
     return replace(recording, stated=laboratory.beside(stated_in(columns)))
 
 

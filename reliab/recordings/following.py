@@ -10,28 +10,22 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.encodings import pieces_as_utf8
 from reliab.errors import InputError
 from reliab.files import ordinary
 from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
-from reliab.recordings.readers import Columns
-from reliab.recordings.readers.text import (
-    begins_table,
-    cells_of,
-    delimiter_of,
-    header_of,
-    is_comment,
-    number_of,
-    statements_of,
-)
-from reliab.recordings.reading import stated_in
+from reliab.recordings.readers import Columns, Series
+from reliab.recordings.readers.cells import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
+from reliab.recordings.readers.header import header_of
+from reliab.recordings.readers.text import begins_table, delimiter_of
+from reliab.recordings.reading import require_clear_numbers, stated_in
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Stated
 from reliab.stated_value import StatedValue
@@ -41,10 +35,6 @@ _BYTES = 1 << 16
 
 _LONGEST_LINE: Final = 1 << 16
 _LONGEST_PREAMBLE: Final = 10_000  # lines
-
-_ROWS_FOR_STEP = 64
-_GAP = 0.6  # of a step that a sample may come late or early after the one before
-_WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
 
 
 def chunks_of_text(
@@ -118,6 +108,23 @@ class Rows:
     force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # What the header states of the test
     actuators: tuple[str, ...] = ("",)  # Numbers of the channels, by rows; one without a number
+    lines: NDArray[np.int64] | None = None  # Line of each row in its file, shape (k,)
+    name: str = "the test"  # Of its file
+
+    def place(self, row: int) -> str:
+        """Say where a row stands, for an error."""
+        return self.name if self.lines is None else f"{self.name}, line {self.lines[row]}"
+
+    def part(self, rows: slice) -> "Rows":
+        """Return some of the rows."""
+        return replace(
+            self,
+            time=None if self.time is None else self.time[rows],
+            command=self.command[..., rows],
+            measured=self.measured[..., rows],
+            force=None if self.force is None else self.force[rows],
+            lines=None if self.lines is None else self.lines[rows],
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +146,7 @@ class _Layout:
     channels: Mapping[tuple[Part, str], tuple[int, Channel]]  # Place of each, and how it is read
     actuators: tuple[str, ...]
     stated: Mapping[str, StatedValue]
+    times_of_day: TimesOfDay | None  # Where the times are such
 
 
 def rows_as_written(
@@ -210,8 +218,11 @@ def _begun(
         if is_comment(line):
             continue
         if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
-            above = [text for text in lines[:place] if text.strip()]
-            named = before if before is not None and not above else _layout(above, line, delimiter, wanted)
+            above = lines[:place]
+            has_names = any(text.strip() for text in above)
+            named = (
+                before if before is not None and not has_names else _layout(above, line, delimiter, wanted)
+            )
             return named, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:
         raise InputError(
@@ -224,9 +235,9 @@ def _begun(
 
 
 def _stands_below_names(lines: list[str], delimiter: str) -> bool:
-    """Whether the last line is a row of numbers, and the one above it has as many names."""
+    """Whether the last line is a row of numbers, perhaps with texts, below as many names."""
     cells = cells_of(lines[-1], delimiter)
-    if len(lines) < 2 or len(cells) < 2 or any(number_of(cell) is None for cell in cells):  # noqa: PLR2004
+    if len(lines) < 2 or Line(cells=cells).numbers < 2:  # noqa: PLR2004 - command and measured
         return False
     return (
         len(cells_of(lines[-2], delimiter)) == len(cells)
@@ -235,8 +246,9 @@ def _stands_below_names(lines: list[str], delimiter: str) -> bool:
 
 
 def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _Layout:
-    width = len(cells_of(line, delimiter))
-    header = header_of(above, width, delimiter)
+    cells = cells_of(line, delimiter)
+    width = len(cells)
+    header = header_of(above, width, delimiter, where=wanted.name)
     if not header.named:
         raise InputError(
             "A test that is followed must begin with a line that names its columns",
@@ -246,9 +258,11 @@ def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _La
         )
     columns = Columns(
         path=Path(wanted.name),
-        values={column: np.zeros(0) for column in header.names},
-        units=dict(zip(header.names, header.units, strict=False)),
-        header=dict(statements_of(above)),
+        series={
+            column: Series(values=np.zeros(0), unit=unit, unclear=unclear)
+            for column, unit, unclear in zip(header.names, header.units, header.unclear, strict=True)
+        },
+        header=header.statements,
     )
     columns = with_numbered_pairs(columns) if wanted.several else columns
     recognised = recognise(columns, wanted.stated, histories=False)
@@ -260,21 +274,29 @@ def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _La
         for channel in recognised
         if channel.part in parts
     }
-    for part in wanted.also:
-        if part not in {of for of, _ in channels}:
-            raise InputError(
-                f"A test that is followed like this needs a column of its {part}",
-                value=", ".join(header.names),
-                remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`",
-                where=wanted.name,
-            )
+    require_clear_numbers(columns, (channel for _, channel in channels.values()), wanted.stated)
+    time = channels.get((Part.TIME, ""))
+    _require_columns(wanted, {part for part, _ in channels}, header.names)
     return _Layout(
         delimiter=delimiter,
         width=width,
         channels=channels,
         actuators=numbers_of_pairs(channels),
         stated=stated_in(columns),
+        times_of_day=TimesOfDay() if time is not None and number_of(cells[time[0]]) is None else None,
     )
+
+
+def _require_columns(wanted: _Wanted, parts: set[Part], names: Sequence[str]) -> None:
+    """Refuse a text without the columns that are needed beside both displacements."""
+    for part in wanted.also:
+        if part not in parts:
+            raise InputError(
+                f"A test that is followed like this needs a column of its {part}",
+                value=", ".join(names),
+                remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`",
+                where=wanted.name,
+            )
 
 
 def _require_one(recognised: Sequence[Channel], name: str) -> None:
@@ -299,17 +321,21 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
                 remedy="Correct the line",
                 where=f"{name}, line {number}",
             )
-        for key, (place, _) in layout.channels.items():
-            value = number_of(cells[place])
+        for key, (place, channel) in layout.channels.items():
+            of_day = key[0] is Part.TIME and layout.times_of_day is not None
+            value = time_of_day(cells[place]) if of_day else number_of(cells[place])
             if value is None or not np.isfinite(value):
                 raise InputError(
                     "Every value must be a finite number",
                     value=repr(cells[place]),
                     remedy="Correct the line",
-                    where=f"{name}, line {number}, column {key[0]}",
+                    where=f"{name}, line {number}, column {channel.column}",
                 )
             read[key].append(value)
-    histories = {key: layout.channels[key][1].in_si(np.array(values)) for key, values in read.items()}
+    readings = {key: np.array(values) for key, values in read.items()}
+    if layout.times_of_day is not None:
+        readings[Part.TIME, ""] = layout.times_of_day.counted(readings[Part.TIME, ""])
+    histories = {key: layout.channels[key][1].in_si(values) for key, values in readings.items()}
     command, measured = (
         np.stack([histories[part, number] for number in layout.actuators]) for part in DISPLACEMENTS
     )
@@ -321,137 +347,6 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         force=histories.get((Part.FORCE, "")),
         stated=layout.stated,
         actuators=layout.actuators,
+        lines=np.array([number for number, _ in lines]),
+        name=name,
     )
-
-
-def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
-    """Take a skew off, positive where the measured displacement was recorded later [samples].
-
-    Commands wait for the reading that belongs to them, which is a cubic through the four next samples; the
-    last commands, whose reading never comes, are left out. Before its first sample a reading stands still.
-
-    >>> time = np.arange(9.0)
-    >>> late = Rows(time=time, command=time**2, measured=(time - 1.5) ** 2)
-    >>> (moved,) = rows_without_skew(iter([late]), 1.5)
-    >>> moved.measured.tolist() == moved.command.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
-    True
-    """
-    ahead = int(np.floor(samples))
-    weights = _cubic(samples - ahead)
-    first = 1 - ahead  # sample of the command whose cubic begins with the first reading
-    waiting: Rows | None = None
-    read = np.empty(0)
-    for part in rows:
-        if waiting is None:
-            read = np.repeat(part.measured[..., :1], max(first, 0), axis=-1)
-        read = np.concatenate([read, part.measured], axis=-1)
-        waiting = part if waiting is None else _joined(waiting, part)
-        if first < 0:
-            dropped = min(-first, read.shape[-1])
-            read, first = read[..., dropped:], first + dropped
-        ready = min(read.shape[-1] - weights.size + 1, waiting.command.shape[-1]) if first >= 0 else 0
-        if ready > 0:
-            nodes = np.lib.stride_tricks.sliding_window_view(read, weights.size, axis=-1)
-            yield replace(
-                waiting,
-                time=None if waiting.time is None else waiting.time[:ready],
-                command=waiting.command[..., :ready],
-                measured=nodes[..., :ready, :] @ weights,
-                force=None if waiting.force is None else waiting.force[:ready],
-            )
-            waiting, read = _after(waiting, ready), read[..., ready:]
-
-
-def _cubic(place: float) -> Array:
-    """Weights of samples at −1, 0, 1 and 2 for a cubic at a place between 0 and 1 (Lagrange)."""
-    nodes = np.array([-1.0, 0.0, 1.0, 2.0])
-    others = [np.delete(nodes, k) for k in range(nodes.size)]
-    return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, others, strict=True)])
-
-
-def _joined(before: Rows, after: Rows) -> Rows:
-    return replace(
-        after,
-        time=_one_after_the_other(before.time, after.time),
-        command=np.concatenate([before.command, after.command], axis=-1),
-        force=_one_after_the_other(before.force, after.force),
-    )
-
-
-def _one_after_the_other(before: Array | None, after: Array | None) -> Array | None:
-    return None if before is None or after is None else np.concatenate([before, after])
-
-
-def _after(rows: Rows, count: int) -> Rows:
-    return replace(
-        rows,
-        time=None if rows.time is None else rows.time[count:],
-        command=rows.command[..., count:],
-        force=None if rows.force is None else rows.force[count:],
-    )
-
-
-def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
-    """Step between samples, from the rate or the first times.
-
-    `rate` [Hz]; returns step [s].
-    """
-    if rate is not None:
-        return 1.0 / rate, rows
-    first: list[Rows] = []
-    count = 0
-    for part in rows:
-        first.append(part)
-        count += part.command.shape[-1]
-        if count > _ROWS_FOR_STEP:
-            break
-    if any(part.time is None for part in first):
-        raise InputError(
-            "A test that is followed needs times or a sampling rate",
-            remedy="Add a column time, or give the sampling rate with `rate`",
-        )
-    if count <= _ROWS_FOR_STEP:
-        raise InputError(
-            f"A test that is followed needs more than {_ROWS_FOR_STEP} rows",
-            value=count,
-            remedy="Wait until the test runs, or wait longer with `wait`",
-        )
-    times = np.concatenate([part.time for part in first if part.time is not None])
-    step = float(times[-1] - times[0]) / (times.size - 1)
-    if not step > 0.0:
-        raise InputError("Times must grow", value=f"{times[-1]:g} s after {times[0]:g} s")
-    whole = round(1.0 / step)
-    if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
-        step = 1.0 / whole
-    return step, chain(first, rows)
-
-
-def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
-    """Pass rows on while their times, where there are any, follow at equal steps.
-
-    A time may come 0.6 of a step early or late after the one before it, which rounded times do; a missing
-    sample does more.
-
-    `step` [s].
-    """
-    begin: float | None = None
-    count, drift = 0, 0.0
-    for part in rows:
-        if part.time is not None:
-            begin = float(part.time[0]) if begin is None else begin
-            due = begin + step * np.arange(count, count + part.time.size)
-            # what a clock may drift from the nominal rate counts as no gap; a missing sample does
-            late = part.time - due
-            gap = np.flatnonzero(
-                np.abs(np.diff(late, prepend=late[0] if count == 0 else drift)) > _GAP * step
-            )
-            if gap.size:
-                row = int(gap[0])
-                raise InputError(
-                    f"Samples must follow each other at equal steps, here of {step:.6g} s",
-                    value=f"{part.time[row]:.10g} s for sample {count + row + 1}",
-                    remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
-                )
-            drift = float(late[-1])
-        count += part.command.shape[-1]
-        yield part

@@ -8,13 +8,22 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.errors import InputError, naming
 from reliab.recordings.behaviour import compare, explained, moves
-from reliab.recordings.clocks import at_one_clock
+from reliab.recordings.clocks import at_one_clock, with_paired_times
 from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Recording, Stated, StatedChannels
+from reliab.recordings.recording import (
+    DISPLACEMENTS,
+    QUANTITY_OF,
+    Channel,
+    Part,
+    Recording,
+    Stated,
+    StatedChannels,
+)
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
+from reliab.recordings.zero import extent_of_test
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 
@@ -29,7 +38,11 @@ _HEADER_NAMES: Final = {
     "scale": ("scale", "sensor scale", "sensor_scale"),
     "skew": ("skew", "skew_ms"),
 }
+_NO_UNITS: Final = frozenset(
+    {"", "1", "?", "none", "unknown", "n/a", "na", "unit", "a.u.", "arb", "dimensionless"}
+)
 _EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
+_OF_LENGTHS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
 
@@ -42,6 +55,35 @@ class Histories:
     values: Mapping[str, Array]  # [m, N, m/s²], shape (n,)
     time_step: float  # s
     notes: tuple[str, ...]  # What was assumed or done, in sentences
+    has_rows: bool = True  # Whether the samples are the rows of the file, neither interpolated nor cut
+
+    def without_moves(self) -> "Histories":
+        """Leave out what the commands do before and after a test to reach its position, and say so."""
+        commands = [
+            self.values[key] for key, channel in self.channels.items() if channel.part is Part.COMMAND
+        ]
+        extents = [extent_of_test(command, self.time_step) for command in commands]
+        begin, end = max(begin for begin, _ in extents), min(end for _, end in extents)
+        size = commands[0].size
+        if (begin, end) == (0, size):
+            return self
+        lasting = (begin * self.time_step, (size - end) * self.time_step)
+        parts = [
+            f"the {which} {significant(time)} s"
+            for which, time in zip(("first", "last"), lasting, strict=True)
+            if time
+        ]
+        left_out = f"{' and '.join(parts)} left out, in which the command only moved to or from its position"
+        return replace(
+            self,
+            values={key: values[begin:end] for key, values in self.values.items()},
+            channels={
+                key: replace(channel, applied=(*channel.applied, left_out))
+                for key, channel in self.channels.items()
+            },
+            notes=(*self.notes, f"{left_out[0].upper()}{left_out[1:]}."),
+            has_rows=False,
+        )
 
 
 def read_recording(
@@ -92,7 +134,7 @@ def read_recording(
     table = read_frame(path) if is_frame(path) else read_test(path, test, delimiter=delimiter)
     laboratory = stated_by_options(channels, names, units, rate_hz)
     histories = histories_of(table, laboratory, time_units=time_units)
-    recording = recording_of(histories)
+    recording = recording_of(histories.without_moves())
     return replace(recording, stated=laboratory.beside(recording.stated))
 
 
@@ -131,19 +173,40 @@ def histories_of(
     time_units: str | None = None,
 ) -> Histories:
     """Recognise the channels of a test, and bring them to SI units and one clock."""
+    if Part.TIME not in laboratory.stated:
+        columns = with_paired_times(columns)
     completed, notes = _with_units(columns, recognise(columns, laboratory.stated, needed=needed))
     keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
     if not any(channel.part is not Part.TIME for channel in keyed.values()):
         raise InputError(
-            "A test's file must hold a channel of the test", value=columns.listed, where=columns.where
+            "A test's file must hold a channel of the test",
+            value=columns.listed,
+            remedy="Name its columns command and measured, or choose them with `command` and `measured`",
+            where=columns.where,
         )
-    read, step, clock_notes = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
+    require_clear_numbers(columns, keyed.values(), laboratory.stated)
+    aligned = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
+    applied = {
+        key: (*columns.series[channel.column].applied, *aligned.applied.get(key, ()))
+        for key, channel in keyed.items()
+    }
+    sentences = (
+        f"{keyed[key].column!r}: {'; '.join(clauses)}." for key, clauses in applied.items() if clauses
+    )
+    keyed = {key: replace(channel, applied=(*applied[key], *aligned.notes)) for key, channel in keyed.items()}
     return Histories(
         columns=columns,
         channels=keyed,
-        values={key: keyed[key].in_si(values) for key, values in read.items()},
-        time_step=step,
-        notes=(*columns.notes, *notes, *_possible_forces(columns, completed), *clock_notes),
+        values={key: keyed[key].in_si(values) for key, values in aligned.values.items()},
+        time_step=aligned.step,
+        has_rows=aligned.has_rows,
+        notes=(
+            *columns.notes,
+            *notes,
+            *_possible_forces(columns, completed),
+            *aligned.notes,
+            *sentences,
+        ),
     )
 
 
@@ -176,12 +239,13 @@ def stated_in(columns: Columns) -> dict[str, StatedValue]:
     """Read what the header, or single numbers of a binary file, say of the structure and the sensor."""
     texts = {name.rpartition(".")[2].lower(): f"{value:.17g}" for name, value in columns.scalars.items()}
     texts |= {name: text.removesuffix("Hz") for name, text in columns.header.items()}
-    return {
-        quantity: StatedValue.parse(texts[name], name)
-        for quantity, names in _HEADER_NAMES.items()
-        for name in names
-        if name in texts
-    }
+    with naming(columns.where):
+        return {
+            quantity: StatedValue.parse(texts[name], name)
+            for quantity, names in _HEADER_NAMES.items()
+            for name in names
+            if name in texts
+        }
 
 
 def stated_by_options(
@@ -217,7 +281,7 @@ def _order(channel: Channel) -> tuple[int, str]:
 
 def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
     """Complete the units; a channel beside the displacements without one is left out."""
-    channels = [_in_its_angle(columns, channel) for channel in channels]
+    channels = [_in_unit_of_header(columns, _in_its_angle(columns, channel)) for channel in channels]
     pairs = {(channel.part, channel.actuator): channel for channel in channels}
     completed, notes = [], []
     if not columns.named:
@@ -254,12 +318,47 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
     return completed, notes
 
 
+def _in_unit_of_header(columns: Columns, channel: Channel) -> Channel:
+    """Take the unit that a comment states for all channels of a kind, "units: mm" or "time unit: ms"."""
+    words = {Part.TIME: ("time ",), Part.FORCE: ("force ",), Part.GROUND: ("acceleration ",)}
+    names = (f"{word}{noun}" for word in words.get(channel.part, _OF_LENGTHS) for noun in ("unit", "units"))
+    units = (unit_of(columns.header.get(name, "")) for name in names)
+    unit = next((unit for unit in units if unit and unit.quantity is QUANTITY_OF[channel.part]), None)
+    if channel.unit or unit is None:
+        return channel
+    return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
+
+
 def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
     """Take a displacement that states no unit of length, but one of rotation, as a rotation [rad]."""
     unit = unit_of(columns.units.get(channel.column, "")) or split_unit(channel.column)[1]
     if channel.part not in DISPLACEMENTS or channel.unit or unit is None or unit.text not in ANGLES:
         return channel
     return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
+
+
+def require_clear_numbers(
+    columns: Columns, channels: Iterable[Channel], stated: Mapping[Part, Stated]
+) -> None:
+    """Refuse an unknown unit, and what may be a scale, of a channel that the laboratory does not state."""
+    for channel in channels:
+        series, laboratory = columns.series[channel.column], stated.get(channel.part, Stated())
+        if series.unclear and not laboratory.is_scaled:
+            raise InputError(
+                "It must be clear whether a scale or an offset that a file states is in its numbers",
+                value=f"{series.unclear} beside {channel.column!r}",
+                remedy=f"State scale and zero of the {channel.part} in a file `channels.toml`, 1 and 0 "
+                "where the numbers are in their unit",
+                where=columns.where,
+            )
+        text = series.unit.strip()
+        if unit_of(text) is None and text.lower() not in _NO_UNITS and not laboratory.unit:
+            raise InputError(
+                "The unit of a channel must be known",
+                value=f"{text!r} of {channel.column!r}",
+                remedy=f"State the unit of the {channel.part} in a file `channels.toml`",
+                where=columns.where,
+            )
 
 
 def _possible_forces(columns: Columns, channels: Sequence[Channel]) -> list[str]:

@@ -17,9 +17,11 @@ import numpy as np
 from reliab.encodings import as_text
 from reliab.files import decoding, ordinary, require_small, written_whole
 from reliab.received import objects_of, opened_hdf5
+from reliab.recordings.readers import Series
 from reliab.recordings.readers.hierarchical import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
+from reliab.recordings.time_stamps import LONGEST_STEP, SHORTEST_STEP
 from reliab.shipped import checksum_of
 from reliab.version import __version__
 
@@ -169,7 +171,8 @@ def _size(histories: Histories) -> int:
 def _transformation(channel: Channel, unit: str) -> str:
     """Say how readings became the variable."""
     reading = "reading" if channel.zero == 0.0 else f"(reading - {channel.zero:.17g})"
-    return f"{reading} * {channel.factor:.17g}, from {channel.unit or 'no stated unit'} to {unit}"
+    converted = f"{reading} * {channel.factor:.17g}, from {channel.unit or 'no stated unit'} to {unit}"
+    return ", ".join((*channel.applied, converted))
 
 
 def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
@@ -177,9 +180,10 @@ def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
     import re
 
     columns, used = histories.columns, {channel.column for channel in histories.channels.values()}
+    lead = columns.series[next(iter(histories.channels[key].column for key in histories.values))]
     others: dict[str, Any] = {}
-    for column, values in columns.values.items():
-        if column in used or values.size != _size(histories) or column in columns.clocks:
+    for column, series in columns.series.items() if histories.has_rows else ():
+        if column in used or series.values.size != lead.values.size or not _have_one_clock(series, lead):
             continue
         plain = re.sub(r"\W+", "_", column).strip("_") or "channel"
         name = next(
@@ -189,15 +193,22 @@ def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
         )
         others[name] = (
             ("time",),
-            values,
+            series.values,
             {
-                "units": columns.units.get(column, "") or "unknown",
+                "units": series.unit or "unknown",
                 "long_name": column,
                 "source_column": column,
-                "transformation": "none",
+                "transformation": "; ".join((*series.applied, *filter(None, [series.unclear]))) or "none",
             },
         )
     return others
+
+
+def _have_one_clock(first: Series, second: Series) -> bool:
+    """Whether two channels were sampled at the same times, as far as their file says."""
+    if first.times is None or second.times is None:
+        return first.times is second.times
+    return first.start == second.start and np.array_equal(first.times, second.times)
 
 
 def _faults(file: "h5py.File") -> Iterator[str]:
@@ -226,7 +237,9 @@ def _faults_of_variable(
 ) -> Iterator[str]:
     if variable.shape != shape:
         yield f"The variable `{name}` must have the shape {shape}; it has {variable.shape}."
-    elif variable.dtype.kind != "f" or not bool(np.isfinite(variable[()]).all()):
+    elif variable.dtype.kind != "f" or "scale_factor" in variable.attrs:
+        yield f"The numbers of `{name}` must be stored as they are, without a scale."
+    elif not bool(np.isfinite(variable[()]).all()):
         yield f"Every value of `{name}` must be a finite number."
     stated = text_of(variable.attrs.get("units", ""))
     if stated != unit:
@@ -238,8 +251,8 @@ def _faults_of_variable(
 
 def _faults_of_time(file: "h5py.File") -> Iterator[str]:
     times, step = file["time"][()], float(np.ravel(file.attrs["time_step_s"])[0])
-    if not step > 0.0:
-        yield "The attribute `time_step_s` must be a positive number."
+    if not SHORTEST_STEP <= step <= LONGEST_STEP:
+        yield f"The attribute `time_step_s` must lie between {SHORTEST_STEP:g} and {LONGEST_STEP:g}."
     elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:
         yield f"At least {FEWEST_SAMPLES} times must follow each other at steps of `time_step_s`."
     digest = text_of(file.attrs["source_sha256"])

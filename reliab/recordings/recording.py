@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings.words import Quantity
 from reliab.stated_value import StatedValue
 
@@ -58,6 +59,7 @@ class Stated:
     sign: float = 1.0
     scale: float = 1.0  # by which readings are multiplied
     zero: float = 0.0  # reading at rest, in the unit of the file, which is taken away
+    is_scaled: bool = False  # Whether scale or zero are stated, be it as 1 and 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,12 +99,13 @@ class Channel:
     reason: str  # Why it was taken, in words
     zero: float = 0.0  # reading that is taken away before
     actuator: str = ""  # Number of its actuator, in a file of several
+    applied: tuple[str, ...] = ()  # What of its file, and of its clock, was applied to the readings, in words
 
     def in_si(self, readings: Array) -> Array:
         """Return readings in SI units, with the zero taken away."""
         return (readings - self.zero) * self.factor
 
-    def summary(self) -> dict[str, str | float]:
+    def summary(self) -> dict[str, str | float | list[str]]:
         """Plain values for JSON."""
         return {
             "channel": str(self.part) + (f"_{self.actuator}" if self.actuator else ""),
@@ -110,6 +113,7 @@ class Channel:
             "unit": self.unit,
             "factor": self.factor,
             "reason": self.reason,
+            "applied": list(self.applied),
         }
 
 
@@ -164,8 +168,7 @@ class Recording:
                 where=self.name,
             )
         require_few_samples(self.command.size, self.name)
-        if not (np.isfinite(self.time_step) and self.time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{self.time_step} s", where=self.name)
+        require_physical("time step", self.time_step, where=self.name)
         for what, values in (("command", self.command), ("measured displacement", self.measured)):
             require_finite(values, what, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):

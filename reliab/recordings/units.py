@@ -16,10 +16,15 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(
             ("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "sn", "saniye", "秒", "초"), 1.0
         ),
-        **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
-        **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
-        **dict.fromkeys(("ns", "nanoseconds"), 1e-9),
-        "min": 60.0,
+        **dict.fromkeys(
+            ("ms", "msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds"), 1e-3
+        ),
+        **dict.fromkeys(("us", "µs", "usec", "usecs", "µsec", "microsecond", "microseconds"), 1e-6),
+        **dict.fromkeys(("ns", "nsec", "nanosecond", "nanoseconds"), 1e-9),
+        **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+        **dict.fromkeys(("h", "hr", "hour", "hours", "std", "stunden"), 3600.0),
+        **dict.fromkeys(("d", "day", "days", "tage"), 86400.0),
+        **dict.fromkeys(("week", "weeks"), 604800.0),
     },
     Quantity.DISPLACEMENT: {
         **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), 1.0),
@@ -50,6 +55,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "cm/s/s", "cm/sec2", "cm/sec^2", "gal"), 1e-2),
         **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²", "mm/sec2", "mm/sec^2"), 1e-3),
         **dict.fromkeys(("in/s2", "in/s^2", "in/sec2", "in/sec^2"), 0.0254),
+        **dict.fromkeys(("ft/s2", "ft/s^2", "ft/sec2", "ft/sec^2"), 0.3048),
         **dict.fromkeys(("g", "grav"), STANDARD_GRAVITY),
         "mg": 1e-3 * STANDARD_GRAVITY,
     },
@@ -93,12 +99,13 @@ TIMES: Final = UNITS[Quantity.TIME]
 
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
 _BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
-_NOT_ENDINGS: Final = frozenset({"a", "c", "f", "k", "-", "%", "min", "in.", '"'})
+_NOT_ENDINGS: Final = frozenset({"a", "c", "d", "f", "h", "k", "std", "-", "%", "min", "in.", '"'})
 _WITH_GAP: Final = frozenset(
     {"mm", "cm", "kn", "ms", "sec", "kip", "kips", "lbf", "µm", "gal", "m/s2", "m/s^2", "mm/s"}
 )
 _BRACKETS: Final = re.compile(r"(?:[\[({]|<)\s*([^\])}>]{1,20}?)\s*(?:[\])}]|>)\s*$")
 _ENDING: Final = re.compile(r"(?<=[^\W_])_([a-zµμ°]+(?:/s(?:\^?2|²)?|ps2|s2)?)$", re.IGNORECASE)
+_MULTIPLE: Final = re.compile(r"(\d{0,9}\.?\d+(?:e-?\d{1,2})?)\s*[*x]?\s*([^\d/].*)", re.IGNORECASE)
 _LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 
 
@@ -114,15 +121,18 @@ class Unit:
 def unit_of(text: str) -> Unit | None:
     """Read a unit as programs write it; None where it is none that is known.
 
-    >>> unit_of("[kN]").factor, unit_of("MN").factor, unit_of("furlong")
-    (1000.0, 1000000.0, None)
+    >>> unit_of("[kN]").factor, unit_of("MN").factor, unit_of("0.1 ms").factor, unit_of("furlong")
+    (1000.0, 1000000.0, 0.0001, None)
     """
     plain = text.partition(" since ")[0].strip().translate(_SIGNS).strip()  # "seconds since 2026-01-01"
-    known = _BY_NAME.get(plain) or _BY_NAME.get(plain.lower())
-    if known is None or plain in {"mN", "mn"}:
+    multiple = _MULTIPLE.fullmatch(plain)
+    single = plain if multiple is None else multiple[2]
+    known = _BY_NAME.get(single) or _BY_NAME.get(single.lower())
+    if known is None or single in {"mN", "mn"}:
         return None
     quantity, name = known
-    return Unit(text=plain, quantity=quantity, factor=UNITS[quantity][name])
+    times = 1.0 if multiple is None else float(multiple[1])
+    return Unit(text=plain, quantity=quantity, factor=times * UNITS[quantity][name])
 
 
 def split_unit(name: str) -> tuple[str, Unit | None]:

@@ -1,29 +1,27 @@
 """Where a structure rests on the scale of its command: at zero, or elsewhere, as on the stroke of a piston.
 
 A linear structure oscillates about the position in which it rests. An error over a peak that is counted from
-elsewhere would be too small.
+elsewhere would be too small, and so would one whose peak is that of a move before the test.
 """
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Final
 
 import numpy as np
+import scipy
 
 from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.significant import significant
-from reliab.vocabulary import MILLI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from reliab.recordings.following import Rows
+from reliab.recordings.behaviour import white_noise
 
 _LEAST = 0.02  # of the command's span: another zero below which nothing is said
 _FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
-_SHARED = 0.5  # of another zero: distance between the means of two channels that share it
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
+_MOVE: Final = 0.05  # of the span of a command: a move before or after a test, at least
+_DWELL: Final = 0.2  # s that a command stands between a move and a test, at least
+_STANDING: Final = 0.1  # of the mean speed of a move, up to which a command stands
+_TURNED: Final = 0.01  # of the span by which a command goes back when it no longer moves to a position
+_ABOUT: Final = 0.1  # of the span of a test: distance of its mean along its path from the position before it
+_NOISE: Final = 6.0  # of its standard deviation, which the difference of two samples hardly exceeds
 
 
 def zero_of(command: Array) -> float:
@@ -33,75 +31,59 @@ def zero_of(command: Array) -> float:
     >>> zero_of(0.1 + 0.003 * np.sin(time) ** 3), zero_of(np.cos(time))
     (0.1, 0.0)
     """
-    motion = _begun(command)
-    motion.goes_on(command)
-    means = np.array([float(piece.mean()) for piece in np.array_split(command, _PIECES)])
-    return motion.zero(steady=float(means.std()) < _STEADY * abs(motion.mean))
+    first, mean, span = float(command[0]), float(command.mean()), float(np.ptp(command))
+    steps = np.abs(np.diff(command))
+    if steps[0] <= _FROM_REST * steps.max():
+        oscillates = abs(mean - first) <= abs(first) / 2.0
+        zero = first if abs(mean - first) <= _NEAR * span else mean
+    else:
+        means = [float(piece.mean()) for piece in np.array_split(command, _PIECES)]
+        steady = float(np.std(means)) < _STEADY * abs(mean)
+        oscillates = steady or command.min() > 0.0 or command.max() < 0.0
+        zero = mean
+    return zero if oscillates and abs(zero) > _LEAST * span else 0.0
 
 
-def rows_about_zero(rows: "Iterable[Rows]") -> "Iterator[Rows]":
-    """Pass rows on; refuse them at their end where both channels oscillated about another value than zero.
+def extent_of_test(command: Array, time_step: float) -> tuple[int, int]:
+    """Find the first sample of a test and the one behind its last, without moves to and from its position.
 
-    A loop that felt an offset of its sensor from before the first row moves the command alone.
+    A move goes one way, and the command stands before the test oscillates about where it ended. `time_step`
+    [s].
+
+    >>> time = np.arange(0.0, 30.0, 0.01)
+    >>> test = 0.05 * np.clip(time / 5.0, 0.0, 1.0) + 0.02 * np.sin(6.0 * np.clip(time - 6.0, 0.0, 20.0))
+    >>> extent_of_test(test, 0.01), extent_of_test(np.sin(time), 0.01)
+    ((499, 3000), (0, 3000))
     """
-    motions: list[tuple[_Motion, _Motion]] = []
-    for part in rows:
-        channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
-        motions = motions or [(_begun(command), _begun(measured)) for command, measured in channels]
-        for pair, histories in zip(motions, channels, strict=True):
-            for motion, history in zip(pair, histories, strict=True):
-                motion.goes_on(history)
-        yield part
-    for commanded, measured in motions:
-        zero = commanded.zero()
-        if zero and abs(measured.mean - commanded.mean) < _SHARED * abs(zero):
-            raise InputError(
-                "The channels of a test that is followed must count from the position in which the "
-                "structure rests: over a peak that is counted from elsewhere its error is too small",
-                value=f"a command that oscillates about {significant(MILLI * zero)} mm",
-                remedy="State the reading of both channels at rest, as `zero` of a file `channels`, and "
-                "follow the test again; `reliab assess` finds it by itself",
-            )
+    begin = _end_of_move(command, time_step)
+    return begin, command.size - _end_of_move(command[begin:][::-1], time_step)
 
 
-@dataclass(kw_only=True)
-class _Motion:
-    """What a command did so far."""
-
-    first: float
-    low: float = np.inf
-    high: float = -np.inf
-    total: float = 0.0
-    samples: int = 0
-    first_step: float | None = None
-    largest_step: float = 0.0
-
-    @property
-    def mean(self) -> float:
-        """Mean of the samples so far [m]."""
-        return self.total / self.samples
-
-    def goes_on(self, command: Array) -> None:
-        """Take further samples, shape (n,)."""
-        steps = np.abs(np.diff(command))
-        if self.first_step is None and steps.size:
-            self.first_step = float(steps[0])
-        self.largest_step = max(self.largest_step, float(steps.max(initial=0.0)))
-        self.low, self.high = min(self.low, float(command.min())), max(self.high, float(command.max()))
-        self.total += float(command.sum())
-        self.samples += command.size
-
-    def zero(self, *, steady: bool = False) -> float:
-        """Value about which it oscillates; `steady` where parts of it have the same mean."""
-        mean, span = self.mean, self.high - self.low
-        if (self.first_step or 0.0) <= _FROM_REST * self.largest_step:
-            oscillates = abs(mean - self.first) <= abs(self.first) / 2.0
-            zero = self.first if abs(mean - self.first) <= _NEAR * span else mean
-        else:
-            oscillates = steady or self.low > 0.0 or self.high < 0.0
-            zero = mean
-        return zero if oscillates and abs(zero) > _LEAST * span else 0.0
-
-
-def _begun(history: Array) -> _Motion:
-    return _Motion(first=float(history[0]))
+def _end_of_move(command: Array, time_step: float) -> int:
+    """Find where a command stands after a move that begins with its first sample; 0 without such a move."""
+    span, noise = float(np.ptp(command)), _NOISE * white_noise(command)
+    stand = max(round(_DWELL / time_step), 8)
+    first = float(np.median(command[:stand]))
+    moved = command - first
+    away = np.abs(moved) > _MOVE * span
+    if not away.any():
+        return 0
+    moved = moved * np.sign(moved[np.argmax(away)])
+    turned = np.maximum.accumulate(moved) - moved > _TURNED * span + noise
+    moved = moved[: int(np.argmax(turned))] if turned.any() else moved
+    if stand >= moved.size:
+        return 0
+    mean_speed = moved / np.arange(1, moved.size + 1)
+    ends = {"size": stand + 1, "origin": -((stand + 1) // 2)}  # of windows that begin with each sample
+    ranges = scipy.ndimage.maximum_filter1d(moved, **ends) - scipy.ndimage.minimum_filter1d(moved, **ends)
+    stands = ranges[:-stand] <= _STANDING * stand * mean_speed[:-stand] + noise
+    places = np.flatnonzero(stands & away[: stands.size])
+    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    for run in sorted(runs, key=len, reverse=True) if places.size else ():
+        level, test = float(np.median(command[run])), command[run[-1] :]
+        path = np.abs(np.diff(test))
+        oscillates = path.sum() > abs(level - first)
+        if oscillates and abs(path @ (test[1:] - level)) <= _ABOUT * float(np.ptp(test)) * path.sum():
+            near = np.abs(command[run] - level) <= _STANDING * _LEAST * span + noise
+            return int(run[np.argmax(near)])
+    return 0

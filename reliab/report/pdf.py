@@ -20,6 +20,11 @@ from reliab.report.setting import Setting
 from reliab.version import __version__
 
 _TEMPLATES: Final = files("reliab.report") / "templates"
+_MARKED: Final = b"/MarkInfo<</Marked true/Suspects false>>"
+_WITHOUT_DEFAULT: Final = _MARKED.replace(b"/Suspects false", b" " * len(b"/Suspects false"))
+"""What typst writes of a tagged file, and the same without a default that Poppler calls a syntax error; the
+length stays, so that every offset in the file holds."""
+
 _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 
 
@@ -70,7 +75,7 @@ def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes
         sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
         timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
     )
-    return bytes(pdf)
+    return bytes(pdf).replace(_MARKED, _WITHOUT_DEFAULT)
 
 
 def _require_sound_logo(setting: Setting) -> None:

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from reliab.described_files import parse_json
-from reliab.files import decoding, folder_written_whole, ordinary, require_small
+from reliab.file_limits import LIMITS
+from reliab.files import decoding, folder_written_whole, ordinary
 from reliab.received import named_within
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
@@ -22,7 +23,6 @@ CONTENT_RULE: Final = "A report is set from its content as `reliab run` wrote it
 CONTENT_REMEDY: Final = "Run the study again with `reliab run`"
 
 _FIGURE: Final = re.compile(r"figure-[0-9]{1,4}\.svg")
-_MOST_BYTES: Final = 50_000_000
 _FORMULAS: Final = {"math": "source", "equation": "math"}
 """Where parts of a kind hold their formula."""
 
@@ -99,5 +99,5 @@ def _figure(folder: Path, name: str) -> bytes:
 
 def _bytes_of(folder: Path, name: str) -> bytes:
     path = ordinary(named_within(folder, name, where=str(folder)))
-    require_small(path, _MOST_BYTES, remedy=CONTENT_REMEDY)
+    LIMITS["figure"].require_small(path)
     return path.read_bytes()

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.encodings import as_cell
+from reliab.encodings import as_cell, of_cell
 from reliab.rig.rig_test import COLUMNS, TEXTS
 
 STATE: Final = "file_state"
@@ -106,7 +106,7 @@ def cached_text(rows: Sequence[Mapping[str, Any]]) -> str:
     for row in rows:
         cells = [_cell(row.get(name)) for name in names[1:]]
         checked.append({**row, STATE: f"{row[STATE]}-{_check(cells, header)}"})
-    return _as_csv(checked, names, literal=True)
+    return _as_csv(checked, names)
 
 
 def cached_rows(text: str) -> dict[str, dict[str, Any]]:
@@ -114,7 +114,7 @@ def cached_rows(text: str) -> dict[str, dict[str, Any]]:
 
     ValueError, KeyError or csv.Error where the text is damaged.
     """
-    lines = csv.reader(io.StringIO(text, newline=""))
+    lines = (list(map(of_cell, cells)) for cells in csv.reader(io.StringIO(text, newline="")))
     names = next(lines, [])
     if names[:1] != [STATE]:
         raise ValueError("another table")
@@ -160,12 +160,12 @@ def _number_of(cell: str) -> float | None:
     return float(cell) if cell else None
 
 
-def _as_csv(rows: Iterable[Mapping[str, Any]], columns: Sequence[str], *, literal: bool = False) -> str:
+def _as_csv(rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
+    writer.writerow(map(as_cell, columns))
     for row in rows:
         values = (row.get(name) for name in columns)
         cells = ("" if value is None else value for value in values)
-        writer.writerow([cell if literal or not isinstance(cell, str) else as_cell(cell) for cell in cells])
+        writer.writerow([as_cell(cell) if isinstance(cell, str) else cell for cell in cells])
     return text.getvalue()

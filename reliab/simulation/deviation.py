@@ -79,18 +79,27 @@ def summary(tracks: Array, intervals: float, ideal_peak: float) -> Deviation:
 
     `ideal_peak` [m].
     """
-    inner = refine_peak(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
+    inner = refine_peaks(tracks[_LEFT], tracks[_PEAK], tracks[_RIGHT])
     peak = np.fmax(inner, np.abs(tracks[LATEST]))
     return Deviation(mean_square=tracks[_SQUARES] / intervals, peak=peak, ideal_peak=ideal_peak)
 
 
-def refine_peak(left: Array, middle: Array, right: Array) -> Array:
+@compiled
+def refine_peak(left: float, middle: float, right: float) -> float:
     """Largest modulus of the parabola through a sampled extreme value and its neighbours."""
-    with np.errstate(all="ignore"):  # a violently unstable cell may overflow to infinity
-        curvature = left + right - 2.0 * middle
-        rise = -((right - left) ** 2) / (8.0 * curvature)
-        # Around an extreme value the vertex rises by at most an eighth of the curvature.
-        return np.abs(middle + np.where(np.abs(rise) <= 0.125 * np.abs(curvature), rise, 0.0))
+    curvature = left + right - 2.0 * middle
+    rise = -((right - left) ** 2) / (8.0 * curvature)
+    # Around an extreme value the vertex rises by at most an eighth of the curvature.
+    return abs(middle + rise) if abs(rise) <= 0.125 * abs(curvature) else abs(middle)
+
+
+@compiled
+def refine_peaks(left: Array, middle: Array, right: Array) -> Array:
+    """Largest moduli of the parabolas of many cells."""
+    peaks = np.empty(middle.size)
+    for i in range(middle.size):
+        peaks[i] = refine_peak(left[i], middle[i], right[i])
+    return peaks
 
 
 def peak_of_history(history: Array) -> float:
@@ -104,4 +113,4 @@ def peak_of_history(history: Array) -> float:
     at = int(np.argmax(np.abs(history)))
     if at in (0, history.size - 1):
         return float(abs(history[at]))
-    return float(refine_peak(history[at - 1 : at], history[at : at + 1], history[at + 1 : at + 2])[0])
+    return refine_peak(history[at - 1], history[at], history[at + 1])

@@ -36,17 +36,6 @@ from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.simulation.linear_loop.structure_batch import Prepared
 from reliab.structures import Structure
 
-REDUCTION_TOLERANCE = 3e-5
-"""Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,
-and with it MTE^R, then stays within 1e-3 of the exact one."""
-
-LEAD_TOLERANCE = 3e-3
-"""The same for leads. For a lead the reduction neglects content above the structure's frequency, where the
-deviation is very small: RMS^R errs by less than a tenth of this, and MTE^R by less than half."""
-
-UNSTABLE_TOLERANCE = 2e-3
-"""The same beyond the critical delay, where the error grows exponentially with the delay."""
-
 _OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05
 """Beyond the critical delay only the fact that an RMS^R exceeds the first matters: above it the
 reduction may err by the second."""
@@ -110,7 +99,8 @@ class Loop:
 
     def reducible(self, cells: Cells) -> NDArray[np.bool_]:
         """Whether the dominant pole is accurate enough to replace the whole loop, shape (cells,)."""
-        return self.reduction_error(cells) <= _tolerance(cells)
+        anyway = cells.reducible_anyway
+        return anyway if anyway.all() else self.reduction_error(cells) <= cells.tolerance
 
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from the exact response over the window.
@@ -129,10 +119,10 @@ class Loop:
                     remedy="Use the engine 'automatic', 'pole' or 'spectral'",
                 )
             return delay_stepper.deviation(self.blocks, self.structure, cells.gain, cells.delay)
-        error, tolerance = self.reduction_error(cells), _tolerance(cells)
-        reducible = error <= tolerance
+        reducible = self.reducible(cells)
         if reducible.all():
             return self._reduced(cells)
+        error, tolerance = self.reduction_error(cells), cells.tolerance
         if self.engine is Engine.POLE:
             worst = int(np.argmax(error / tolerance))
             raise InputError(
@@ -164,15 +154,12 @@ class Loop:
         )
         for recursion in cells.recursions(self.blocks.step):
             alone = np.ones(recursion.cells.size, dtype=np.bool_)
-            if recursion.ahead == 0:
-                driven = cells.driven(self.blocks.step, recursion)
-                which = self.driven_record.bounded(driven)
-                if which.any():
-                    place, record = driven.place[which], self.driven_record
-                    stepped = self._stepped(cells, driven)
-                    strayed, faint = drive_stepping.deviation(self.blocks, record, driven, which, stepped)
-                    deviation.put(recursion.cells[place], strayed)
-                    alone[place] = faint
+            if recursion.ahead == 0 and self.driven_record.is_bounded:
+                driven, record = cells.driven(self.blocks.step, recursion), self.driven_record
+                stepped = self._stepped(cells, driven)
+                strayed, precise = drive_stepping.deviation(self.blocks, record, driven, stepped)
+                deviation.put(recursion.cells[driven.place], strayed)
+                alone[driven.place] = ~precise
             if alone.any():
                 coefficients = recursion.coefficients[:, alone]
                 strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=recursion.ahead)
@@ -212,10 +199,3 @@ class Loop:
         return Deviation(
             mean_square=np.array([total / self.blocks.intervals]), peak=np.array([peak]), ideal_peak=peak
         )
-
-
-def _tolerance(cells: Cells) -> Array:
-    """Largest error of RMS^R that the reduction to the dominant pole may cause [-], shape (cells,)."""
-    tolerance = np.where(cells.stable, REDUCTION_TOLERANCE, UNSTABLE_TOLERANCE)
-    tolerance[cells.leads] = LEAD_TOLERANCE
-    return tolerance

@@ -22,10 +22,12 @@ import scipy
 from reliab.arrays import Array, Spectrum
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.structures.frames.frame import (
     Frame,
     mass_orthonormal,
+    massless,
     require_positive_definite,
     require_positive_semidefinite,
     square_matrix,
@@ -35,7 +37,6 @@ from reliab.structures.parts_of_structure import with_parts
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
-_NO_MASS = 1e-12  # of the largest mass
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
 _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
@@ -211,8 +212,7 @@ class Partition:
     @classmethod
     def of_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
         """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
-        if not (math.isfinite(mass) and mass > 0.0):
-            raise InputError("The mass of the structure must be positive", value=f"{mass} kg")
+        require_physical("mass", mass, called="mass of the structure")
         w0 = structure.circular_frequency
         return cls._unchecked(
             mass=np.array([[mass]]),
@@ -311,7 +311,7 @@ class Partition:
     @cached_property
     def with_masses(self) -> "Partition":
         """The same structure without degrees of freedom that have no mass."""
-        bare = np.abs(self.mass).max(axis=1) <= _NO_MASS * np.abs(self.mass).max()
+        bare = massless(self.mass)
         driven = self.interface.any(axis=1)
         if not bare.any():
             return self

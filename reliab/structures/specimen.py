@@ -1,6 +1,5 @@
 """A specimen of one degree of freedom, and the interface at which it is attached to a frame."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.structures.frames import Frame
 
 
@@ -24,16 +24,15 @@ class Specimen:
     mass: float = 0.0  # Moving mass m [kg], not negative
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "mass"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(
-                    f"The specimen's {name} must be finite and not negative",
-                    value=value,
-                    remedy="Give it in N/m or kg; a softening specimen is an effect",
-                )
-        if not math.isfinite(self.damping):
-            raise InputError("The specimen's damping must be finite", value=self.damping)
+        require_physical("stiffness", self.stiffness, zero=True, called="stiffness of the specimen")
+        require_physical(
+            "damping coefficient",
+            self.damping,
+            zero=True,
+            signed=True,
+            called="damping coefficient of the specimen",
+        )
+        require_physical("mass", self.mass, zero=True, called="mass of the specimen")
 
 
 def floor_interface(frame: Frame, name: str | int) -> Array:

@@ -3,11 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from reliab.errors import InputError
-
-_FREQUENCIES = (0.01, 1e6)
-_LEAST_RATIO = 1e-12
-"""Limits far beyond any structure, within which powers and ratios of its numbers are numbers too."""
+from reliab.physical_range import require_physical
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,40 +31,9 @@ class Structure:
     experimental_fraction: float = 1.0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.frequency) and self.frequency > 0.0):
-            raise InputError(
-                "The natural frequency must be positive and finite",
-                value=f"{self.frequency} Hz",
-                remedy="Give the frequency of the whole structure in hertz",
-            )
-        if not 0.0 < self.damping_ratio < 1.0:
-            raise InputError(
-                "The damping ratio must lie between 0 and 1",
-                value=self.damping_ratio,
-                remedy="Give a fraction of critical damping, 0.02 for 2 %",
-            )
-        if not 0.0 < self.experimental_fraction <= 1.0:
-            raise InputError(
-                "The share of the stiffness in the laboratory must lie in (0, 1]",
-                value=self.experimental_fraction,
-                remedy="Give the specimen's share of the total stiffness, 1 for all of it",
-            )
-        if not _FREQUENCIES[0] <= self.frequency <= _FREQUENCIES[1]:
-            raise InputError(
-                "The natural frequency must lie between 0.01 and 1e6 Hz",
-                value=f"{self.frequency:g} Hz",
-                remedy="Give the frequency of the whole structure in hertz",
-            )
-        for name, ratio in (
-            ("damping ratio", self.damping_ratio),
-            ("share of the stiffness in the laboratory", self.experimental_fraction),
-        ):
-            if ratio < _LEAST_RATIO:
-                raise InputError(
-                    f"The {name} must be at least {_LEAST_RATIO:g}",
-                    value=ratio,
-                    remedy="Give a fraction of 1",
-                )
+        require_physical("natural frequency", self.frequency)
+        require_physical("damping ratio", self.damping_ratio)
+        require_physical("share of the stiffness in the laboratory", self.experimental_fraction)
 
     @property
     def circular_frequency(self) -> float:

@@ -15,6 +15,7 @@ from reliab.criterion.laws import FITTED, known
 from reliab.criterion.methods import RECOMMENDED, method_of
 from reliab.errors import InputError
 from reliab.indices import Window
+from reliab.physical_range import Physical
 
 _Value = TypeVar("_Value")
 
@@ -44,9 +45,12 @@ def _law(name: str) -> str:
 
 
 Share = Annotated[float, Field(gt=0.0, lt=1.0)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Shares = Annotated[tuple[Share, ...], AfterValidator(_distinct)]
-Positives = Annotated[tuple[Positive, ...], AfterValidator(_distinct)]
+Frequencies = Annotated[
+    tuple[Annotated[float, Physical("natural frequency")], ...], AfterValidator(_distinct)
+]
+DampingRatios = Annotated[tuple[Annotated[float, Physical("damping ratio")], ...], AfterValidator(_distinct)]
+Thresholds = Annotated[tuple[Annotated[float, Physical("error threshold")], ...], AfterValidator(_distinct)]
 Names = Annotated[tuple[str, ...], AfterValidator(_distinct)]
 
 
@@ -79,15 +83,15 @@ class MotionsTable(RecordsTable):
 class StructuresTable(Table):
     """`[structures]`: which structures."""
 
-    f: Positives = (1.0,)
-    xi: Shares = (0.02,)
-    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    f: Frequencies = (1.0,)
+    xi: DampingRatios = (0.02,)
+    experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = 1.0
 
 
 class ErrorsTable(Table):
     """`[errors]`: which errors of the whole test, and over which part of the record they are computed."""
 
-    thresholds: Positives = (0.05,)
+    thresholds: Thresholds = (0.05,)
     metrics: Annotated[tuple[Literal["rms", "mte"], ...], AfterValidator(_distinct)] = ("rms",)
     window: Annotated[str, AfterValidator(_window)] = "record"
 

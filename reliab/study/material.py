@@ -1,5 +1,6 @@
 """What a study works on: its ground motions, or results of theirs that are stored."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -111,9 +112,9 @@ class Material(Records):
         window = Window.parse(self._study.errors.window).label
         return self._select(open_results(self.stored or folder / RESULTS, window=window))
 
-    def truth(self, folder: Path) -> StoredTruth:
-        """Return the true errors of tests under the motions, read from the results."""
-        return StoredTruth(self.results(folder))
+    def truth(self, folder: Path, motions: Sequence[str]) -> StoredTruth:
+        """Return the true errors of tests under motions of these names, read from the results."""
+        return StoredTruth(self.results(folder).sel(motion=list(motions)))
 
     def _select(self, results: xr.Dataset) -> xr.Dataset:
         structures = self._study.structures

@@ -13,11 +13,21 @@ from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods import Quantile, method_of
 from reliab.errors import InputError
 from reliab.files import written_whole
+from reliab.indices import Window
 from reliab.progress import Show
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material
 from reliab.study.stages import Stage, read_result
-from reliab.sweep import open_ellipses, read_netcdf, run_sweep, sweep_request, write_ellipses, write_netcdf
+from reliab.sweep import (
+    measure_cut_records,
+    open_ellipses,
+    outlines_of,
+    read_netcdf,
+    run_sweep,
+    sweep_request,
+    write_ellipses,
+    write_netcdf,
+)
 from reliab.validation.cross_validation import (
     Candidate,
     CrossValidation,
@@ -67,6 +77,11 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
             traced = material.results(folder).reliab.ellipses(
                 study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
+        if material.stored is None:
+            traced = traced.assign_coords(outline=outlines_of(material.motions))
+        if material.stored is None and study.errors.window == Window().label:
+            structures = study.structures.f, study.structures.xi, study.structures.experimental_fraction
+            traced = traced.merge(measure_cut_records(material.motions, *structures))
         write_ellipses(traced, folder / ELLIPSES)
 
     inputs = {
@@ -87,13 +102,13 @@ class DerivedCriteria:
     refusals: tuple[str, ...]  # A sentence for each error and confidence for which they are too few
 
 
-def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
+def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> Stage:
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
         traced = without_copies(open_ellipses(folder / ELLIPSES))
         derived = [
-            _derive(traced, threshold, metric, criterion)
+            _derive(traced, threshold, metric, criterion, show)
             for metric in errors.metrics
             for threshold in errors.thresholds
         ]
@@ -109,20 +124,26 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def _derive(traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable) -> DerivedCriteria:
+def _derive(
+    traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
+) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
     error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
     try:
-        learned = Derivation.from_ellipses(
-            traced,
-            method=method_of(table.method),
-            law=known(FITTED, table.law),
-            threshold=threshold,
-            metric=metric,
-        )
+        with show(f"Learning at {threshold:g} {metric.upper()}") as progress:
+            learned = Derivation.from_ellipses(
+                traced,
+                method=method_of(table.method),
+                law=known(FITTED, table.law),
+                threshold=threshold,
+                metric=metric,
+                progress=progress,
+            )
     except InputError as refusal:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
     learned.warn_unless_converged()
+    if not learned.converged:
+        return DerivedCriteria(criteria=(), refusals=(f"{error}: its posterior has not converged.",))
     criteria, refusals = [], []
     for confidence in table.confidences:
         try:
@@ -152,7 +173,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
     def work(folder: Path) -> None:
-        traced = open_ellipses(folder / ELLIPSES)
+        traced = without_copies(open_ellipses(folder / ELLIPSES))
         refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
             try:
@@ -165,7 +186,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
                         confidences=study.validation.confidences,
                         threshold=threshold,
                         metric=metric,
-                        truth=material.truth(folder),
+                        truth=material.truth(folder, traced["motion"].values.tolist()),
                         trials=study.validation.trials,
                         progress=progress,
                     )

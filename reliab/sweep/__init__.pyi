@@ -1,3 +1,4 @@
+from .cut_records import measure_cut_records as measure_cut_records
 from .ellipse_dataset import CURVES as CURVES, share_at_rest as share_at_rest
 from .ellipse_file import (
     open_ellipses as open_ellipses,
@@ -17,15 +18,13 @@ from .frame_table import (
     trace_frame_ellipses as trace_frame_ellipses,
 )
 from .grid import ExplicitGrid as ExplicitGrid, ScaledGrid as ScaledGrid
+from .labels import outlines_of as outlines_of
 from .netcdf import packed as packed, read_netcdf as read_netcdf, write_netcdf as write_netcdf
 from .plain import (
     WHOLLY_EXPERIMENTAL as WHOLLY_EXPERIMENTAL,
     Motions as Motions,
-    Names as Names,
-    Numbers as Numbers,
     StatedStructures as StatedStructures,
     one_of as one_of,
-    several as several,
     suite_of as suite_of,
     sweep_request as sweep_request,
 )
@@ -42,6 +41,7 @@ from .results import (
     write_compact as write_compact,
 )
 from .run import run_sweep as run_sweep
+from .several import Names as Names, Numbers as Numbers, several as several
 from .shares import (
     at_share as at_share,
     for_each_share as for_each_share,

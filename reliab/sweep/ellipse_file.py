@@ -1,6 +1,6 @@
 """Ellipses of many ground motions in a NetCDF file."""
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,21 @@ import xarray as xr
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, require_ending
 from reliab.indices import Window
+from reliab.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
+_LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
+_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
+_VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
+    **dict.fromkeys(("a", "b", "sse"), (ELLIPSE_DIMENSIONS, "f")),
+    **dict.fromkeys(("n", "no_ellipse"), (ELLIPSE_DIMENSIONS, "biuf")),
+    "error_at_rest": (_AT_REST, "f"),
+    **dict.fromkeys(("duration", "dt", "pga"), ((Dimension.MOTION,), "iuf")),
+}
 
 
 def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
@@ -81,7 +90,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If the file is not a file of ellipses, or does not hold the window.
     """
-    return _in_window(_read(path), window, path)
+    return _in_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
 
 
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
@@ -94,8 +103,17 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _read(path: str | Path) -> xr.Dataset:
-    dataset = read_netcdf(path, _RULE, _REMEDY)
+def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
+    """Take the windows of a file up to the one that is asked for; all where it is not among them."""
+    windows = _windows(stored)
+    label = window or Window().label
+    if Dimension.WINDOW not in stored.dims or label not in windows:
+        return stored
+    return stored.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
+
+
+def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, select)
     needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
     if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
@@ -109,15 +127,19 @@ def _read(path: str | Path) -> xr.Dataset:
 def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
     """Check dimensions, coordinates and attributes once, so that nothing that uses ellipses needs to."""
     beside = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
-    texts = {Dimension.MOTION, Dimension.METRIC, Dimension.CURVE, Dimension.SIDE, Dimension.WINDOW}
     faults = [
         f"{name} over {', '.join(map(str, dataset[name].dims))}"
-        for name in ("a", "b")
-        if set(dataset[name].dims) != {*ELLIPSE_DIMENSIONS, *beside} or dataset[name].dtype.kind != "f"
+        for name, (dimensions, kinds) in _VARIABLES.items()
+        if name in dataset.variables
+        and (
+            set(dataset[name].dims) != {*dimensions, *(beside if name in dataset.data_vars else ())}
+            or dataset[name].dtype.kind not in kinds
+        )
     ]
     for name in (*ELLIPSE_DIMENSIONS, *beside):
         index = dataset.indexes.get(name, pd.Index([]))
-        sound = _are_texts(index) if name in texts else _are_positive(index)
+        limits = RANGES.get(OF_DIMENSIONS.get(name, ""))
+        sound = _are_texts(index) if limits is None else _are_in_range(index, limits)
         if index.empty or not index.is_unique or not sound:
             faults.append(f"no sound values along {name}")
     event = dataset.variables.get("event")
@@ -134,8 +156,8 @@ def _are_texts(values: Iterable[object]) -> bool:
     return all(isinstance(value, str) for value in values)
 
 
-def _are_positive(index: "pd.Index[Any]") -> bool:
-    return index.dtype.kind in "if" and bool((np.isfinite(index) & (index > 0)).all())
+def _are_in_range(index: "pd.Index[Any]", limits: PhysicalRange) -> bool:
+    return index.dtype.kind in "if" and bool(np.all(limits.includes(index)))
 
 
 def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -167,4 +189,6 @@ def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.
         )
     if Dimension.WINDOW in dataset.dims:
         dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+    if label != Window().label:
+        dataset = dataset.drop_dims(_LENGTH, errors="ignore")  # ratios are those of whole records
     return dataset.assign_attrs(window=label)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -15,8 +16,9 @@ from reliab.progress import Progress, silent
 from reliab.simulation import EffectLoop, Engine, Loop
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.structures import Structure
+from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import join_coordinates, motion_coordinates
+from reliab.sweep.labels import join_coordinates, motion_coordinates, outlines_of
 from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
 from reliab.sweep.shares import for_each_share
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
@@ -90,7 +92,7 @@ def trace_ellipses(
     request : EllipseRequest
         Structures, thresholds, metrics, curves and sides.
     progress : callable, optional
-        Called after each batch of motions.
+        Called after each structure of a batch of motions, with motions times structures as the total.
 
     Returns
     -------
@@ -98,7 +100,9 @@ def trace_ellipses(
         `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric, curve,
         side); a and b are NaN where a side has no ellipse and zero where the model's effects alone exceed
         the threshold, for the reason in `no_ellipse`. `error_at_rest` [-] over (motion, f, xi, metric) is
-        the error of an actuator that does not move. Of several shares of the stiffness all have the dimension
+        the error of an actuator that does not move. Of whole records and actuators without effects `a_cut`
+        and `b_cut` [-] over (motion, f, xi, length) are the ratios by which a and b change when a record is
+        cut to a length [s]. Of several shares of the stiffness all have the dimension
         `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
     return request.each_share(lambda of_share, advance: _trace_share(motions, of_share, advance), progress)
@@ -109,29 +113,45 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
     tables, errors_at_rest, headers = [], [], []
     for begin in range(0, len(motions), _MOTIONS_AT_A_TIME):
         batch = [motions[place] for place in range(begin, min(begin + _MOTIONS_AT_A_TIME, len(motions)))]
-        table, at_rest = _tables(batch, request)
+        table, at_rest = _tables(batch, request, partial(_advance, progress, begin, len(batch), len(motions)))
         tables.append(table)
         errors_at_rest.append(at_rest)
         headers.append(motion_coordinates(batch))
-        progress(begin + len(batch), len(motions))
-    return label_curves(
+    traced = label_curves(
         np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
     )
+    return _with_cut_records(traced, motions, request)
 
 
-def _tables(motions: Sequence[Motion], request: EllipseRequest) -> tuple[Array, Array]:
-    """Curves and errors at rest of several motions.
+def _with_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
+    """Add how a and b of whole records change when these are cut; a model's effects are not linear."""
+    traced = traced.assign_coords(outline=outlines_of(motions))
+    if request.window != Window() or request.model is not None:
+        return traced
+    structures = request.frequencies, request.damping_ratios, request.experimental_fractions[0]
+    return traced.merge(measure_cut_records(motions, *structures))
+
+
+def _advance(progress: Progress, begin: int, batch: int, motions: int, solved: int, structures: int) -> None:
+    """Report structures that are solved for a batch of motions, as pieces of all motions and structures."""
+    progress(begin * structures + batch * solved, motions * structures)
+
+
+def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> tuple[Array, Array]:
+    """Curves and errors at rest of several motions; `progress` is called after each structure.
 
     Shapes (motion, f, xi, threshold, metric, curve, side, columns) and (motion, f, xi, metric).
     """
     excitations = [excitation_of(motion, request.window) for motion in motions]
     rows, errors_at_rest = [], []
-    for structure in request.structures:
+    structures = request.structures
+    for solved, structure in enumerate(structures, start=1):
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
         errors_at_rest.append(
             [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
+        progress(solved, len(structures))
     sizes = len(request.frequencies), len(request.damping_ratios)
     table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
     table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)
@@ -241,7 +261,8 @@ def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress:
         tables.append(np.tile(table, (len(request.curves), len(request.sides), 1)))
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
-    return label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+    predicted = label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+    return _with_cut_records(predicted, motions, request)
 
 
 def _check_predictable(request: EllipseRequest) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.motions import Motion
+from reliab.motions import Motion, outline_of
 from reliab.vocabulary import LABELS, Dimension
 
 
@@ -31,6 +31,14 @@ def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
         "checksum": np.array([motion.checksum for motion in motions], dtype=np.str_),
     }
     return {name: xr.Variable((Dimension.MOTION,), values) for name, values in columns.items()}
+
+
+def outlines_of(motions: Sequence[Motion]) -> xr.DataArray:
+    """Outlines of records, by which copies are recognised, along the dimension of the motions."""
+    outlines = np.array([outline_of(motion) for motion in motions], dtype=np.str_)
+    label = LABELS["outline"]
+    attrs = {"long_name": label.long_name, "units": label.units}
+    return xr.DataArray(outlines, dims=Dimension.MOTION, attrs=attrs)
 
 
 def join_coordinates(batches: Sequence[Mapping[str, xr.Variable]]) -> dict[str, xr.Variable]:

@@ -3,7 +3,7 @@
 Variables of files that ship stand there in whole steps of their logarithm.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 
 import h5py
@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 
 from reliab.errors import InputError
-from reliab.files import decoding, written_whole
+from reliab.file_limits import LIMITS
+from reliab.files import decoding, ordinary, written_whole
 from reliab.received import objects_of, opened_hdf5
 from reliab.significant import significant
 from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
@@ -68,18 +69,24 @@ _MOST_EXPANSION = 1032
 """Bytes that one byte of a file can stand for: the limit of DEFLATE, by which NetCDF files are compressed."""
 
 
-def read_netcdf(path: str | Path, rule: str, remedy: str) -> xr.Dataset:
+def read_netcdf(
+    path: str | Path, rule: str, remedy: str, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy
+) -> xr.Dataset:
     """Read a NetCDF file.
 
-    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message.
+    `rule`: rule that the file must fulfil, for the error message; `remedy`: remedy, for the error message;
+    `select`: takes what is needed of the file, from the first on along dimensions of differences.
     Returns contents of the file, in memory; of what is stored in steps of the logarithm the numbers. Raises
     InputError if it cannot be read.
     """
     with decoding(rule, remedy=remedy, where=path):
+        LIMITS["dataset"].require_small(ordinary(path))
         with opened_hdf5(path) as file:
-            _refuse_empty_promises(sum(_size(item) for _, item in objects_of(file)), Path(path))
+            declared = sum(_size(item) for _, item in objects_of(file))
+            _refuse_empty_promises(declared, Path(path))
+            LIMITS["dataset"].require_few_numbers(declared, path)
         with xr.open_dataset(path, engine="h5netcdf") as file:
-            return unpacked(file.load())
+            return unpacked(select(file).load())
 
 
 def write_netcdf(

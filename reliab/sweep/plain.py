@@ -1,9 +1,8 @@
 """A sweep asked for in plain numbers and names, as on the command line."""
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar, overload
+from typing import Final, TypeVar
 
 from reliab.errors import InputError
 from reliab.indices import Window
@@ -12,11 +11,8 @@ from reliab.simulation import Engine
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
+from reliab.sweep.several import Names, Numbers, several
 
-Numbers = float | Sequence[float]
-"""One number, or several."""
-Names = str | Sequence[str]
-"""One name, or several."""
 Motions = MotionSuite | Motion | str | Path
 """Ground motions, one of them, or what `load_motions` reads."""
 
@@ -27,25 +23,6 @@ _FREQUENCIES: Final = (1.0,)
 _DAMPING_RATIOS: Final = (0.02,)
 WHOLLY_EXPERIMENTAL: Final = 1.0
 """Share of the stiffness in the laboratory where none is given [-]."""
-
-
-@overload
-def several(values: Names) -> tuple[str, ...]: ...
-@overload
-def several(values: Numbers) -> tuple[float, ...]: ...
-
-
-def several(values: Any) -> tuple[Any, ...]:
-    """Take one value, or several of them.
-
-    `values`: a number or a name, or several; NumPy's arrays as well.
-
-    >>> several(0.05), several([0.05, 0.10]), several("rms")
-    ((0.05,), (0.05, 0.1), ('rms',))
-    """
-    if isinstance(values, str):
-        return (values,)
-    return tuple(values) if isinstance(values, Iterable) else (values,)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,12 @@ from reliab.structures import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
 from reliab.vocabulary import Dimension
 
+MOST_STRUCTURES = 10_000
+"""Largest number of structures of a sweep, which takes a minute and more for one motion."""
+
+_MOST_BYTES = 1_000_000_000  # of the results of one motion in memory, of which each thread holds one
+_BYTES_OF_CELL = 4 * 8 + 1  # of RMS^R, MTE^R, A and d, and whether it is stable
+
 
 @dataclass(frozen=True, kw_only=True)
 class SweepRequest:
@@ -57,11 +63,24 @@ class SweepRequest:
                 remedy="Give each window once",
             )
         check_model(self.model, self.structures)
+        self._require_memory()
         if self.model is not None and self.grid.leads:
             raise InputError(
                 "A model with effects is marched in time, so that only delays can be simulated",
                 value="a grid with leads",
                 remedy="Use a grid without leads, ScaledGrid(lead_steps=0)",
+            )
+
+    def _require_memory(self) -> None:
+        structures = self.structures
+        actuators = self.grid.gains(structures[0]).size * self.grid.delays(structures[0]).size
+        size = _BYTES_OF_CELL * actuators * len(structures) * len(self.windows)
+        if size > _MOST_BYTES:
+            raise InputError(
+                f"The results of one motion may take {_MOST_BYTES / 1e9:g} GB at most",
+                value=f"{size / 1e9:.3g} GB for {len(structures):,} structures, {len(self.windows)} windows "
+                f"and {actuators:,} actuators",
+                remedy="Simulate fewer structures or windows at once, each part into a store of its own",
             )
 
     @property
@@ -108,6 +127,14 @@ def structures_of(
     frequencies: Sequence[float], damping_ratios: Sequence[float], experimental_fractions: Sequence[float]
 ) -> list[Structure]:
     """Every frequency [Hz] with every damping ratio [-] and share [-] as a structure, the share fastest."""
+    number = len(frequencies) * len(damping_ratios) * len(experimental_fractions)
+    if number > MOST_STRUCTURES:
+        raise InputError(
+            f"There may be {MOST_STRUCTURES:,} structures at most, every frequency with every damping ratio "
+            "and share",
+            value=f"{number:,}",
+            remedy="Ask for fewer at once, and for the others afterwards",
+        )
     return [
         Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
         for f in frequencies

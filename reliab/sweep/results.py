@@ -6,8 +6,8 @@ confidence. It holds the differences of these steps between neighbouring delays 
 numbers, which compress to two thirds of the size of rounded errors.
 """
 
+import itertools
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -23,12 +23,12 @@ from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets 
 from reliab.sweep.netcdf import numbered, read_netcdf, stepped, write_netcdf
 from reliab.sweep.store_layout import (
     MEND,
-    SCHEMA_VERSION,
     STORED,
     ZARR_FORMAT,
     array_of,
     open_group,
     read_attributes,
+    require_readable,
 )
 from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 
@@ -65,7 +65,7 @@ def stored_results(path: Path, f: Sequence[float] | None, xi: Sequence[float] | 
     return real_results(f, xi) if named else or_shipped(path, "datasets", "results.nc")
 
 
-_CHUNK = re.compile(r"(c\.)?\d+(\.\d+)*")  # file of one chunk, in either layout
+_DESCRIPTION = "zarr.json"
 _OF_MOTIONS = ("motion", "event", "duration", "dt", "pga", "checksum")
 _COORDINATES = ("f", "xi", "kp", "tau", *_OF_MOTIONS)
 _ERROR_AT_REST = "rms_at_rest"
@@ -153,13 +153,20 @@ def _check_dimensions(dataset: xr.Dataset) -> None:
 
 def _check_chunks(folder: Path) -> None:
     """Check that no chunk of a group is missing, in whose place Zarr would put NaN in silence."""
-    group = open_group(folder)
-    for name in _ARRAYS:
-        chunks = array_of(group, name).nchunks
-        files = (file for _, _, files in os.walk(folder / name) for file in files)
-        missing = chunks - sum(1 for file in files if _CHUNK.fullmatch(file))
-        if missing > 0:
-            value = f"{missing} of {chunks} chunks of {name} missing"
+    for name, array in open_group(folder).arrays():
+        present = {
+            Path(place, file).relative_to(folder / name).as_posix()
+            for place, _, files in os.walk(folder / name)
+            for file in files
+            if file != _DESCRIPTION
+        }
+        missing = array.nchunks - len(present)  # of a damaged description there may be any number
+        if missing <= 0:
+            counts = (range(-(-size // chunk)) for size, chunk in zip(array.shape, array.chunks, strict=True))
+            keys = map(array.metadata.encode_chunk_key, itertools.product(*counts))
+            missing = sum(key not in present for key in keys)
+        if missing:
+            value = f"{missing} of {array.nchunks} chunks of {name} missing"
             raise InputError(STORED, value=value, remedy=MEND, where=str(folder))
 
 
@@ -231,12 +238,7 @@ def open_compact(path: Path) -> xr.Dataset:
     Returns `rms` and `mte` over (motion, f, xi, kp, tau), or (motion, f, xi, alpha, kp, tau).
     """
     dataset = read_netcdf(path, _READABLE, _CHECK_PATH)
-    if dataset.attrs.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
-            f"This version reads results of schema version {SCHEMA_VERSION}",
-            value=f"version {dataset.attrs.get('schema_version', 'none')} in {path}",
-            remedy="Simulate again, or use the version of reliab that wrote them",
-        )
+    require_readable(dataset.attrs, path)
     with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
         of_all = float(dataset.attrs.pop(STEP, 0.0))  # one step of both, in files of earlier versions
         for metric in Metric:

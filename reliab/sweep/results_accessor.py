@@ -13,6 +13,7 @@ from reliab.errors import InputError
 from reliab.files import decoding
 from reliab.progress import Progress, silent
 from reliab.structures import Structure
+from reliab.sweep.cut_records import with_known_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
@@ -235,7 +236,7 @@ class ResultsAccessor:
                         by_side = rows.reshape(-1, len(thresholds), len(sides), *rows.shape[2:])
                         table[batch, i, j, :, k] = by_side.swapaxes(2, 3)
                 progress(i * sizes[2] + j + 1, total)
-        return ellipse_dataset(
+        traced = ellipse_dataset(
             table,
             {name: self._dataset[name] for name in _OF_RECORDS_AND_STRUCTURES},
             thresholds=thresholds,
@@ -247,6 +248,7 @@ class ResultsAccessor:
             },
             error_at_rest=errors_at_rest(self._dataset, metrics),
         )
+        return with_known_cut_records(traced)
 
     @property
     def sides(self) -> tuple[Side, ...]:

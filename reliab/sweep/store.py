@@ -36,10 +36,13 @@ from reliab.motions import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
 from reliab.sweep.store_layout import (
+    COMPLETE,
     JOURNAL,
     RECORD_FIELDS,
+    SCHEMA_VERSION,
     ChunkNames,
     array_of,
+    consolidate,
     create_store,
     encoded,
     group_names,
@@ -179,7 +182,7 @@ class ResultsStore:
         remove_abandoned(self.path.glob(f"{UNFINISHED}*"))
 
     def finish(self) -> None:
-        """Copy the journal's data on the records into the coordinates."""
+        """Copy the journal's data on the records into the coordinates, and say that all are done."""
         with self._safe("at its end"):
             self._write_journal()
         entries = [json.loads(entry) for entry in self._journal()]
@@ -188,6 +191,8 @@ class ResultsStore:
                 for name, dtype in RECORD_FIELDS.items():
                     kind: Any = np.dtypes.StringDType() if dtype is str else dtype
                     array_of(group, name)[:] = np.array([entry[name] for entry in entries], dtype=kind)
+                group.attrs["status"] = COMPLETE
+            consolidate(self.path, group_names(self.request))
 
     @contextlib.contextmanager
     def _safe(self, where: str) -> Iterator[None]:
@@ -261,6 +266,12 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             remedy="Continue it with `resume`, remove it, or name another",
         )
     attributes = read_attributes(path)
+    if attributes["schema_version"] != SCHEMA_VERSION:
+        raise InputError(
+            f"Only a store of schema version {SCHEMA_VERSION} can be resumed",
+            value=f"version {attributes['schema_version']} in {path}, which can be read where it is complete",
+            remedy="Simulate again to another store, or finish it with the version of reliab that began it",
+        )
     if attributes.get("study_hash") != request.digest():
         raise InputError(
             "Only the same sweep can be resumed",

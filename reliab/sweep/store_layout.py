@@ -7,7 +7,8 @@ little-endian values, Blosc, CRC-32C, under the name that the array prescribes.
 
 import json
 import shutil
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -77,10 +78,16 @@ def write_chunk(store: Path, within: Path, chunk: bytes) -> None:
         raise
 
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+READABLE_VERSIONS: Final = (1, SCHEMA_VERSION)
+"""Versions of stored results that are read; the first has no consolidated metadata, coordinates or status."""
+
 ZARR_FORMAT: Final = 3
-JOURNAL = "journal"
-"""Array of the entries that show which motions are done."""
+JOURNAL = "journal/entries"
+"""Array of the entries that show which motions are done, apart from what users of xarray open."""
+
+UNFINISHED, COMPLETE = "unfinished: motions without results are NaN", "complete"
+"""What the attribute `status` says of the motions."""
 
 RECORD_FIELDS: dict[str, type | str] = {
     "duration": "float64",
@@ -94,6 +101,13 @@ STORED = "Stored results must be as `reliab simulate` wrote them, with every che
 MEND = "Repair the store with `reliab simulate --resume`, or simulate again to another store"
 """Rule for stored results, and the remedy where it is broken."""
 
+_ALONG_MOTIONS = ("event", *RECORD_FIELDS)
+_SCALED: Final = {
+    Dimension.GAIN: "scaled with the damping ratio: one row of gains for each xi",
+    Dimension.DELAY: "scaled with xi / (2 pi f): one row of delays for each f and xi",
+}
+"""What stands beside the gains and delays of a grid that differs between structures."""
+
 _DTYPES = {name: "bool" if name == "stable" else "float32" for name in VARIABLES}
 _MOTIONS_PER_CHUNK = 1024
 _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
@@ -101,7 +115,7 @@ _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
 
 def open_group(path: Path, mode: Literal["r", "r+"] = "r") -> zarr.Group:
     """Open a group of a store in the format that we write; format 2 can hold code that is run on reading."""
-    return zarr.open_group(path, mode=mode, zarr_format=ZARR_FORMAT)
+    return zarr.open_group(path, mode=mode, zarr_format=ZARR_FORMAT, use_consolidated=False)
 
 
 def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
@@ -133,8 +147,19 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
             array[:] = np.array(values, dtype=np.dtypes.StringDType())
         for name, dtype in RECORD_FIELDS.items():
             _create_array(group, name, (len(names),), (chunk,), dtype, (Dimension.MOTION,))
-    _create_array(root, JOURNAL, (len(names),), (chunk,), str, (Dimension.MOTION,))
+    folder, entries = JOURNAL.split("/")
+    _create_array(root.create_group(folder), entries, (len(names),), (chunk,), str, (Dimension.MOTION,))
+    consolidate(unfinished, group_names(request))
     unfinished.rename(path)
+
+
+def consolidate(path: Path, groups: Sequence[str]) -> None:
+    """Gather the descriptions of all arrays where xarray looks for them; of groups inside others first."""
+    with warnings.catch_warnings():
+        # Zarr warns that its format 3 does not know this yet; others then read the arrays one by one
+        warnings.simplefilter("ignore", UserWarning)
+        for name in reversed(groups):
+            zarr.consolidate_metadata(path, path=name, zarr_format=ZARR_FORMAT)
 
 
 def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
@@ -146,6 +171,8 @@ def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) ->
     for name, (dims, values) in axes.items():
         array = _create_array(group, name, values.shape, values.shape, "float64", dims)
         array[...] = values
+        if len(dims) > 1:
+            array.attrs["comment"] = _SCALED[Dimension(name)]
     for name, over in _sizes_of_variables(request, motions).items():
         sizes = tuple(over.values())
         _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], tuple(over))
@@ -170,7 +197,7 @@ def shapes(request: SweepRequest, motions: int) -> dict[str, tuple[int, ...]]:
     """Shape of every array of results and records in a store."""
     of_window: dict[str, tuple[int, ...]] = {
         **{name: tuple(over.values()) for name, over in _sizes_of_variables(request, motions).items()},
-        **dict.fromkeys((str(Dimension.MOTION), "event", *RECORD_FIELDS), (motions,)),
+        **dict.fromkeys((str(Dimension.MOTION), *_ALONG_MOTIONS), (motions,)),
     }
     windows = {
         f"{group}/{name}".lstrip("/"): shape
@@ -212,6 +239,8 @@ def attributes(request: SweepRequest, window: str) -> dict[str, Any]:
     share = {name: described[name] for name in (SHARE_ATTRIBUTE,) if name in described}
     return {
         "schema_version": SCHEMA_VERSION,
+        "status": UNFINISHED,
+        "coordinates": " ".join((Dimension.GAIN, Dimension.DELAY, *_ALONG_MOTIONS)),
         "study_hash": request.digest(),
         "window": window,
         "windows": described["windows"],
@@ -228,14 +257,19 @@ def read_attributes(path: Path) -> dict[str, object]:
     """Attributes of a store, whose schema must be known to this version."""
     rule = "Results are read from a Zarr store that 'reliab simulate' wrote"
     with decoding(rule, remedy="Check the path, or simulate first", where=path):
-        refuse_links(path)
+        refuse_links(path, reads=True)
         for file in path.rglob("*"):
             ordinary(file)
         attributes: dict[str, object] = dict(open_group(path).attrs)
-    if attributes.get("schema_version") != SCHEMA_VERSION:
+    require_readable(attributes, path)
+    return attributes
+
+
+def require_readable(attributes: Mapping[Any, object], path: Path) -> None:
+    """Refuse results whose schema this version does not know."""
+    if attributes.get("schema_version") not in READABLE_VERSIONS:
         raise InputError(
-            f"This version reads results of schema version {SCHEMA_VERSION}",
+            f"This version reads results of schema versions {' and '.join(map(str, READABLE_VERSIONS))}",
             value=f"version {attributes.get('schema_version', 'none')} in {path}",
             remedy="Simulate again, or use the version of reliab that wrote them",
         )
-    return attributes

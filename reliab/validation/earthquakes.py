@@ -7,10 +7,13 @@ recognised by the same record, date or name.
 
 import datetime as dt
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+import numpy as np
 import xarray as xr
+
+from reliab.motions import are_copies
 
 _SHIPPED: Final[Mapping[str, tuple[str, str]]] = {
     "CAPEMEND": ("Cape Mendocino", "1992-04-25"),
@@ -41,12 +44,14 @@ _ONE_DAY, _ONE_YEAR = dt.timedelta(days=1), dt.timedelta(days=366)
 _SHORTEST_NAME = 4
 
 
-def earthquakes_among(events: Iterable[str], checksums: Iterable[str], suite: xr.Dataset) -> list[str | None]:
+def earthquakes_among(
+    events: Iterable[str], checksums: Iterable[str], suite: xr.Dataset, outlines: Sequence[str] = ()
+) -> list[str | None]:
     """Find the earthquakes of ground motions among those of a suite.
 
-    Two motions are of one earthquake if their records are the same, if their dates differ by a day at most
-    (local time against UTC), or if their names agree, one beginning with the other, and their dates, where
-    both are known, do not lie more than a year apart.
+    Two motions are of one earthquake if their records are the same or copies of each other, if their dates
+    differ by a day at most (local time against UTC), or if their names agree, one beginning with the other,
+    and their dates, where both are known, do not lie more than a year apart.
 
     Parameters
     ----------
@@ -55,7 +60,10 @@ def earthquakes_among(events: Iterable[str], checksums: Iterable[str], suite: xr
     checksums : iterable of str
         Checksum of each record; empty where it is not known.
     suite : xarray.Dataset
-        A dataset with the coordinate `event`, and `checksum` where it is known, along `motion`.
+        A dataset with the coordinate `event`, and `checksum` and `outline` where they are known, along
+        `motion`.
+    outlines : sequence of str, optional
+        Outline of each record, by which scaled and trimmed copies are known.
 
     Returns
     -------
@@ -74,10 +82,15 @@ def earthquakes_among(events: Iterable[str], checksums: Iterable[str], suite: xr
     """
     names = suite["event"].values.tolist()
     records = dict(zip(suite["checksum"].values.tolist(), names, strict=True)) if "checksum" in suite else {}
-    known = dict.fromkeys(names)
+    known, copied = dict.fromkeys(names), dict[int, str]()
+    if len(outlines) and "outline" in suite.coords:
+        pairs = np.argwhere(are_copies(outlines, suite["outline"].values.tolist())).tolist()
+        copied = {place: names[other] for place, other in pairs}
     return [
-        records.get(checksum) or next((name for name in known if _same(event, name)), None)
-        for event, checksum in zip(events, checksums, strict=True)
+        records.get(checksum)
+        or copied.get(place)
+        or next((name for name in known if _same(event, name)), None)
+        for place, (event, checksum) in enumerate(zip(events, checksums, strict=True))
     ]
 
 

@@ -9,9 +9,9 @@ import pandas as pd
 from pydantic import Field
 
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.shipped import or_shipped
 from reliab.study import (
     Kind,
@@ -68,8 +68,7 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
             tests = tolerances(list(records.motions), structures, threshold=threshold, progress=progress)
         limits = compare_limits(tests).assign(alpha=table.experimental_fraction, threshold=threshold)
         for name, content in ((TESTS, tests), (LEVELS, compare_levels(tests)), (LIMITS, limits)):
-            with written_whole(folder / name) as file:
-                content.round(_DIGITS).to_csv(file, index=False)
+            write_table(content.round(_DIGITS), folder / name)
 
     inputs = {
         "motions": records.checksums,
@@ -91,7 +90,7 @@ def _taking(study: DuctilityStudy, results: Path) -> Stage:
                 remedy="Name a run folder of this kind, or the results that ship: ductility",
                 where=str(folder),
             )
-    _check(study, pd.read_csv(folder / LIMITS))
+    _check(study, read_table(folder / LIMITS))
 
     def work(into: Path) -> None:
         for name in (LEVELS, LIMITS):
@@ -126,8 +125,8 @@ def report(study: DuctilityStudy, folder: Path) -> Document:
 
     return ductility_report(
         title=study.title,
-        levels=pd.read_csv(folder / LEVELS),
-        limits=pd.read_csv(folder / LIMITS),
+        levels=read_table(folder / LEVELS),
+        limits=read_table(folder / LIMITS),
         provenance={**study.provenance, **made_with(folder)},
         purpose=study.purpose,
     )

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-import pandas as pd
 from pydantic import AfterValidator, Field
 
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.study import Kind, MotionsTable, Names, Records, RecordsStudy, Stage, Table, made_with
 
 from .specimens import FAMILIES
@@ -71,8 +70,7 @@ def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
                 progress=progress,
             )
         for name, content in ((TESTS, tests), (RATES, summarise(tests, table.threshold))):
-            with written_whole(folder / name) as file:
-                content.round(_DIGITS).to_csv(file, index=False)
+            write_table(content.round(_DIGITS), folder / name)
 
     inputs: dict[str, Any] = {"motions": records.checksums, "specimens": table.model_dump(mode="json")}
     return (Stage(name="tests", inputs=inputs, writes=(TESTS, RATES), work=work),)
@@ -84,8 +82,8 @@ def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
 
     return measured_specimen_report(
         title=study.title,
-        tests=pd.read_csv(folder / TESTS),
-        rates=pd.read_csv(folder / RATES),
+        tests=read_table(folder / TESTS),
+        rates=read_table(folder / RATES),
         threshold=study.specimens.threshold,
         provenance={**study.provenance, **made_with(folder)},
         purpose=study.purpose,

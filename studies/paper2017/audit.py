@@ -57,7 +57,7 @@ def audit(
     >>> table.loc[("Equation (12)", "a"), "from_tables"].round(7)
     np.float64(5.29e-05)
     >>> table.loc[("Equation (16b)", "k4"), "finding"]
-    'the slope of √b [ms] printed as that of b; b grows with ξ²'
+    'the slope of √b [ms] printed as that of b; b grows with ξ^2.3'
     """
     records = Records(ellipses=ellipses, example=example, cases=cases)
     return tabulate(items_of(PrintedTables.read(folder), records))

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from reliab.motions import load_motions
+from reliab.progress import Show
 from reliab.study import Stage, motion_by_name
 from reliab.sweep import write_netcdf
 
@@ -12,13 +13,15 @@ CASES: Final = "cases.nc"
 _HELD_OUT = "held_out"
 
 
-def paper_cases(sources: tuple[str, ...], name: str) -> Stage:
+def paper_cases(sources: tuple[str, ...], name: str, show: Show) -> Stage:
     """Run the paper's four cases under a motion that is held out."""
     motion = motion_by_name(load_motions(*sources, sets=[_HELD_OUT]), name)
 
     def work(folder: Path) -> None:
         from .cases import cases_dataset, run_paper_cases
 
-        write_netcdf(cases_dataset(run_paper_cases(motion), motion), folder / CASES)
+        with show("Simulating the four cases"):
+            outcomes = run_paper_cases(motion)
+        write_netcdf(cases_dataset(outcomes, motion), folder / CASES)
 
     return Stage(name="cases", inputs={"motion": motion.checksum}, writes=(CASES,), work=work)

@@ -40,7 +40,7 @@ def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
     material = Material(study)
     return (
         _example(material, show),
-        paper_cases(study.motions.sources, _CASES_MOTION),
+        paper_cases(study.motions.sources, _CASES_MOTION, show),
         *simulation(study, material, show),
         tracing(study, material, show),
     )

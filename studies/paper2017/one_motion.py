@@ -224,10 +224,10 @@ def equations_16_17(printed: PrintedTables, records: Records) -> Iterator[Item]:
             from_tables=proportional(table["xi"], table[parameter]),
             from_records=proportional(xi, values) if xi.size else MISSING,
             unit=unit,
-            remark=f"{remark}; b grows with ξ²" if remark else "comes back from the tables; a grows with ξ²",
+            remark=f"{remark or 'comes back from the tables'}; {letter} grows with ξ^2.3",
         )
     remarks = (
-        "the straight line through zero misses the first row of Table 4: a grows with ξ²",
+        "the straight line through zero misses the first row of Table 4: a grows with ξ^2.3",
         "agrees only because √b and b of this motion are both near 2 at ξ = 0.02",
     )
     for parameter, slope, unit, remark in zip("ab", EQUATION_16, ("1", "ms2"), remarks, strict=True):

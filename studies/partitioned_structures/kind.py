@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Final
 
-import pandas as pd
 from pydantic import Field
 
-from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.study import Kind, Records, RecordsStudy, Stage, Table, made_with
 
 TESTS: Final = "tests.csv"
@@ -38,10 +37,8 @@ def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
 
         with show("Running partitioned tests") as progress:
             tests = run_tests(draw_tests(list(records.motions), table.tests, table.seed), progress=progress)
-        with written_whole(folder / TESTS) as file:
-            tests.to_csv(file, index=False)
-        with written_whole(folder / SHARES) as file:
-            shares_of_structures().to_csv(file, index=False)
+        write_table(tests, folder / TESTS)
+        write_table(shares_of_structures(), folder / SHARES)
 
     inputs = {"motions": records.checksums, "partitioned": table.model_dump(mode="json")}
     return (Stage(name="tests", inputs=inputs, writes=(TESTS, SHARES), work=work),)
@@ -53,8 +50,8 @@ def report(study: PartitionedStudy, folder: Path) -> Document:
 
     return partitioned_structures_report(
         title=study.title,
-        tests=pd.read_csv(folder / TESTS),
-        shares=pd.read_csv(folder / SHARES),
+        tests=read_table(folder / TESTS),
+        shares=read_table(folder / SHARES),
         provenance={**study.provenance, **made_with(folder)},
         purpose=study.purpose,
     )

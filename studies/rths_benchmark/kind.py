@@ -12,6 +12,7 @@ from reliab.errors import InputError
 from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.shipped import shipped
 from reliab.study import (
     Kind,
@@ -100,8 +101,7 @@ def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
         if motion is not None:
             with show("Comparing with the published table"):
                 beside = beside_published(motion, read_published(printed), seeds=table.noises)
-        with written_whole(folder / PUBLISHED) as file:
-            beside.to_csv(file, index=False)
+        write_table(beside, folder / PUBLISHED)
 
     inputs: dict[str, Any] = {"motions": records.checksums, "benchmark": table.model_dump(mode="json")}
     return (
@@ -119,7 +119,7 @@ def report(study: BenchmarkStudy, folder: Path) -> Document:
     """Report the benchmark."""
     from .report import rths_benchmark_report
 
-    published = pd.read_csv(folder / PUBLISHED)
+    published = read_table(folder / PUBLISHED)
     return rths_benchmark_report(
         title=study.title,
         tests=read_result(folder / TESTS)["tests"],

@@ -10,9 +10,9 @@ import xarray as xr
 
 from reliab.criterion import records_checksum
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.shipped import shipped
 from reliab.study import (
     CRITERIA,
@@ -58,7 +58,7 @@ def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
         _measuring(material, show),
         *simulation(study, material, show),
         tracing(study, material, show),
-        derivation(study.errors, study.criterion),
+        derivation(study.errors, study.criterion, show),
         _transfer(study, show),
     )
 
@@ -82,7 +82,7 @@ def report(study: SuitesStudy, folder: Path) -> Document:
         title=study.titled(Material(study).population),
         measures={
             names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
-            names[1]: _with_ellipses(pd.read_csv(folder / MEASURES), compared, study),
+            names[1]: _with_ellipses(read_table(folder / MEASURES), compared, study),
         },
         spectra={
             names[0]: opened(_shipped(SPECTRA))["spectral_acceleration"],
@@ -106,8 +106,7 @@ def _measuring(material: Material, show: Show) -> Stage:
         from .comparison import response_spectra, suite_measures
 
         with show("Measuring the motions"):
-            with written_whole(folder / MEASURES) as file:
-                suite_measures(material.motions).to_csv(file, index=False)
+            write_table(suite_measures(material.motions), folder / MEASURES)
             write_netcdf(response_spectra(material.motions), folder / SPECTRA)
 
     inputs = {"motions": material.checksums}

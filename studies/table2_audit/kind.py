@@ -7,9 +7,9 @@ from typing import Final
 import pandas as pd
 
 from reliab.errors import InputError
-from reliab.files import written_whole
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.shipped import shipped
 from reliab.study import Kind, Records, RecordsStudy, Stage, digest, made_with
 
@@ -31,8 +31,7 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
 
         with show("Auditing Table 2") as progress:
             rows = audit_table2(records.motions, pd.read_csv(table), progress=progress)
-        with written_whole(folder / ROWS) as file:
-            rows.to_csv(file, index=False)
+        write_table(rows, folder / ROWS)
 
     inputs = {"motions": records.checksums, "printed": digest(table)}
     return (Stage(name="audit", inputs=inputs, writes=(ROWS,), work=work),)
@@ -44,7 +43,7 @@ def report(study: RecordsStudy, folder: Path) -> Document:
 
     return table_audit_report(
         title=study.title,
-        rows=pd.read_csv(folder / ROWS),
+        rows=read_table(folder / ROWS),
         provenance={**study.provenance, **made_with(folder)},
         notes=(study.purpose,) if study.purpose else (),
     )

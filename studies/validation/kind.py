@@ -10,10 +10,10 @@ from pydantic import Field
 from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
 from reliab.criterion import records_checksum
-from reliab.files import written_whole
 from reliab.motions import Motion, MotionSuite, load_motions
 from reliab.progress import Show
 from reliab.report import Document
+from reliab.rows import read_table, write_table
 from reliab.structures import Structure
 from reliab.study import (
     CRITERIA,
@@ -61,11 +61,11 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
     """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
     material = Material(study, results=study.motions.results)
     held_out = _held_out(study)
-    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
+    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out, show)]
     return (
         *simulation(study, material, show),
         tracing(study, material, show),
-        derivation(study.errors, study.criterion),
+        derivation(study.errors, study.criterion, show),
         judgement(study, material, show),
         _beyond(study, material, show),
         *_rebuilt(study, material, show),
@@ -101,8 +101,8 @@ def report(study: ValidationStudy, folder: Path) -> Document:
         experimental_fraction=study.structures.experimental_fraction,
         window=study.errors.window,
         verdicts=tabulate(next(iter(validations.values()))),
-        beyond=pd.read_csv(folder / BEYOND),
-        rebuilt=pd.read_csv(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
+        beyond=read_table(folder / BEYOND),
+        rebuilt=read_table(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
         threshold=study.errors.thresholds[0],
         cases=opened(folder / CASES) if _held_out(study) else None,
         provenance=provenance,
@@ -127,8 +127,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
 
         criteria = derivation_of(folder).criteria
         if not criteria:
-            with written_whole(folder / BEYOND) as file:
-                pd.DataFrame(columns=list(TEST_COLUMNS)).to_csv(file, index=False)
+            write_table(pd.DataFrame(columns=list(TEST_COLUMNS)), folder / BEYOND)
             return
         criterion = criteria[0]
         with show("Trying other rigs") as progress:
@@ -140,8 +139,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
                 count=_MOTIONS_BEYOND,
                 progress=progress,
             )
-        with written_whole(folder / BEYOND) as file:
-            tests.to_csv(file, index=False)
+        write_table(tests, folder / BEYOND)
 
     inputs = {
         "motions": [motion.checksum for motion in _spread(suite, _MOTIONS_BEYOND)],

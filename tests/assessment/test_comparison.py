@@ -1,6 +1,7 @@
 """Tests that differ in their compensators only are ranked rightly, and more surely than each is judged."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ from late_runs import runs_of
 
 import reliab
 from reliab.assessment import rank_tests
+from reliab.assessment.comparison import _probability_larger, _ranked_files, paired_differences
+from reliab.assessment.rebuilt_error import Estimate
 from reliab.errors import InputError
+from reliab.vocabulary import Metric
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +85,40 @@ def test_intervals_of_differences_hold_the_true_ones_where_the_frequency_is_not_
         sign = 1.0 if later.file == "data frame 1" else -1.0
         held += later.difference.low <= sign * (errors[0] - errors[1]) <= later.difference.high
     assert held >= 32  # 90 % of 40, less two standard deviations
+
+
+def errors_drawn(rows, values):
+    """Stand-ins of what was found about tests, of which only the draws of the errors are known."""
+    made = {}
+    for file, row in rows.items():
+        drawn = np.array(row, dtype=float)
+        draws = SimpleNamespace(
+            errors=lambda _metric, drawn=drawn: drawn, weights=lambda drawn=drawn: np.ones_like(drawn)
+        )
+        unknown = SimpleNamespace(deviations=dict)
+        made[file] = SimpleNamespace(
+            rebuilt=SimpleNamespace(draws=draws, unknown=unknown, seed=0),
+            estimate=lambda _metric, file=file: Estimate(value=values[file], low=0.0, high=1.0),
+        )
+    return made
+
+
+@pytest.mark.parametrize(
+    ("rows", "order"),
+    [
+        ({"a": [1, 1, 1, 9], "b": [2, 2, 2, 2]}, ["a", "b"]),  # a is smaller in three of four draws
+        ({"a": [3, 3, 3], "b": [1, 2, 9], "c": [2, 1, 8]}, ["c", "b", "a"]),
+    ],
+)
+def test_tests_are_ranked_by_the_probabilities_that_are_said(rows, order):
+    """Whatever their values are."""
+    values = dict(zip(rows, range(len(rows), 0, -1), strict=True))
+    errors = errors_drawn(rows, values)
+    ranked = _ranked_files(errors, Metric.RMS)
+    assert ranked == order
+    for file in ranked[1:]:
+        assert _probability_larger(*paired_differences(errors[file], errors[ranked[0]], Metric.RMS)) > 0.5
+
+
+def test_equal_tests_are_as_likely_the_better_one():
+    assert _probability_larger(np.zeros(8), np.ones(8)) == pytest.approx(0.5)

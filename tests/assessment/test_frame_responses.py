@@ -8,6 +8,7 @@ from assessment.frames_by_matrices import TWO_STOREYS, Outcome, run, run_yieldin
 
 from reliab.assessment.budget import ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
+from reliab.errors import InputError
 from reliab.motions import Motion
 from reliab.recordings import CoupledRecording, Recording
 from reliab.report.kinds.assessment import frame_assessment_report
@@ -115,6 +116,13 @@ def test_another_ground_motion_is_noticed(test_and_truth, found):
     assert {one.name: one.rms.value for one in half.responses.each} == pytest.approx(peaks, rel=0.01)
     assert "assumed to belong to another test" in " ".join(unlike.warnings)
     assert all(one.rms is None for one in unlike.responses.each)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0 / 9.80665, "in g"), (100.0, "in gal"), (1e3, "in mm/s2")])
+def test_a_recorded_ground_acceleration_in_another_unit_is_refused(test_and_truth, factor, unit):
+    recording, motion, _ = test_and_truth
+    with pytest.raises(InputError, match=unit):
+        assess_frame(replace(recording, ground=factor * np.array(motion.acceleration)), STATED)
 
 
 @pytest.mark.slow

@@ -114,7 +114,7 @@ _STATED = {"f": 1, "xi": 0.02}
         ({"mass": 1.0}, "unless the `specimen` is measured"),
         ({"force_channel": ["lag_ms=2"]}, "unless the `specimen` is measured"),
         ({"specimen": "measured", "mass": 1.0}, "needs a column of its force"),
-        ({"specimen": "measured", "mass": -1.0}, "must be positive"),
+        ({"specimen": "measured", "mass": -1.0}, "`mass` must be between"),
     ],
 )
 def test_what_cannot_be_followed_is_refused(stated: dict[str, Any], says: str) -> None:

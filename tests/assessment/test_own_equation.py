@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment import assess
+from reliab.assessment.budget import ordinary_equipment
+from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures.structure import Structure
@@ -14,16 +16,16 @@ def judged(ground_motions, simulate_rig):
     motion = ground_motions[3]
     test = simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, delay=0.0022, db=40.0)
 
-    def ask(frequency=1.0, damping_ratio=0.02, *, sign=1.0, force=None, stated=None):
+    def ask(frequency=1.0, damping_ratio=0.02, *, sign=1.0, ground=None, force=None, **more):
         recording = Recording(
             command=test.command,
             measured=test.measured,
             time_step=1.0 / 256.0,
-            ground=sign * test.ground,
+            ground=sign * test.ground if ground is None else ground,
             force=None if force is None else force(test.measured),
         )
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
-        return test, assess(recording, structure, stated=stated)
+        return test, assess(recording, structure, **more)
 
     return ask
 
@@ -55,14 +57,67 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
     assert any("damping ratio of 0.0" in reason for reason in found.verdict.reasons)
 
 
+@pytest.mark.parametrize("assumed", [0.02, 0.05])
+def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(judged, assumed):
+    """Simulated with 0.02; as uncertain as the skew of the channels leaves it."""
+    said = ("No damping ratio was stated.",)
+    test, found = judged(damping_ratio=assumed, assumed=said, equipment=ordinary_equipment())
+    stated = found.stated["xi"]
+    assert stated.value == pytest.approx(0.02, rel=0.02)
+    assert 0.001 < stated.deviation < 0.01
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+    assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in found.warnings)
+    of_ratio = next(item for item in found.error.budget if item.name == "damping_ratio")
+    assert of_ratio.source == "learned from this test"
+
+
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     ("sign", "words"),
-    [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (0.1, 9.81, -9.81, 1e6))],
+    [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (1e6, 6.0, -0.5))],
 )
 def test_another_ground_acceleration_is_said(judged, sign, words):
     _, found = judged(sign=sign)
     assert any(words in warning for warning in found.warnings)
+
+
+UNITS = {"g": 9.80665, "gal": 0.01, "mm/s2": 0.001, "ft/s2": 0.3048, "in/s2": 0.0254}
+
+
+@pytest.mark.default_cases(6)
+@pytest.mark.parametrize("power", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(judged, unit, sign, power):
+    with pytest.raises(InputError, match="must be in the stated unit") as refusal:
+        judged(sign=sign * UNITS[unit] ** -power)
+    assert (f"Is it in {unit}?" in str(refusal.value)) is (power > 0.0)
+    assert ("times as large" in str(refusal.value)) is (power < 0.0)
+
+
+@pytest.mark.default_cases(3)
+@pytest.mark.parametrize("frequency", [1.0, 0.98])
+@pytest.mark.parametrize("factor", [1.0, -1.0, 100.0])
+def test_an_absolute_acceleration_is_no_ground_acceleration(judged, frequency, factor):
+    test, _ = judged()
+    absolute = factor * (test.ground + np.gradient(np.gradient(test.command, 1 / 256), 1 / 256))
+    _, found = judged(frequency, ground=absolute)
+    assert found.equation.identified is None
+    assert any("absolute acceleration" in warning for warning in found.warnings)
+
+
+def test_a_channel_that_contradicts_the_test_leaves_none_reliable(judged):
+    assert judged(threshold=0.3)[1].verdict.word == "reliable"
+    _, found = judged(sign=6.0, threshold=0.3)
+    assert found.verdict.word == "undecided"
+    assert any("unit and range of the ground acceleration" in remedy for remedy in found.verdict.would_decide)
+
+
+def test_a_frequency_far_from_the_stated_one_is_not_taken(judged):
+    """It would be the stated structure that is another one, or the channel."""
+    _, found = judged(0.7)
+    assert found.equation.identified is None
+    assert any("the structure would have 1" in reason for reason in found.verdict.reasons)
 
 
 @pytest.mark.parametrize(("cubic", "open_"), [(0.0, False), (3000.0, True)])

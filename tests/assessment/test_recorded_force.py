@@ -11,9 +11,12 @@ from reliab.assessment import assess
 from reliab.assessment.plausibility import require_plausible
 from reliab.assessment.recorded_force import (
     _nonnegative_remainder,
+    doubts_of_force,
+    doubts_of_sign,
+    remark_on_force,
     require_restoring_force,
-    unexamined_unit,
 )
+from reliab.assessment.recorded_ground import require_unit_of_force
 from reliab.errors import InputError
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -120,14 +123,67 @@ def test_a_force_in_another_unit_is_refused(moved, factor, words):
 def test_a_force_whose_unit_nothing_examines_is_said_with_its_mass(moved, factor, share, mass):
     test = recorded(moved, "spring", late=0.002)
     structure = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=share)
-    said = unexamined_unit(replace(test, force=factor * test.force), structure)
+    said = remark_on_force(replace(test, force=factor * test.force), structure, {})
     assert f"a structure of {mass}. State the mass" in said
 
 
 def test_no_mass_tells_the_unit_of_a_dashpot_or_of_no_force(moved):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
-    assert unexamined_unit(recorded(moved, "dashpot"), structure) == ""
-    assert unexamined_unit(replace(recorded(moved, "spring"), force=None), structure) == ""
+    assert remark_on_force(recorded(moved, "dashpot"), structure, {}) == ""
+    assert remark_on_force(replace(recorded(moved, "spring"), force=None), structure, {}) == ""
+
+
+@pytest.mark.parametrize(("unit", "words"), [(4.4482216, "pounds-force"), (9.80665, "kilograms-force")])
+@pytest.mark.parametrize("power", [1.0, -1.0])
+@pytest.mark.parametrize("share", [1.0, 0.4])
+def test_a_linear_force_in_pounds_or_kilograms_is_refused(moved, unit, words, power, share):
+    """Factors that a yielding specimen could have, too; a linear one cannot."""
+    test = recorded(moved, "spring")
+    structure = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=share)
+    asked = {"stated": {"mass": StatedValue(1000.0)}}
+    with pytest.raises(InputError, match=f"must be that of the stated specimen.*{words}"):
+        assess(replace(test, force=share * unit**power * test.force), structure, **asked)
+
+
+@pytest.mark.parametrize("reversed_", [1.0, -1.0])
+@pytest.mark.parametrize("unit", [4.4482216, 1.0 / 4.4482216, 9.80665, 1e3])
+def test_the_ground_acceleration_tells_the_unit_of_any_force(moved, unit, reversed_):
+    """By the equation of the computer's part, here with a specimen that yields and half of the stiffness."""
+    test = recorded(moved, "yielding")
+    structure = Structure(frequency=0.9, damping_ratio=0.03, experimental_fraction=0.5)
+    x, step, w0 = test.command, test.time_step, structure.circular_frequency
+    v = np.gradient(x, step)
+    computed = np.gradient(v, step) + 0.06 * w0 * v + 0.5 * w0**2 * x
+    test = replace(test, ground=-reversed_ * (computed + test.force / 1000.0))
+    asked = {"mass": 1000.0, "feedback_lag": 0.0}
+    require_unit_of_force(test, structure, **asked)
+    with pytest.raises(InputError, match="State the unit of the force"):
+        require_unit_of_force(replace(test, force=test.force / unit), structure, **asked)
+
+
+@pytest.mark.parametrize("unit", [4.4482216, 9.80665])
+def test_a_measured_specimen_whose_force_is_straight_is_asked_for_its_unit(moved, unit):
+    """Its stiffness may be another one than stated, but hardly by the factor of a unit."""
+    test = recorded(moved, "spring")
+    require_plausible(replace(test, force=0.4 * test.force), stiffness=STIFFNESS)
+    with pytest.raises(InputError, match="State the unit of the force"):
+        require_plausible(replace(test, force=test.force / unit), stiffness=STIFFNESS)
+
+
+@pytest.mark.parametrize("ratio", [0.7, 1.0, 1.5])
+def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(moved, ratio):
+    test = recorded(moved, "spring", late=0.001)
+    structure = Structure(frequency=1.0, damping_ratio=0.05)
+    test = replace(test, force=ratio * test.force)
+    found = assess(test, structure, stated={"mass": StatedValue(1000.0)})
+    said = any("of what the stated mass, frequency and share make" in warning for warning in found.warnings)
+    assert said is (ratio != 1.0)
+
+
+def test_a_specimen_that_yields_is_no_wrong_unit(moved):
+    """Its stiffness over the test is a fourth of the stated one, like that of a force in pounds."""
+    test = recorded(moved, "yielding")
+    require_plausible(test, stiffness=STIFFNESS, linear=True)
 
 
 @pytest.mark.parametrize("lag", [0.01, 0.02, 0.04])
@@ -186,6 +242,46 @@ def test_an_actuator_that_leads_has_its_columns_where_they_belong(moved, specime
     test = recorded(moved, specimen, late=-lead, noise=0.0)
     places = np.arange(test.command.size)
     require_plausible(replace(test, measured=0.78 * np.interp(places + 0.5, places, test.measured)))
+
+
+@pytest.mark.parametrize("rate", [25.0, 200.0])
+def test_force_of_a_free_vibration_is_remarked_and_not_refused(rate):
+    """The force of a pendulum is -m a exactly: a spring explains it nearly, a reversed mass fully."""
+
+    def acceleration(moved, speed):
+        return -16.0 * np.sin(moved) - 0.1 * speed
+
+    time = np.arange(0.0, 30.0, 1.0 / rate)
+    swing = scipy.integrate.solve_ivp(
+        lambda _, y: [y[1], acceleration(*y)], (0.0, 30.0), [1.0, 0.0], t_eval=time, rtol=1e-9
+    )
+    moved, force = swing.y[0], -3.0 * acceleration(*swing.y)
+    assert np.corrcoef(moved, force)[0, 1] > 0.95
+    require_restoring_force(moved, force, 1.0 / rate)
+    assert any("Check its sign" in doubt for doubt in doubts_of_sign(moved, force, 1.0 / rate))
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS)
+def test_forces_that_resist_raise_no_doubt(moved, specimen):
+    assert list(doubts_of_force(recorded(moved, specimen))) == []
+
+
+@pytest.mark.parametrize("drift", [0.05, 0.3])
+def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(moved, drift):
+    """The force follows the command, yet no lead explains what the displacement misses."""
+    test = recorded(moved, "spring", late=-0.003)
+    places = np.arange(test.force.size)
+    drifting = test.measured + drift * np.abs(test.measured).max() * places / places[-1]
+    limited = np.minimum(drifting, 0.9 * drifting.max())
+    recording = replace(test, measured=limited, force=STIFFNESS * test.command)
+    require_plausible(recording)
+    assert any("more closely than the measured" in doubt for doubt in doubts_of_force(recording))
+
+
+def test_noisy_reading_that_leads_is_not_exchanged_with_its_clean_command(moved):
+    """Clocks that differ look like exchanged columns, but only a reading is noisy."""
+    test = recorded(moved, "spring", late=-0.008)
+    require_plausible(replace(test, force=STIFFNESS * test.command))
 
 
 def test_a_brace_that_buckles_takes_work_and_is_not_reversed():

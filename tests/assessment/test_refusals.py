@@ -19,8 +19,8 @@ STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
         (lambda: delayed(np.ones(8), -0.1, 1.0), "finite and not negative; found -0.1 s"),
         (lambda: delayed(np.ones(8), np.inf, 1.0), "finite and not negative; found inf s"),
         (lambda: delayed(np.ones(8), 4.5, 0.5), "must be shorter than the test; found 4.5 s"),
-        (lambda: Monitor(STRUCTURE, 0.0), "time step must be positive; found 0.0 s"),
-        (lambda: Monitor(STRUCTURE, np.inf), "time step must be positive; found inf s"),
+        (lambda: Monitor(STRUCTURE, 0.0), "time step must be between .* found 0 s"),
+        (lambda: Monitor(STRUCTURE, np.inf), "time step must be between .* found inf s"),
         (
             lambda: tangent_structure(HybridTest(structure=None, specimen=Specimen(stiffness=1.0))),
             "needs a numerical substructure",

@@ -1,11 +1,9 @@
-"""Three verdicts, each with its reasons; and which length of window a criterion is taken from."""
+"""Three verdicts, each with its reasons."""
 
 import pytest
 
 from reliab.assessment import assess
-from reliab.assessment.default_criterion import window_for
-from reliab.assessment.doubts import probability_text
-from reliab.assessment.verdict import Word, verdict_by_index
+from reliab.assessment.verdict import Word, probability_text, verdict_by_index
 from reliab.criterion import published_criterion
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
@@ -74,23 +72,6 @@ def test_no_probability_is_written_as_certain():
         "< 0.01",
         "0.50",
     ]
-
-
-@pytest.mark.parametrize(
-    ("seconds", "below", "above", "words"),
-    [
-        (20.1, "20", "20", "20 s"),
-        (25.0, "20", "30", "between"),
-        (90.0, "40", "40", "the longest that ships"),
-        (6.0, "10", "10", "the shortest that ships"),
-        (None, "record", "record", "record"),
-    ],
-)
-def test_a_criterion_is_of_tests_as_long_as_the_test(seconds, below, above, words):
-    found = window_for(seconds, ["record", "arias", "10", "15", "20", "30", "40"])
-    assert (found.below, found.above) == (below, above)
-    assert words in found.label
-    assert 0.0 <= found.weight < 1.0
 
 
 def test_a_headline_is_the_word_in_capitals_with_blanks():

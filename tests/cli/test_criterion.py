@@ -11,6 +11,7 @@ from reliab.api.derived_criteria import _plane
 from reliab.cli.criterion import criterion
 from reliab.criterion import Criterion
 from reliab.errors import IncompleteError, InputError
+from reliab.report.style import FigureWarning
 from reliab.shipped import shipped
 
 app = typer.Typer()
@@ -191,7 +192,7 @@ def test_rejected_lognormality_is_said():
         (("--ellipses", TABLE2, "--motions", "synthetic"), r"come from exactly one source.*found 2"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
         (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
-        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "lie where the law is valid"),
+        (("--ellipses", TABLE2, "--f", 1, "--f", 2), "holds only for the f with which"),
         (("--ellipses", "none.csv"), "readable CSV file"),
     ],
 )
@@ -230,7 +231,7 @@ def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhe
     assert not posterior["converged"]
     assert posterior["complaints"]
     assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
-    assert "NOT CONVERGED" in Criterion.from_json(out.read_text(encoding="utf-8")).provenance.warnings[0]
+    assert not out.exists()
     drawn = {path.name for path in figures.iterdir()}
     assert drawn == set(found["figures"])
     assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= drawn
@@ -300,6 +301,26 @@ def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
     found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
     assert found["law"] == "guo_2017_18"
     assert len(found["figures"]) == 1
+
+
+def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
+    asked = (
+        "--ellipses",
+        "real_suite",
+        "--f",
+        1,
+        "--f",
+        1.13,
+        "--xi",
+        0.02,
+        "--figures",
+        tmp_path / "figures",
+    )
+    with pytest.warns(FigureWarning, match=r"No figure for f = 1.13 Hz.*Choose f among 0.25, 0.5"):
+        found = answer(*asked, "--out", tmp_path / "criterion.json")
+    assert [row["f"] for row in found["criteria"]] == [1, 1.13]
+    assert (tmp_path / "criterion.json").is_file()
+    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
 
 
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():

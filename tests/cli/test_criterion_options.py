@@ -124,7 +124,7 @@ CHANGES = {
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "actuator": [((*HALF, *TWO), ("--actuator", "1"))],
-    "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "bootstrap")],
+    "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "predictive")],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
     "joint": [(FILE, ("--each",)), ((*FILE, "--method", "quantile"), ("--joint",))],
@@ -263,7 +263,7 @@ def numbers(found):
 
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
-    from reliab.api import sources as source_of_ellipses
+    from reliab.api import boundaries as source_of_ellipses
     from reliab.sweep import open_ellipses
 
     asked = {}

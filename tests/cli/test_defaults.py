@@ -1,34 +1,81 @@
-"""A laboratory's own defaults: the command line comes first, and what does not exist is refused."""
+"""A laboratory's own defaults: from the user's folder or a named file; never what decides or is written."""
 
 import json
 
 import pytest
 
-from reliab.cli import run
+from reliab.cli import _commands, run
+from reliab.cli.defaults import COMMAND_LINE_ONLY, user_file
 from reliab.shipped import shipped
 
 TEST = str(shipped("datasets", "sample_test/test.csv"))
+LABORATORY = '[assess]\nf = "1±0.01"\nxi = 0.02\nalpha = 0.9\n'
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+    """The folder where commands run, beside a home without configuration."""
+    for variable in ("HOME", "XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(variable, str(tmp_path / "home"))
     monkeypatch.delenv("RELIAB_CONFIG", raising=False)
-    return tmp_path
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    return here
 
 
 def stated(capsys, *arguments):
     assert run(["assess", TEST, "--json", "-", *arguments]) == 0
-    return json.loads(capsys.readouterr().out)
+    shown = capsys.readouterr()
+    return json.loads(shown.out), shown.err
 
 
-def test_options_of_the_file_hold_unless_the_command_line_says_otherwise(folder, capsys):
-    text = '[assess]\nf = "1±0.01"\nxi = 0.02\nthreshold = 0.03\n'
-    (folder / "reliab.toml").write_text(text, encoding="utf-8")
-    answer = stated(capsys)
-    assert (answer["f"], answer["xi"], answer["threshold"]) == (1.0, 0.02, 0.03)
+def test_a_named_file_holds_unless_the_command_line_says_otherwise(folder, capsys):
+    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
+    answer, said = stated(capsys, "--config", "lab.toml")
+    assert (answer["f"], answer["xi"], answer["alpha"]) == (1.0, 0.02, 0.9)
     assert answer["stated"]["f"]["deviation"] == 0.01
-    assert stated(capsys, "--threshold", "0.05")["threshold"] == 0.05
+    assert "lab.toml" in said
+    assert stated(capsys, "--config=lab.toml", "--alpha", "0.8")[0]["alpha"] == 0.8
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_file_of_the_users_folder_is_named_on_the_screen(capsys):
+    user_file().parent.mkdir(parents=True)
+    user_file().write_text(LABORATORY, encoding="utf-8")
+    answer, said = stated(capsys)
+    assert answer["alpha"] == 0.9
+    assert str(user_file()) in said
+
+
+def test_the_folder_of_a_command_states_nothing(folder, capsys):
+    (folder / "reliab.toml").write_text(f'{LABORATORY}json = "../x"\n', encoding="utf-8")
+    assert run(["assess", TEST, "--f", "1", "--xi", "0.02"]) == 0
+    assert "reliab.toml of this folder is not read" in capsys.readouterr().err
+    assert not (folder.parent / "x").exists()
+    assert run(["assess", TEST]) == 2  # no frequency
+
+
+@pytest.mark.parametrize("key", ["json", "out", "report", "check", "threshold", "exact", "criterion"])
+def test_outputs_and_decisions_are_refused_even_in_a_named_file(folder, capsys, key):
+    (folder / "lab.toml").write_text(f'[assess]\n{key} = "x"\n', encoding="utf-8")
+    assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2
+    assert f"{key} of [assess]" in capsys.readouterr().err
+
+
+def test_every_option_that_writes_is_refused_in_a_file():
+    for command in _commands().commands.values():
+        for option in command.params:
+            if option.opts[0].startswith("--") and (option.help or "").startswith(("Write", "Keep")):
+                assert option.name in COMMAND_LINE_ONLY
+
+
+def test_files_are_taken_from_the_folder_of_the_defaults(folder, capsys):
+    user_file().parent.mkdir(parents=True)
+    user_file().write_text('[assess]\nchannels = "channels.toml"\n', encoding="utf-8")
+    (folder / "channels.toml").write_text("[command]\nscale = 2\n", encoding="utf-8")
+    assert run(["assess", TEST, "--f", "1", "--xi", "0.02"]) == 2
+    assert str(user_file().parent / "channels.toml") in capsys.readouterr().err
 
 
 def test_the_environment_names_another_file(folder, capsys, monkeypatch):
@@ -45,11 +92,18 @@ def test_the_environment_names_another_file(folder, capsys, monkeypatch):
     ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\nfrequency = 1\n", "[motions]\nsets = 1\n"],
 )
 def test_what_does_not_exist_is_refused(folder, capsys, text):
-    (folder / "reliab.toml").write_text(text, encoding="utf-8")
-    assert run(["info"]) == 2
-    assert "reliab.toml" in capsys.readouterr().err
+    (folder / "lab.toml").write_text(text, encoding="utf-8")
+    assert run(["info", "--config", "lab.toml"]) == 2
+    assert "lab.toml" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("named", [["--config"], ["--config", "missing.toml"]])
+def test_a_config_without_a_file_is_refused(capsys, named):
+    assert run(["info", *named]) == 2
+    assert capsys.readouterr().err.startswith("Error: ")
 
 
 def test_a_default_of_the_wrong_kind_is_refused(folder):
-    (folder / "reliab.toml").write_text('[assess]\nthreshold = "much"\n', encoding="utf-8")
-    assert run(["assess", TEST, "--f", "1", "--xi", "0.02"]) == 2
+    (folder / "lab.toml").write_text('[assess]\nrate = "much"\n', encoding="utf-8")
+    assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2

@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -43,9 +44,37 @@ def faulty(folder: Path) -> Path:
 def test_list_shows_every_motion_with_its_event(folder: Path) -> None:
     result = run("list", folder)
     assert result.exit_code == 0
-    assert "2 motions from 1 events" in result.stdout
+    assert re.search(r"2 motions from 1 event\b", result.stdout)
     assert "N90" in result.stdout
     assert "0.5000" in result.stdout
+
+
+def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
+    (faulty / "slow.txt").write_text("# dt: 10 s\n# units: g\n0.1\n-0.2\n")
+    (faulty / "strange.v9").write_text("no record")
+    result = run("list", faulty)
+    assert result.exit_code == 0
+    assert "2 motions from 1 event" in result.stdout
+    assert "Left out: empty.AT2, line 1: A record must not be empty" in result.stdout
+    assert (
+        "Left out: slow.txt, line 1: The time step of a record must lie from 0.0005 to 0.1 s" in result.stdout
+    )
+    assert "confirm it by --time-step" in result.stdout
+    assert "confirm it by --time-step" in " ".join(run("check", faulty / "slow.txt").stdout.split())
+    assert "Left out: cut[1].AT2, line 6: A record must hold as many samples" in result.stdout
+    assert "strange.v9: a format that is not known" in result.stdout
+    content = json.loads(run("list", faulty, "--json", "-").stdout)
+    assert [row["motion"] for row in content["motions"]] == ["N180", "N90"]
+    names = [Path(fault["file"]).name for fault in content["faults"]]
+    assert sorted(names) == ["cut[1].AT2", "empty.AT2", "slow.txt"]
+    assert [Path(fault["file"]).name for fault in content["skipped"]] == ["strange.v9"]
+
+
+def test_list_of_nothing_but_bad_records_is_bad_input(tmp_path: Path) -> None:
+    (tmp_path / "slow.txt").write_text("# dt: 10 s\n# units: g\n0.1\n-0.2\n")
+    result = run("list", tmp_path)
+    assert isinstance(result.exception, InputError)
+    assert str(result.exception).startswith(f"{tmp_path / 'slow.txt'}, line 1: ")
 
 
 def test_list_has_stable_keys_in_json(folder: Path) -> None:
@@ -103,6 +132,11 @@ def test_check_shows_all_faults_and_exits_with_two(faulty: Path) -> None:
     assert "cut" in words
 
 
+def test_one_fault_of_one_file_is_counted_in_the_singular(folder: Path) -> None:
+    (folder / "empty.AT2").write_text("")
+    assert re.search(r"1 fault in 1 file\b", run("check", folder).stdout)
+
+
 def test_check_reports_faults_in_json_with_stable_keys(faulty: Path) -> None:
     result = run("check", faulty, "--json", "-")
     assert result.exit_code == 2
@@ -126,7 +160,7 @@ def test_check_takes_several_sources_and_built_in_suites(folder: Path) -> None:
 def test_import_writes_a_suite_that_reads_back(folder: Path, tmp_path: Path) -> None:
     result = run("import", folder, "--out", tmp_path / "suite")
     assert result.exit_code == 0
-    assert "2 motions from 1 events" in result.stdout
+    assert re.search(r"2 motions from 1 event\b", result.stdout)
     assert list(load_motions(tmp_path / "suite")) == list(load_motions(folder))
 
 
@@ -140,6 +174,7 @@ def test_import_declares_units_step_and_event(tmp_path: Path) -> None:
         "catalogue": str(tmp_path / "suite/catalog.csv"),
         "motions": ["a"],
         "events": 1,
+        "skipped": [],
     }
     (motion,) = load_motions(tmp_path / "suite")
     assert (motion.event, motion.time_step, motion.peak_acceleration) == ("KOBE", 0.02, 0.2)

@@ -118,7 +118,9 @@ def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsy
         by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
     )  # fmt: skip
     unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
-    block = SimpleNamespace(unknown=unknown, gap=gap, block=SimpleNamespace(block="specimen"))
+    block = SimpleNamespace(
+        unknown=unknown, gap=gap, held_out="t7, t8", block=SimpleNamespace(block="specimen")
+    )
     diagnosis = SimpleNamespace(
         where=[finding], effects=(), doubtful=(), blocks=[block], remarks=["Nothing else."]
     )
@@ -241,7 +243,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     lines = shown_of_several(capsys, SEVERAL, details=False)
     for line in (
         "NOT RELIABLE: RMS^R of x is 1.23 %, below 1 % with probability 0.02", "First of all this.",
-        "What would decide: a longer test",
+        "Next step: a longer test",
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
         "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",

@@ -2,12 +2,24 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import xarray as xr
 
-from reliab.criterion.cautions import _beyond_the_earthquakes, _fitted, _left_out, _shortfall
+from reliab.criterion import derive_criterion
+from reliab.criterion.cautions import (
+    _beyond_the_earthquakes,
+    _fitted,
+    _left_out,
+    _shortfall,
+    not_lognormal,
+)
 from reliab.criterion.experimental_share import whole_is_worst
-from reliab.criterion.methods import METHODS
+from reliab.criterion.methods import METHODS, method_of
+from reliab.criterion.sample_grid import SampleGrid
 from reliab.vocabulary import CurveName
+
+AT = {"threshold": 0.05, "metric": "rms", "curve": CurveName.INSCRIBED, "side": "lag"}
 
 
 def grid(*, motions=100, left=100, events=19, curve=CurveName.ELLIPSE):
@@ -51,3 +63,18 @@ def test_the_worst_case_is_stated_for_the_structures_that_were_simulated_alone()
     assert all(whole_is_worst(f, xi) for f in (0.5, 1.0, 3.0) for xi in (0.01, 0.02, 0.1))
     assert not any(whole_is_worst(f, 0.05) for f in (0.49, 3.01))
     assert not any(whole_is_worst(1.0, xi) for xi in (0.0099, 0.101))
+
+
+def test_motions_that_are_not_lognormal_have_no_assurance(two_sided):
+    """Skewed to the left, lognormal bounds lie too high, and nothing says how often."""
+    logarithms = -np.random.default_rng(8).exponential(size=two_sided.sizes["motion"])
+    skewed = two_sided.copy(deep=True)
+    for name in ("a", "b"):
+        skewed[name] = skewed[name] * xr.DataArray(np.exp(3.0 * logarithms), dims="motion")
+    for method in ("tolerance", "hierarchical"):
+        told = not_lognormal(SampleGrid.from_ellipses(skewed, **AT), method_of(method, assurance=0.9))
+        assert any("not lognormal" in sentence for sentence in told)
+        assert "No assurance is stated: it would need lognormal motions." in told
+    criterion = derive_criterion(skewed, method="tolerance", confidence=0.8)
+    assert criterion.provenance.settings["assurance"] is None
+    assert not_lognormal(SampleGrid.from_ellipses(skewed, **AT), method_of("dirichlet")) == []

@@ -1,11 +1,24 @@
 """One record that is given twice, or scaled, counts once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion import derive_criterion, events_of_originals, read_ellipses, without_copies
+from reliab.api import derive_criteria, validate_criteria
+from reliab.criterion import derive_criterion, read_ellipses, without_copies
 from reliab.criterion.ellipse_table import tabled
+from reliab.motions import arias_times, load_motions
+
+
+def write_record(folder, motion, name):
+    """Two columns, time [s] and acceleration [m/s²]."""
+    folder.mkdir(exist_ok=True)
+    times = motion.time_step * np.arange(motion.acceleration.size)
+    lines = ["# time [s], acceleration [m/s2]"]
+    lines += [f"{t:.5f},{value:.9e}" for t, value in zip(times, motion.acceleration, strict=True)]
+    (folder / f"{name}.csv").write_text("\n".join(lines), encoding="utf-8")
 
 
 def copied(ellipses, times):
@@ -34,11 +47,46 @@ def test_copies_promise_no_more_than_their_records(ellipses, checksums):
     assert "70 of 80 motions are the records of others" in " ".join(many.provenance.warnings)
 
 
-def test_copies_have_the_earthquake_of_their_record(ellipses):
+def test_a_scaled_copy_is_known_by_its_boundary(ellipses):
+    """Its checksum is another; its a and b are the same but for rounding."""
     few = ellipses.isel(motion=slice(0, 30, 3))
-    events = events_of_originals(copied(few, 2))
-    assert events[:10].tolist() == events[10:].tolist()
-    assert np.unique(events).size == np.unique(few["event"].values).size
+    scaled = copied(few, 2)
+    rounding = np.random.default_rng(3).normal(1.0, 2e-5, scaled["a"].shape)
+    scaled = scaled.assign({name: scaled[name] * rounding for name in ("a", "b")})
+    scaled = scaled.assign_coords(checksum=("motion", [f"{place:064}" for place in range(20)]))
+    counted = without_copies(scaled)
+    assert counted["motion"].values.tolist() == scaled["motion"].values[:10].tolist()
+    assert "10 of 20 motions are the records of others" in counted.attrs["copies"]
+
+
+def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
+    """Under other names, other earthquakes and with other boundaries."""
+    motions = load_motions("synthetic")[:8]
+    for motion in motions:
+        write_record(tmp_path / "own", motion, motion.name.replace("/", "_"))
+        write_record(tmp_path / "with", motion, motion.name.replace("/", "_"))
+        begin, end = arias_times(motion.acceleration, motion.time_step, [0.01, 0.99]) / motion.time_step
+        trimmed = replace(motion, acceleration=1.7 * motion.acceleration[round(begin) : round(end)])
+        write_record(tmp_path / "with", trimmed, f"COPY_{motion.name.replace('/', '_')}")
+    limits = []
+    for folder in ("own", "with"):
+        found = derive_criteria(motions=tmp_path / folder, f=1.0, xi=0.05).to_dict()["criteria"][0]
+        limits.append((found["a"], found["b"], found["n_motions"]))
+    assert limits[1][2] == limits[0][2] == 8
+    # Which of two is the original is not known; the trimmed ones have a and b of shorter records.
+    assert limits[1][0] <= 1.02 * limits[0][0]
+
+
+def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
+    for number, motion in enumerate(load_motions("synthetic")[:4]):
+        write_record(tmp_path, motion, f"M{number}")
+        write_record(
+            tmp_path, replace(motion, acceleration=-0.6 * motion.acceleration), f"REVERSED_M{number}"
+        )
+    asked = {"f": 1.0, "xi": 0.05, "confidence": 0.5, "law": "table", "trials": 8}
+    found = validate_criteria(motions=tmp_path, **asked).to_dict()
+    assert found["n_motions"] == 4
+    assert "each record counts once" in found["sentences"][0]
 
 
 @pytest.mark.parametrize("form", [tabled, lambda given: given], ids=["table", "dataset"])

@@ -113,7 +113,7 @@ def test_motions_that_are_all_alike_are_refused():
         sample_of(logarithms, range(5))
 
 
-@pytest.mark.parametrize("name", ["dirichlet", "quantile", "predictive", "tolerance", "bootstrap"])
+@pytest.mark.parametrize("name", ["dirichlet", "quantile", "predictive", "tolerance"])
 def test_one_earthquake_carries_nothing(name):
     sample = sample_of(np.random.default_rng(1).normal(size=(40, 2)), np.zeros(40))
     assert limits(sample, method_of(name), 0.5) == (0.0, 0.0)

@@ -1,10 +1,21 @@
 """A criterion protects every length of its population, where lengths tell something of limits."""
 
+from dataclasses import replace
+from itertools import pairwise, product
+
 import numpy as np
 import pytest
+import xarray as xr
 
-from reliab.criterion import derive_criterion, protect_over_lengths, read_ellipses
+from reliab.criterion import EllipseTable, derive_criterion, protect_over_lengths, read_ellipses
 from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.ellipse_table import tabled
+from reliab.motions import arias_times, load_motions
+from reliab.shipped import shipped
+from reliab.sweep import open_ellipses, open_results, real_results
+from reliab.sweep.cut_records import with_known_cut_records
+from reliab.validation.cross_validation.cell import Cell, Region
+from reliab.validation.cross_validation.truth import SimulatedTruth
 
 SELECTED = {"f": [0.5, 1.0, 2.0], "xi": [0.02, 0.05], "threshold": [0.05], "side": ["lag"]}
 
@@ -16,9 +27,9 @@ def population():
 
 def test_at_each_structure_one_of_three_lengths_counts_and_it_is_the_least_favourable(population):
     protected = protect_over_lengths(population).sel(curve="inscribed", metric="rms").squeeze()
-    lengths = np.quantile(population["duration"], [1 / 6, 1 / 2, 5 / 6])
+    lengths = np.quantile(population["duration"], [0.1, 0.5, 0.9])
     carried = [
-        carry_to_length(population.sel(metric=["rms"]), float(length)).sel(curve="inscribed").squeeze()
+        carry_to_length(population, float(length)).sel(curve="inscribed", metric="rms").squeeze()
         for length in lengths
     ]
     for name in ("a", "b"):
@@ -29,26 +40,68 @@ def test_at_each_structure_one_of_three_lengths_counts_and_it_is_the_least_favou
         assert np.any(equal, axis=0).all()
 
 
-def test_other_errors_and_curves_stay_as_they_are(population):
+def test_other_errors_stay_as_they_are(population):
     protected = protect_over_lengths(population)
-    for other in ({"metric": "mte"}, {"metric": "rms", "curve": "ellipse"}):
-        for name in ("a", "b"):
-            np.testing.assert_array_equal(protected[name].sel(other), population[name].sel(other))
+    for name in ("a", "b"):
+        np.testing.assert_array_equal(protected[name].sel(metric="mte"), population[name].sel(metric="mte"))
 
 
-def test_short_records_are_protected_at_little_cost_of_area(population):
-    whole = population.sel(curve=["inscribed"], metric=["rms"])
-    protected, recorded = derive_criterion(whole), derive_criterion(whole.drop_vars("duration"))
-    short = whole.isel(motion=population["duration"].values <= 25.0)
-    shares, areas = [], []
-    for criterion in (protected, recorded):
-        a, b = criterion.limits(*np.meshgrid(SELECTED["f"], SELECTED["xi"], indexing="ij"))
-        areas.append(np.sqrt(a * b))
-        at = short.squeeze().transpose("motion", "f", "xi")
-        inside = [~(at[name].values < limit) for name, limit in (("a", a), ("b", b))]
-        shares.append(np.mean(inside[0] & inside[1]))
-    assert shares[0] > shares[1]
-    assert np.median(areas[0] / areas[1]) >= 0.85
+@pytest.mark.parametrize(("form", "kind"), [(tabled, EllipseTable), (lambda given: given, xr.Dataset)])
+def test_an_actuator_at_rest_is_still_known(population, form, kind):
+    """By its errors a threshold without a meaning is refused."""
+    protected = protect_over_lengths(form(population))
+    assert isinstance(protected, kind)
+    np.testing.assert_array_equal(tabled(protected).error_at_rest, tabled(population).error_at_rest)
+
+
+def test_an_error_at_rest_is_known_of_whole_records_only(population):
+    short = carry_to_length(population, 30.0)
+    whole = population["duration"].values <= 30.0
+    np.testing.assert_array_equal(np.isfinite(tabled(short).error_at_rest[:, 0, 0, 0]), whole)
+
+
+def test_motions_of_left_out_earthquakes_keep_the_share_at_every_length(population):
+    """Whole and cut: by the ellipses that are inscribed in their boundaries, those of cut records carried."""
+    events = population["event"].values
+    places = np.meshgrid(SELECTED["f"], SELECTED["xi"], indexing="ij")
+    limits = {
+        event: derive_criterion(population.isel(motion=events != event)).limits(*places)
+        for event in np.unique(events)
+    }
+    for length in (12.0, 20.0, 30.0, np.inf):
+        own = population if length == np.inf else carry_to_length(population, length)
+        own = own[["a", "b"]].sel(curve="inscribed", metric="rms", threshold=0.05, side="lag")
+        a, b = (own[name].transpose("motion", "f", "xi").values for name in ("a", "b"))
+        kept = [
+            (a[row] >= limits[event][0]) & (b[row] >= limits[event][1]) for row, event in enumerate(events)
+        ]
+        assert np.mean(kept) >= 0.93, length
+
+
+@pytest.mark.slow
+def test_records_of_left_out_earthquakes_keep_the_share_by_their_true_error(population, real_motions_folder):
+    """Along the whole edge, by the loop, with the record cut where the length is stated, too."""
+    motions = load_motions(real_motions_folder, sets=["far_field", "near_field"])[::4]
+    kept = {"default": [], "stated": []}
+    for motion in motions:
+        acceleration, step = motion.acceleration, motion.time_step
+        onset = float(arias_times(acceleration, step, [0.01])[0])
+        begin = round(max(min(onset - 1.0, motion.duration - 20.0), 0.0) / step)
+        cut = replace(motion, acceleration=acceleration[begin : begin + round(20.0 / step) + 1])
+        others = population.isel(motion=population["event"].values != motion.event)
+        criteria = {
+            "default": derive_criterion(others),
+            "stated": derive_criterion(carry_to_length(others, max(cut.duration, 10.0))),
+        }
+        truth = SimulatedTruth(motions=[cut])
+        for f, xi in product(SELECTED["f"], SELECTED["xi"]):
+            cell = Cell(frequency=f, damping_ratio=xi, threshold=0.05, metric="rms")
+            for name, criterion in criteria.items():
+                a, b = (float(limit) for limit in criterion.limits(f, xi))
+                edge = Region(a=a, b=b).edge()
+                kept[name].append((truth.errors(cell, 0, edge.gain, edge.delay) <= 1.0).all())
+    assert np.mean(kept["default"]) >= 0.93
+    assert np.mean(kept["stated"]) >= 0.93
 
 
 @pytest.mark.parametrize(
@@ -56,12 +109,9 @@ def test_short_records_are_protected_at_little_cost_of_area(population):
     [
         (lambda ellipses: ellipses, {"metric": "mte"}),
         (lambda ellipses: ellipses, {"curve": "ellipse"}),
-        (lambda ellipses: ellipses.assign_attrs(window="20"), {}),
-        (lambda ellipses: ellipses.assign_attrs(experimental_fraction=0.5), {}),
         (lambda ellipses: ellipses.isel(motion=slice(29)), {}),
-        (lambda ellipses: ellipses.drop_vars("duration"), {}),
-        (lambda ellipses: ellipses.assign_coords(duration=("motion", np.full(100, 30.0))), {}),
-        (lambda ellipses: carry_to_length(ellipses.sel(metric=["rms"]), 30.0), {}),
+        (lambda ellipses: ellipses.drop_dims("length"), {}),
+        (lambda ellipses: carry_to_length(ellipses, 30.0), {}),
     ],
 )
 def test_a_population_that_shows_no_lengths_stays_as_it_is(population, change, options):
@@ -69,25 +119,39 @@ def test_a_population_that_shows_no_lengths_stays_as_it_is(population, change, o
     assert protect_over_lengths(ellipses, **options) is ellipses
 
 
-def test_a_criterion_says_that_lengths_are_protected(population):
-    assert "least favourable of" in derive_criterion(population).provenance.population
+def test_windows_have_no_records_to_cut():
+    path = shipped("datasets", "real_suite/ellipses.nc")
+    assert "a_cut" in open_ellipses(path)
+    assert "a_cut" not in open_ellipses(path, window="20")
+
+
+def test_a_criterion_says_whether_lengths_are_protected(population):
+    told = "limits grow with the length"
+    protected, recorded = (
+        derive_criterion(given).provenance for given in (population, population.drop_dims("length"))
+    )
+    assert "least favourable of" in protected.population
+    assert not any(told in sentence for sentence in protected.warnings)
+    assert "least" not in recorded.population
+    assert any(told in sentence for sentence in recorded.warnings)
     assert "least" not in derive_criterion(population, method="quantile").provenance.population
 
 
-def test_small_shares_are_of_all_lengths_together_as_recorded(population):
-    together = protect_over_lengths(population, confidence=0.8)
-    for name in ("a", "b"):
-        np.testing.assert_array_equal(together[name], population[name])
-    criterion = derive_criterion(population, confidence=0.8)
-    assert "all lengths together" in criterion.provenance.population
-    assert any("short records have less" in sentence for sentence in criterion.provenance.warnings)
-    assert not any(
-        "short records" in sentence for sentence in derive_criterion(population).provenance.warnings
-    )
+def test_stored_results_of_records_that_ship_are_protected_as_their_ellipses(population):
+    """Their records are known by their checksums."""
+    results = real_results([1.0], [0.02])
+    traced = open_results(results).sel(f=[1.0], xi=[0.02]).reliab.ellipses((0.05,))
+    assert "a_cut" in traced
+    by_results, by_ellipses = (derive_criterion(given, f=1.0, xi=0.02) for given in (traced, population))
+    for one, other in zip(by_results.limits(1.0, 0.02), by_ellipses.limits(1.0, 0.02), strict=True):
+        assert float(one) == pytest.approx(float(other), rel=0.01)
+    unknown = traced.drop_dims("length").assign_coords(checksum=("motion", np.arange(100).astype(str)))
+    assert with_known_cut_records(unknown) is unknown
 
 
-def test_limits_do_not_grow_with_the_share_where_protection_begins(population):
+def test_limits_do_not_grow_with_the_share(population):
     places = np.meshgrid(SELECTED["f"], SELECTED["xi"], indexing="ij")
-    below, from_there_on = (derive_criterion(population, confidence=share) for share in (0.899, 0.9))
-    for smaller, larger in zip(from_there_on.limits(*places), below.limits(*places), strict=True):
-        assert (smaller <= larger * 1.01).all()
+    criteria = [derive_criterion(population, confidence=share) for share in (0.5, 0.8, 0.9, 0.95)]
+    for below, above in pairwise(criteria):
+        for larger, smaller in zip(below.limits(*places), above.limits(*places), strict=True):
+            assert (smaller <= larger).all()

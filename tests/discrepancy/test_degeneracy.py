@@ -20,3 +20,8 @@ def test_a_remark_names_both_effects_with_their_probabilities():
     unlisted = remark("coulomb_friction", 0.62, ("added_mass", 0.31))
     assert "stronger input of wider band" in unlisted
     assert "suggest gap, but do not settle it" in remark("gap", 0.4, None)
+
+
+def test_rival_of_no_probability_is_not_named():
+    """The rest of the probability then belongs to models without either effect."""
+    assert "do not distinguish" not in remark("gap", 0.89, ("coulomb_friction", 0.003))

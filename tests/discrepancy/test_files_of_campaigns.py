@@ -9,7 +9,8 @@ import pytest
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import netcdf_file, savemat
 
-from reliab.discrepancy import read_campaign
+from reliab.discrepancy import MeasuredTest, read_campaign
+from reliab.discrepancy.campaign.campaign import held_out_in_words
 from reliab.shipped import shipped
 
 RIG = shipped("datasets", "campaigns") / "rig_a"
@@ -75,3 +76,9 @@ def test_a_campaign_of_other_files_is_the_same(tmp_path, write, ending):
         assert test.channels.keys() == expected.channels.keys()
         for name, values in test.channels.items():
             np.testing.assert_allclose(values, expected.channels[name], rtol=1e-12, atol=1e-15)
+
+
+def test_end_of_the_only_test_is_not_called_a_test():
+    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels={})
+    assert held_out_in_words([test], ["a.csv"]) == "last third of a.csv"
+    assert held_out_in_words([test, test], ["b.csv", "c.csv"]) == "b.csv, c.csv"

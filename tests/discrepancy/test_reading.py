@@ -38,7 +38,7 @@ def test_single_test_is_divided(small_campaign):
 
 
 SPOILT_TOML = [
-    ("frequency_hz = 1.0", "frequency_hz = -1.0", "line 3.*greater than or equal to 0.0*1, not -1.0"),
+    ("frequency_hz = 1.0", "frequency_hz = -1.0", "line 3.*must be between 0.01 and 10,000 Hz, not -1.0"),
     ("damping_ratio = 0.05", 'damping_ratio = "two"', "line 4.*number"),
     ("delay_s = 0.005", "dealy_s = 0.005", "line 8.*actuator.dealy_s is not a known key"),
     ("rate_hz = 256\n", "", "sampling.rate_hz is missing"),

@@ -56,6 +56,7 @@ def blocks(draw):
         structured_share=draw(st.floats(0.02, 1.0)),
         misstated=(),
         either_misstated=(),
+        held_out="a.csv",
         block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"),
     )
 

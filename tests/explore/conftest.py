@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import reliab
-from reliab.explore.page import pack, words
+from reliab.explore.page import by_length, pack, words
 from reliab.shipped import shipped
 from reliab.sweep import open_windows
 
@@ -16,7 +16,7 @@ WEB = Path(reliab.__file__).parent / "explore" / "web"
 
 @pytest.fixture(scope="session")
 def shipped_ellipses():
-    tables = open_windows(shipped("datasets", "real_suite/ellipses.nc"))
+    tables = by_length(open_windows(shipped("datasets", "real_suite/ellipses.nc")))
     return {window: tables[window] for window in WINDOWS}
 
 

@@ -363,6 +363,10 @@ def table(rows):
         (table([(0, 1, 2), (1, 2, 3)]), "64 samples"),
         (table([(0, k % 7, k % 7) for k in range(80)]), "increase"),
         (table([(k + (k > 40), k % 7, k % 7) for k in range(300)]), "equal steps"),
+        (
+            table([(k + max(k - 200, 0), k % 7, k % 7) for k in range(400)]),
+            "step between samples must not change",
+        ),
         (table([(k, k % 7, "nan") for k in range(90)]), "finite"),
         (table([(k, k % 7, "1e999") for k in range(90)]), "finite"),
         (table([(k, k % 7, 1) for k in range(90)]).replace("measured", "force"), "measured"),

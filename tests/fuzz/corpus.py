@@ -313,5 +313,5 @@ def manifests() -> list[Case]:
 
 @cache
 def defaults() -> list[Case]:
-    text = '[assess]\nf = "1±0.01"\nxi = 0.02\nthreshold = 0.03\n[explore]\nf = 1.0\n'
+    text = '[assess]\nf = "1±0.01"\nxi = 0.02\n[explore]\nf = 1.0\n'
     return [{"reliab.toml": text.encode()}]

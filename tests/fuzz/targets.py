@@ -37,6 +37,7 @@ from reliab.sweep import open_results, run_sweep
 _LONGEST_MESSAGE = 4000
 _MEMORY = 1 << 30
 _CODES = (0, 1, 2, 3)
+_PROBE = "hdf5_probe.py"  # another process reads a file of HDF5 first, and runs nothing else
 _DANGEROUS = ("os.system", "os.exec", "os.posix_spawn", "subprocess.Popen", "socket.connect")
 
 
@@ -89,8 +90,12 @@ def examine(target: Target, case: Damaged) -> bool:
 _watching = False
 
 
-def _hook(event: str, _arguments: object) -> None:
-    if _watching and event in _DANGEROUS:
+def _hook(event: str, arguments: tuple[object, ...]) -> None:
+    if (
+        _watching
+        and event in _DANGEROUS
+        and not (event == "subprocess.Popen" and _PROBE in str(arguments[1]))
+    ):
         raise AssertionError(event)
 
 

@@ -96,7 +96,9 @@ def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
         results.reliab.ellipses()
 
 
-@pytest.mark.parametrize("name", ["rms/c.1", "A/c.", "stable/c.", "kp/c.", "f/c.", "event/c.", "motion/c."])
+@pytest.mark.parametrize(
+    "name", ["rms/c.1", "A/c.", "stable/c.", "rms_at_rest/c.", "kp/c.", "f/c.", "event/c.", "motion/c."]
+)
 def test_a_store_that_lost_a_chunk_is_refused(tmp_path, name):
     """Zarr would put NaN, False or empty names in its place."""
     case = corpus.stores()[0]
@@ -118,7 +120,7 @@ def test_a_store_that_lost_an_array_is_refused_without_a_warning(tmp_path, name,
 @pytest.mark.slow
 def test_a_store_with_several_damaged_arrays_is_one_error_and_no_traceback(tmp_path, caplog):
     case = corpus.stores()[0]
-    names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "journal")]
+    names = [f"results.zarr/{name}/zarr.json" for name in ("A", "kp", "mte", "rms_at_rest", "motion")]
     write({**case, **{name: case[name][:90] for name in names}}, tmp_path)
     with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
         open_results(tmp_path / "results.zarr")
@@ -182,7 +184,7 @@ def test_nothing_is_written_where_a_link_in_a_store_leads():
 @pytest.mark.parametrize(
     ("name", "shape", "chunks"),
     [
-        ("journal", [0], [2]),
+        ("journal/entries", [0], [2]),
         ("pga", [999999999999999999999], [2]),
         ("checksum", [2], [10**12]),
         ("mte", [2, 1, 1, 13, 10**12], [1, 1, 1, 13, 35]),
@@ -333,7 +335,7 @@ def test_a_frame_of_immense_storeys_is_refused(tmp_path):
     case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
     text = re.sub(rb"storey_height_m = \S+", b"storey_height_m = 1e308", case["frame.toml"])
     (tmp_path / "frame.toml").write_bytes(text)
-    with pytest.raises(InputError, match=r"stiffness of a column, E I/h³ .* between"):
+    with pytest.raises(InputError, match=r"storey_height_m: the length must be between"):
         read_frame(tmp_path / "frame.toml")
 
 
@@ -387,9 +389,7 @@ def test_a_frequency_of_a_campaign_whose_square_is_no_number_is_refused(tmp_path
     text, count = re.subn(rb"frequency_hz = \S+", b"frequency_hz = " + frequency, case["campaign.toml"])
     assert count == 1
     write({**case, "campaign.toml": text}, tmp_path)
-    with pytest.raises(
-        InputError, match=r"line 3.*frequency_hz: input should be (greater|less) than or equal"
-    ):
+    with pytest.raises(InputError, match=r"line 3.*frequency_hz: the natural frequency must be between"):
         read_campaign(tmp_path)
 
 

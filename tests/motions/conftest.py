@@ -1,7 +1,9 @@
 """Short synthetic records in every format, written by the tests themselves."""
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -109,6 +111,14 @@ RECORDS = {
 def records() -> dict[str, str]:
     """One sound record of every format, by a file name."""
     return RECORDS
+
+
+@pytest.fixture(scope="session")
+def obspy() -> Any:
+    """The library ObsPy; what uses it is skipped where it is not installed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return pytest.importorskip("obspy")
 
 
 @pytest.fixture

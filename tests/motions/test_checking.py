@@ -40,10 +40,10 @@ def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: W
     write("unitless.txt", "0.1\n0.2\n")
     found = [(Path(fault.file).name, fault.line, fault.rule) for fault in inspect(tmp_path).faults]
     assert found == [
-        ("binary.AT2", 1, "A record must be a text file"),
+        ("binary.AT2", 1, "A record must be a text file, SAC or miniSEED"),
         ("cut.AT2", 6, "A record must hold as many samples as its header states"),
         ("empty.AT2", 1, "A record must not be empty"),
-        ("many.AT2", 3, "The units in a header must be g, cm/s2 or m/s2"),
+        ("many.AT2", 3, "The units in a header must be g, cm/s2, m/s2, mm/s2 or g/10"),
         ("many.AT2", 5, "Every sample must be finite"),
         ("many.AT2", 6, "Every sample must be a number"),
         ("peak.AT2", 5, "The peak of a record must not exceed 5 g"),
@@ -138,7 +138,7 @@ def test_a_record_that_is_there_twice_is_noted(write: Write, tmp_path: Path) -> 
     inspection = inspect(tmp_path)
     assert inspection.faults == []
     assert [Path(note.file).stem for note in inspection.notes] == ["one", "two"]
-    assert all(note.value == "the same record as half, as it is or scaled" for note in inspection.notes)
+    assert all(note.value == "the same record as half times 2" for note in inspection.notes)
 
 
 def test_a_path_that_does_not_exist_is_refused(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from reliab.errors import InputError
 from reliab.motions import inspect, load_motions
+from reliab.motions.loading import UnreadFileWarning
 
 Write = Callable[[str, str | bytes], Path]
 
@@ -78,6 +79,30 @@ def test_a_file_that_claims_to_be_a_record_and_is_none_is_not_passed_over(
     path = write("b.AT2", b"")
     with pytest.raises(InputError, match=rf"{path}, line 1: A record must not be empty"):
         load_motions(tmp_path)
+
+
+def test_folder_names_what_it_skips_and_why(at2: str, write: Write, tmp_path: Path) -> None:
+    write("a.AT2", at2)
+    write("sub/b.mat", b"MATLAB 5.0 MAT-file")
+    write("c.v9", "some words\nand more\n")
+    write("d.bin", b"\x00\x01\x02")
+    write("e.xyz", "0.1\n0.2\n")
+    write("f.old", "")
+    write("figure.png", b"\x89PNG\x00")
+    reasons = {
+        "c.v9": "a format that is not known",
+        "d.bin": "a format that is not known",
+        "e.xyz": "numbers, but neither the ending of a text record nor a header that is known",
+        "f.old": "an empty file",
+        "b.mat": "a MATLAB file",
+    }
+    inspection = inspect(tmp_path)
+    assert inspection.faults == []
+    assert {Path(note.file).name: note.value for note in inspection.notes} == reasons
+    with pytest.warns(
+        UnreadFileWarning, match=r"skipped c\.v9 \(a format that is not known\), .* and 2 more"
+    ):
+        assert load_motions(tmp_path).names == ("a",)
 
 
 def test_a_folder_without_records_is_explained(write: Write, tmp_path: Path) -> None:

@@ -11,7 +11,10 @@ from hypothesis import given, strategies as st
 from reliab.errors import InputError
 from reliab.motions import Motion, inspect, load_motions, read_motion
 
-NAMES = ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv", "record.txt", "record"]
+NAMES = [
+    *("record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv", "record.txt", "record"),
+    *("record.smc", "record.v1", "record.V2A", "record.sac"),
+]
 TOKENS = st.sampled_from(
     [
         *(
@@ -61,6 +64,21 @@ TOKENS = st.sampled_from(
         ),
         *(
             "points of accel data equally spaced at 0 sec",
+            *(
+                "CORRECTED ACCELEROGRAM",
+                "NO. OF POINTS = 3",
+                "* VOL1DS",
+                "#K-NET CSV",
+                "N-S E-W U-D",
+                "time [ms]",
+            ),
+            *(
+                "scale factor 0",
+                "sampling rate: 0 kHz",
+                "missing value: 1",
+                "DURATION = 0",
+                "2026/05/05 10:00:00.5",
+            ),
             "End of data",
             "Real-header values",
             "units=g,Format=(1E0.1)",

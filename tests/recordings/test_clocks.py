@@ -76,3 +76,92 @@ def test_times_without_a_unit_that_may_be_milliseconds_are_asked_about():
     with pytest.raises(InputError, match="Times must state their unit"):
         read_recording(pd.DataFrame(table))
     assert read_recording(pd.DataFrame(table), time_units="ms").time_step == pytest.approx(4e-3)
+
+
+def told(times, test):
+    at = times[0] + test.time_step * np.arange(test.command.size)
+    np.testing.assert_allclose(test.command[5:-5], smooth(at)[5:-5], atol=2e-6)
+    return " ".join(test.notes), test.channels[0].summary()["applied"]
+
+
+def read_at(times):
+    histories = {"command_m": smooth(times), "measured_m": smooth(times - 0.01)}
+    return read_recording(pd.DataFrame({"time_s": times, **histories}))
+
+
+@pytest.mark.parametrize("first", [0.3, 0.5, 0.8])
+def test_a_rate_that_changes_is_resampled_at_the_faster_one(first):
+    """Whole milliseconds, of which every second one is missing from some time on."""
+    times = np.arange(8000) / 1000.0
+    kept = (times < 8.0 * first) | (np.arange(8000) % 2 == 0)
+    test = read_at(times[kept])
+    assert test.time_step == pytest.approx(1e-3)
+    note, applied = told(times[kept], test)
+    assert "step between samples changes between 0.001 and 0.002 s" in note
+    assert applied == [note]
+
+
+@pytest.mark.parametrize("size", [0.002, 0.05])
+def test_a_clock_that_drifts_is_interpolated_and_said(size):
+    even = np.arange(8000) / 1000.0
+    times = (even + size * np.sin(np.pi * even / 8.0)).round(6)
+    note, _ = told(times, read_at(times))
+    assert "The clock drifts by up to" in note
+
+
+def test_rounded_times_are_no_drift():
+    for decimals in (3, 4, 7):
+        test = read_at((np.arange(8000) / 1024.0).round(decimals))
+        assert test.notes == ()
+        assert test.time_step == pytest.approx(1.0 / 1024.0, rel=1e-4)
+
+
+def test_a_rate_that_changes_by_more_than_any_recorder_does_is_refused():
+    times = np.concatenate([np.arange(4000) / 1000.0, 4.0 + np.arange(200) / 20.0])
+    with pytest.raises(InputError, match=r"must not change by more than 20 times; found 0\.001 to 0\.05 s"):
+        read_at(times)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0 / 86400.0, "d"), (1.0 / 3600.0, "h"), (1.0 / 60.0, "min")])
+def test_times_in_days_hours_and_minutes(factor, unit):
+    table = {"command_m": COMMAND, "measured_m": MEASURED}
+    test = read_recording(pd.DataFrame({f"Time [{unit}]": 46000.0 * (unit == "d") + factor * TIME, **table}))
+    assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
+    with pytest.raises(InputError, match=r"must state their unit|must lie between"):
+        read_recording(pd.DataFrame({"Time": factor * TIME, **table}))
+
+
+@pytest.mark.parametrize("unit", ["samples", "ticks", "hundredths of s", "millis"])
+def test_a_unit_of_the_times_that_nobody_knows_is_asked_about(unit):
+    table = {f"Time ({unit})": TIME, "command_m": COMMAND, "measured_m": MEASURED}
+    with pytest.raises(InputError, match=f"The unit of the times must be known; found {unit}.*`time_units`"):
+        read_recording(pd.DataFrame(table))
+
+
+def test_multiples_of_a_unit_are_units():
+    table = {"Time (0.1 ms)": 1e4 * TIME, "command (0.01 mm)": 1e5 * COMMAND, "measured_m": MEASURED}
+    test = read_recording(pd.DataFrame(table))
+    assert test.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(test.command, COMMAND, atol=1e-12)
+
+
+def test_a_unit_of_a_channel_that_nobody_knows_is_refused_until_it_is_stated(tmp_path):
+    with h5py.File(tmp_path / "t.h5", "w") as file:
+        file["time"], file["command"], file["measured"] = TIME, COMMAND, MEASURED
+        file["command"].attrs["units"], file["measured"].attrs["units"] = "thou", "m"
+    with pytest.raises(
+        InputError, match=r"t\.h5: The unit of a channel must be known; found 'thou' of 'command'"
+    ):
+        read_recording(tmp_path / "t.h5")
+    (tmp_path / "channels.toml").write_text('[channels.command]\nunit = "m"\n', encoding="utf-8")
+    test = read_recording(tmp_path / "t.h5", channels=tmp_path / "channels.toml")
+    np.testing.assert_allclose(test.command, COMMAND)
+
+
+def test_a_scale_of_the_times_that_a_laboratory_states_is_applied(tmp_path):
+    (tmp_path / "channels.toml").write_text(
+        '[channels.time]\ncolumn = "ticks"\nscale = 1e-4\n', encoding="utf-8"
+    )
+    table = {"ticks": 1e4 * TIME, "command_m": COMMAND, "measured_m": MEASURED}
+    test = read_recording(pd.DataFrame(table), channels=tmp_path / "channels.toml")
+    assert test.time_step == pytest.approx(1.0 / RATE)

@@ -73,5 +73,5 @@ def test_channels_that_labview_wrote(name):
     group = TdmsFile.read(path).groups()[0]  # of SignalExpress the test; thinned copies stand behind it
     for channel in group.channels():
         np.testing.assert_array_equal(test.values[channel.name], channel[:])
-        assert np.diff(test.clocks[channel.name]) == pytest.approx(channel.properties["wf_increment"])
+        assert np.diff(test.series[channel.name].times) == pytest.approx(channel.properties["wf_increment"])
         assert test.units.get(channel.name, "") == channel.properties.get("unit_string", "")

@@ -34,15 +34,15 @@ def read(name):
 def test_times_of_timetables_that_were_saved_as_a_step(variable, times, values):
     test = read("timetable_steps_v7")
     np.testing.assert_array_equal(test.values[f"{variable}.data1"], values)
-    np.testing.assert_allclose(test.clocks[f"{variable}.data1"], times, atol=1e-9)
+    np.testing.assert_allclose(test.series[f"{variable}.data1"].times, times, atol=1e-9)
 
 
 def test_tables_and_timetables():
     test = read("tables_v7")
     np.testing.assert_array_equal(test.values["table_numeric.Var2"], [4.4, 5.5, 6.6])
     np.testing.assert_array_equal(test.values["table_row_names.Col1"], [1.0, 2.0, 3.0])
-    np.testing.assert_allclose(test.clocks["timetable_duration.data1"], [10.0, 20.0, 30.0])
-    np.testing.assert_allclose(test.clocks["timetable_datetime.data1"], [0.0, DAY, 2.0 * DAY])
+    np.testing.assert_allclose(test.series["timetable_duration.data1"].times, [10.0, 20.0, 30.0])
+    np.testing.assert_allclose(test.series["timetable_datetime.data1"].times, [0.0, DAY, 2.0 * DAY])
     assert test.units["timetable_with_attrs.data1"] == "m/s"
 
 

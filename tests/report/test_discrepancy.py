@@ -29,7 +29,7 @@ RATE = 256.0
 SPECIMEN = Specimen(stiffness=2000.0)
 
 
-def campaign_with(*effects):
+def campaign_with(*effects, lag=0.0):
     truth = HybridTest(specimen=SPECIMEN, effects=effects)
     tests = []
     for k in range(4):
@@ -37,7 +37,8 @@ def campaign_with(*effects):
         t = np.arange(0.0, 20.0, 1.0 / RATE)
         waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
         moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
-        force = load(truth, Motion3.through(moved, 1.0 / RATE)) + 0.3 * rng.standard_normal(t.size)
+        force = np.interp(t - lag, t, load(truth, Motion3.through(moved, 1.0 / RATE)))
+        force += 0.3 * rng.standard_normal(t.size)
         measured = moved + 1e-6 * rng.standard_normal(t.size)
         channels = {Channel.COMMAND: moved, Channel.MEASURED: measured, Channel.FORCE: force}
         tests.append(MeasuredTest(file=f"test_{k}.csv", motion="", held_out=k == 3, channels=channels))
@@ -101,6 +102,22 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
 def test_a_posterior_without_named_parameters_draws_nothing(damped):
     empty = SimpleNamespace(names=("stiffness",), units=("-",))
     assert posterior_figure(damped, "specimen", empty) is None
+
+
+def test_posterior_with_an_offset_of_the_clocks_is_drawn(monkeypatch):
+    """Effects outside the library have parameters, too."""
+    late = diagnose(campaign_with(find_effect("cubic_stiffness")(cubic_n_per_m3=3e6), lag=0.02))
+    assert {effect.name for effect in late.effects} == {"cubic_stiffness", "clock_offset"}
+    drawn = []
+    monkeypatch.setattr(
+        "reliab.report.kinds.discrepancy_figures.discrepancy_posterior",
+        lambda names, draws: drawn.append((names, draws.shape)),
+    )
+    names = ("clock_offset.lag_s", "cubic_stiffness.cubic_n_per_m3")
+    posterior_figure(
+        late, "specimen", SimpleNamespace(names=names, units=("s", "N/m³"), draws=np.zeros((5, 2)))
+    )
+    assert drawn == [(["time by which the force is recorded later [s]", "cubic stiffness [N/m³]"], (5, 2))]
 
 
 def test_errors_stand_by_test_and_with_and_without_each_effect(damped):

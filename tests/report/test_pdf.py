@@ -3,6 +3,8 @@
 import datetime as dt
 import json
 import re
+import shutil
+import subprocess
 import time
 import zlib
 
@@ -74,6 +76,21 @@ def test_bytes_are_the_same_whenever_it_is_written(tmp_path):
     time.sleep(1.1)
     write_pdf(report(), tmp_path / "second.pdf", date=DATE)
     assert (tmp_path / "first.pdf").read_bytes() == (tmp_path / "second.pdf").read_bytes()
+
+
+@pytest.mark.parametrize("tool", [("pdfinfo",), ("qpdf", "--check")])
+def test_tools_read_a_report_without_complaint(tmp_path, tool):
+    if shutil.which(tool[0]) is None:
+        pytest.skip(f"{tool[0]} is not installed")
+    write_pdf(report(), tmp_path / "report.pdf", date=DATE)
+    read = subprocess.run([*tool, tmp_path / "report.pdf"], check=True, capture_output=True, text=True)  # noqa: S603 - a tool
+    assert read.stderr == ""
+
+
+def test_catalogue_of_a_tagged_report_leaves_out_a_default_that_readers_stumble_over():
+    pdf = compiled_report(report(), date=DATE)
+    assert b"/Marked true" in pdf
+    assert b"/Suspects" not in pdf
 
 
 def test_the_date_is_written():

@@ -1,5 +1,6 @@
 """A rig's folder: a test is there whole or not at all, for any number of writers."""
 
+import csv
 import json
 import os
 import signal
@@ -54,6 +55,18 @@ def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
     (tmp_path / "table.csv").unlink()
     assert folder.table().rows == rows
     assert rows[0]["current"] == 0.4
+
+
+def test_no_text_of_the_table_is_a_formula(tmp_path):
+    texts = {"note": "=1+1", "name": "@x", "covariates": {"=y": 1.0}}
+    keep(tmp_path, rig_test(1, **texts), rig_test(2))
+    rows = RigFolder.opened(tmp_path).table().rows
+    assert RigFolder.opened(tmp_path).table().rows == rows
+    assert rows[0]["note"] == "=1+1"
+    with (tmp_path / "table.csv").open(encoding="utf-8") as table:
+        cells = [cell for row in csv.reader(table) for cell in row]
+    assert "'=1+1" in cells
+    assert not any(cell.startswith(("=", "@")) for cell in cells)
 
 
 def test_reading_a_copy_of_a_rig_does_not_write(tmp_path):

@@ -8,13 +8,14 @@ import pytest
 from reliab import ellipses
 from reliab.errors import InputError
 from reliab.indices.response_error import relative_error
-from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.motions import Motion, MotionSuite, load_motions, resample
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
+from reliab.sweep import ExplicitGrid
 from reliab.vocabulary import Metric
 
 
@@ -59,6 +60,26 @@ def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, co
         found = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
         assert found[Metric.RMS] < 1e-4
         assert found[Metric.MTE] < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "rms", "mte"), [(200.0, 1e-5, 2e-4), (50.0, 6e-5, 8e-4)])
+def test_pole_engine_agrees_with_an_independent_kernel(rate, rms, mte):
+    """The other kernel steps one pole at the record's own step, and errs by as much as is allowed here."""
+    from benchmarks.independent_kernel import Kernel
+
+    motion = resample(load_motions("synthetic")[0], rate)
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    cells = ExplicitGrid().cells(structure)
+    loop = Loop(
+        excitation=Excitation(acceleration=motion.acceleration, time_step=motion.time_step),
+        structure=structure,
+        engine=Engine.POLE,
+    )
+    ours, usual = loop.deviation(cells), cells.delay < 0.9 * critical_delay(structure, cells.gain)
+    other = Kernel(structure, cells.gain, cells.delay, motion.time_step).errors(motion.acceleration)
+    for metric, errors, tolerance in zip(Metric, other, (rms, mte), strict=True):
+        assert np.abs(errors - relative_error(ours, metric))[usual].max() < tolerance
 
 
 @pytest.mark.parametrize("delay", [0.0, 1e-4, 0.001, 0.004, 0.0149, 0.016, 0.05])

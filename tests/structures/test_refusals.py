@@ -33,22 +33,37 @@ def partition(**changed):
 @pytest.mark.parametrize(
     ("make", "rule"),
     [
-        (lambda: Structure(frequency=0.0, damping_ratio=0.05), "positive and finite; found 0.0 Hz"),
-        (lambda: Structure(frequency=math.inf, damping_ratio=0.05), "positive and finite; found inf Hz"),
-        (lambda: Structure(frequency=0.009, damping_ratio=0.05), "between 0.01 and 1e6 Hz; found 0.009"),
-        (lambda: Structure(frequency=1.1e6, damping_ratio=0.05), "between 0.01 and 1e6 Hz; found 1.1e"),
-        (lambda: Structure(frequency=1.0, damping_ratio=1.0), "between 0 and 1; found 1.0"),
-        (lambda: Structure(frequency=1.0, damping_ratio=0.0), "between 0 and 1; found 0.0"),
-        (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least"),
+        (lambda: Structure(frequency=0.0, damping_ratio=0.05), "between 0.01 and 10,000 Hz; found 0 Hz"),
+        (
+            lambda: Structure(frequency=math.inf, damping_ratio=0.05),
+            "between 0.01 and 10,000 Hz; found inf Hz",
+        ),
+        (lambda: Structure(frequency=0.009, damping_ratio=0.05), "between 0.01 and 10,000 Hz; found 0.009"),
+        (lambda: Structure(frequency=1.1e4, damping_ratio=0.05), "between 0.01 and 10,000 Hz; found 11,000"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1.0), "at least 1e-06 and below 1; found 1"),
+        (lambda: Structure(frequency=1.0, damping_ratio=0.0), "at least 1e-06 and below 1; found 0"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least 1e-06"),
         (
             lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1e-15),
-            "share of the stiffness in the laboratory must be at least",
+            "share of the stiffness in the laboratory must be between 1e-06 and 1",
         ),
-        (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.0), r"lie in \(0, 1\]"),
-        (lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1.1), r"lie in \(0, 1\]"),
-        (lambda: Specimen(stiffness=-1.0), "specimen's stiffness must be finite and not negative"),
-        (lambda: Specimen(stiffness=1.0, mass=math.inf), "specimen's mass must be finite and not negative"),
-        (lambda: Specimen(stiffness=1.0, damping=math.nan), "specimen's damping must be finite; found nan"),
+        (
+            lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.0),
+            "between 1e-06 and 1",
+        ),
+        (
+            lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1.1),
+            "between 1e-06 and 1",
+        ),
+        (lambda: Specimen(stiffness=-1.0), "stiffness of the specimen must be 0, or between"),
+        (
+            lambda: Specimen(stiffness=1.0, mass=math.inf),
+            "mass of the specimen must be 0, or between .* found inf kg",
+        ),
+        (
+            lambda: Specimen(stiffness=1.0, damping=math.nan),
+            "damping coefficient of the specimen must be .* found nan",
+        ),
         (lambda: partition(interface=np.zeros(1)), "not all zero; found"),
         (lambda: partition(interface=np.ones(2)), "needs 1 finite numbers"),
         (lambda: partition(interface=np.array([math.nan])), "not all zero; found"),
@@ -74,7 +89,7 @@ def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
 
 
 def test_bounds_themselves_are_allowed():
-    for frequency in (0.01, 1e6):
+    for frequency in (0.01, 1e4):
         assert Structure(frequency=frequency, damping_ratio=0.05, experimental_fraction=1.0)
     assert find_effect("sensor_bias")(bias_m=-0.001)
     assert parameter(lower=-1.0, signed=True)

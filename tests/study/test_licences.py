@@ -15,6 +15,7 @@ PERMISSIVE = re.compile(
 COPYLEFT = re.compile(r"GPL|MPL|EUPL|CDDL|EPL|Affero|Reciprocal|Proprietary", re.IGNORECASE)
 REASONS: dict[str, str] = {
     "nptdms": "an extra that a user installs to read TDMS; under the LGPL, imported unchanged",
+    "obspy": "an extra that a user installs to read miniSEED; under the LGPL, imported unchanged",
 }
 """Why a package may be used although its licence is not permissive."""
 
@@ -47,7 +48,9 @@ def fault(licence):
     return "copyleft" if COPYLEFT.search(licence) else "unknown"
 
 
-@pytest.mark.parametrize("name", sorted({*environment()["packages"], *of_extra("recordings")}))
+@pytest.mark.parametrize(
+    "name", sorted({*environment()["packages"], *of_extra("recordings"), *of_extra("records")})
+)
 def test_every_package_has_a_permissive_licence_or_a_reason(name):
     assert name in REASONS or not fault(stated(name)), f"{name}: {stated(name)!r} is {fault(stated(name))}"
 

@@ -50,7 +50,7 @@ def test_dimensions_variables_and_labels(results, suite):
         assert variable.attrs["long_name"]
     assert results["event"].values.tolist() == list(suite.events)
     assert results["checksum"].values.tolist() == [motion.checksum for motion in suite]
-    assert results.attrs["schema_version"] == 1
+    assert results.attrs["schema_version"] == 2
     for attribute in ("engine", "window", "tolerance", "versions", "study_hash"):
         assert results.attrs[attribute]
 

@@ -28,6 +28,7 @@ def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
     asked = {"thresholds": (0.03, 0.05), "metrics": (Metric.RMS, Metric.MTE)}
     found = trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked))
     expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,), **asked))
+    expected = expected.drop_dims("length")  # how a frame's records can be cut is not known
     assert found.sizes == expected.sizes
     for name in ("a", "b", "error_at_rest"):
         np.testing.assert_allclose(found[name].values, expected[name].values, rtol=5e-3)

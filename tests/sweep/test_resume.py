@@ -174,7 +174,7 @@ def test_existing_store_is_not_overwritten(own_store, suite, request_):
 
 
 @pytest.mark.parametrize(
-    "place", ["motion/c.0", "rms/c.0.0.0.0.0", "journal/c.0", "rms/zarr.json", "mte", ".lock"]
+    "place", ["motion/c.0", "rms/c.0.0.0.0.0", "journal/entries/c.0", "rms/zarr.json", "mte", ".lock"]
 )
 def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_, tmp_path, place, contents):
     """A store may come from somewhere else, with a link to any file of whoever resumes it."""
@@ -232,8 +232,8 @@ def test_what_is_no_store_is_named(tmp_path, what):
 
 def test_a_store_of_another_version_is_named(own_store):
     metadata = own_store / "zarr.json"
-    metadata.write_text(metadata.read_text().replace('"schema_version": 1', '"schema_version": 99'))
-    with pytest.raises(InputError, match="schema version 1"):
+    metadata.write_text(metadata.read_text().replace('"schema_version": 2', '"schema_version": 99'))
+    with pytest.raises(InputError, match="schema versions 1 and 2"):
         open_results(own_store)
 
 

@@ -43,6 +43,14 @@ def test_a_record_is_known_whatever_it_is_called(real):
     assert earthquakes_among(["mine", "mine"], [checksum, "0" * 64], real) == ["KOBE", None]
 
 
+def test_a_copy_of_a_record_is_of_its_earthquake(real):
+    """Scaled or trimmed, it has another checksum, and the same outline."""
+    place = real["event"].values.tolist().index("KOBE")
+    outline = str(real["outline"].values[place])
+    other = "".join("0123456789abcdef"[15 - int(digit, 16)] for digit in outline)
+    assert earthquakes_among(["mine"] * 2, ["0" * 64] * 2, real, [outline, other]) == ["KOBE", None]
+
+
 def test_earthquakes_that_do_not_ship_are_known_by_their_own_names():
     suite = xr.Dataset(coords={"event": ("motion", ["TOHOKU 2011-03-11", "Maule"])})
     assert earthquakes_among(["Tohoku", "MAULE 2010-02-27", "Illapel"], ["", "", ""], suite) == [

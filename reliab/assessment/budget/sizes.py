@@ -13,6 +13,7 @@ import numpy as np
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.described_files import parse_toml, read_toml
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.stated_value import StatedValue
 from reliab.structures import Structure, is_part
@@ -24,6 +25,14 @@ if TYPE_CHECKING:
 _SLOW = 1.0 / 1000.0  # s: controllers of real-time hybrid tests mostly run at 1024 Hz and more
 _RULE = "A laboratory's sizes are a TOML file of numbers that are not negative"
 _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budget/defaults.toml"
+
+
+_QUANTITIES: Mapping[str, str] = {
+    **dict.fromkeys(("f", "xi", "alpha", "scale", "hysteresis"), "relative standard deviation"),
+    **dict.fromkeys(("skew_ms", "filter_delay_ms", "feedback_lag_ms"), "time"),
+    "skew_samples": "skew",
+    "yielding": "probability",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +66,11 @@ class Equipment:
     force_scale: float = 0.01
     integration: float = 0.3  # Of the error of a time step, over (ω·step)² of the specimen's force [-]
 
+    def __post_init__(self) -> None:
+        for size in fields(self):
+            if (value := getattr(self, size.name)) is not None:
+                require_physical(_QUANTITIES[size.name], value, zero=True, called=f"size {size.name}")
+
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""
         of_samples = self.skew_samples * time_step
@@ -88,11 +102,13 @@ def read_equipment(path: str | Path) -> Equipment:
     Those that it leaves out stay as they ship; another name, or a negative number, is refused.
     """
     sizes = read_toml(path, rule=_RULE, remedy=_REMEDY)
-    known = {field.name for field in fields(Equipment)}
     for name, value in sizes.items():
-        if name not in known or isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
+        if name not in _QUANTITIES or isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(_RULE, value=f"{name} = {value!r}", remedy=_REMEDY, where=str(path))
-    return replace(ordinary_equipment(), **sizes)
+    try:
+        return replace(ordinary_equipment(), **sizes)
+    except InputError as error:
+        raise error.at(str(path)) from None
 
 
 class Source(StrEnum):

@@ -12,7 +12,7 @@ about their start, and the best of them are improved by the method of Levenberg 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 import scipy
@@ -34,6 +34,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     STRUT_TRAITS,
 )
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
+from reliab.progress import show_task
 
 _LAWS = {
     Kind.SMOOTH_PINCHED: SMOOTH_TRAITS,
@@ -84,9 +85,22 @@ class FoundLaw:
 
 
 def search_laws(path: MeasuredPath) -> tuple[FoundLaw, ...]:
-    """Search for the traits of each law of hysteresis that explain the force best."""
+    """Search for the traits of each law of hysteresis that explain the force best; this takes longest."""
     beside = path.responses(elements_of_family("laws", path.largest, path.speed))
-    return tuple(_search(path, kind, traits, beside) for kind, traits in _LAWS.items())
+    trials, total = 0, sum(_DRAWN + _IMPROVED * _STEPS * _trials_in_step(traits) for traits in _LAWS.values())
+    with show_task("Learning the specimen") as progress:
+
+        def report(further: int) -> None:
+            nonlocal trials
+            trials += further
+            progress(trials, total)
+
+        return tuple(_search(path, kind, traits, beside, report) for kind, traits in _LAWS.items())
+
+
+def _trials_in_step(traits: Sequence[object]) -> int:
+    """How many times a step of Levenberg and Marquardt computes what is missed, about."""
+    return len(traits) + 2
 
 
 def _search(
@@ -94,6 +108,7 @@ def _search(
     kind: Kind,
     traits: Sequence[tuple[str, float, float, float]],
     beside: Array,
+    report: Callable[[int], None],
 ) -> FoundLaw:
     """Find size and traits of one law; `beside`: what stands beside it, as it is seen, shape (rows, m)."""
     _, *columns = zip(_YIELDS, *traits, strict=True)
@@ -114,8 +129,14 @@ def _search(
 
     drawn = begin + _SPREAD * np.random.default_rng(_SEED).standard_normal((_DRAWN, begin.size))
     drawn[0] = begin
-    first = sorted(drawn, key=lambda logits: float(np.sum(missed(logits) ** 2)))[:_IMPROVED]
-    found = min((_improved(missed, logits) for logits in first), key=lambda one: one[1])[0]
+
+    def misfit(logits: Array) -> float:
+        report(1)
+        return float(np.sum(missed(logits) ** 2))
+
+    first = sorted(drawn, key=misfit)[:_IMPROVED]
+    steps = partial(report, _trials_in_step(traits))
+    found = min((_improved(missed, logits, steps) for logits in first), key=lambda one: one[1])[0]
     return law(found, _moves(missed, found, path.blocks))
 
 
@@ -134,11 +155,14 @@ def _derivatives(missed: Callable[[Array], Array], logits: Array, left: Array) -
     return np.array([(missed(logits + step) - left) / _DIFFERENCE for step in steps])
 
 
-def _improved(missed: Callable[[Array], Array], logits: Array) -> tuple[Array, float]:
+def _improved(
+    missed: Callable[[Array], Array], logits: Array, report: Callable[[], None]
+) -> tuple[Array, float]:
     """Logits after some steps of Levenberg and Marquardt, and the squared misfit with them."""
     left, damping = missed(logits), 1e-2
     misfit = float(left @ left)
-    for _ in range(_STEPS):
+    for step_number in range(_STEPS):
+        report()
         columns = _derivatives(missed, logits, left)
         normal, slope = columns @ columns.T, columns @ left
         before = misfit
@@ -152,6 +176,8 @@ def _improved(missed: Callable[[Array], Array], logits: Array) -> tuple[Array, f
                 break
             damping *= 5.0
         if misfit > (1.0 - _GAIN) * before:
+            for _ in range(step_number + 1, _STEPS):
+                report()  # of steps that are not needed
             break
     return logits, misfit
 

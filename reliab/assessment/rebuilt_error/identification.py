@@ -126,11 +126,12 @@ def identify(
     *,
     force: Array | None = None,
     feedback_lag: float = 0.0,
+    absolute: bool = False,
 ) -> Identification:
     """Estimate frequency, damping ratio, share in the laboratory and feedback lag.
 
     `command`, `measured` [m]; `ground_acceleration` [m/s²]; `time_step` [s]; `force` [m/s²]; `feedback_lag`
-    [s].
+    [s]; `absolute`: whether the acceleration is that of ground and response together.
 
     >>> from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
@@ -145,7 +146,7 @@ def identify(
     _check(command, measured, ground_acceleration, force, time_step, structure)
     kernel = Kernel.of_frequency(structure.frequency, time_step)
     moved = [kernel.seen(command, order) for order in range(3)]
-    shaken = kernel.seen(ground_acceleration, 0)
+    shaken = kernel.seen(ground_acceleration, 0) - (moved[2] if absolute else 0.0)
     if force is None:
         return _without_force(moved, shaken, kernel, structure, feedback_lag, measured)
     return _with_force(moved, shaken, kernel, structure, feedback_lag, force, measured)

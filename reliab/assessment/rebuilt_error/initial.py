@@ -19,6 +19,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.structures import Partition
 
@@ -192,8 +193,7 @@ def checked_histories(
             raise InputError(f"The {name} must be finite throughout", remedy="Repair the recording")
     if not np.ptp(command, axis=-1).any():
         raise InputError("The command must move", remedy="Check that the column is the right one")
-    if not (np.isfinite(step) and step > 0.0):
-        raise InputError("The time step must be positive", value=f"{step} s")
+    require_physical("time step", step)
     lowest = float(structure.natural_frequencies[0])
     if lowest * step * _FEWEST_PER_PERIOD > 1.0:
         raise InputError(

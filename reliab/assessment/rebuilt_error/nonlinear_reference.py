@@ -14,6 +14,7 @@ which is the ground acceleration where model and test agree; the recorded one is
 this is the equation of `rebuild`.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -37,6 +38,7 @@ from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects import Effect, Role
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
 from reliab.structures import Partition
 
@@ -126,6 +128,12 @@ def tangent_structure(test: HybridTest) -> Partition:
         )
     numerical = test.substructure
     k, c, m = (value / test.mass for value in (specimen.stiffness, specimen.damping, specimen.mass))
+    require_physical(
+        "natural frequency",
+        math.sqrt((numerical.stiffness + k) / (1.0 + m)) / (2.0 * math.pi),
+        called="natural frequency of the model with its linear specimen",
+        remedy="Give the specimen of the model its stiffness, or the computer a part of it",
+    )
     return Partition.of_structure(test.structure).changed(
         mass=np.array([[1.0 + m]]),
         damping=np.array([[numerical.damping + c]]),

@@ -231,6 +231,11 @@ class Monitor(RunningTest):
         return self._running.size
 
     @property
+    def is_whole(self) -> bool:
+        """Whether no stretch was forgotten yet."""
+        return self._running.kept == self._running.size
+
+    @property
     def error(self) -> Array:
         """x_m − x_I of the stretch that is not yet forgotten, without the sensor's offset [m], shape (k,)."""
         return self._running.error

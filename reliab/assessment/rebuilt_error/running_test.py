@@ -22,6 +22,7 @@ from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings import LARGEST_READING
 from reliab.structures import Partition
 from reliab.vocabulary import Metric
@@ -161,8 +162,7 @@ class RunningTest(ABC):
     """Periods of the structure by which it must grow at least."""
 
     def __init__(self, structure: Partition, time_step: float) -> None:
-        if not (np.isfinite(time_step) and time_step > 0.0):
-            raise InputError("The time step must be positive", value=f"{time_step} s")
+        require_physical("time step", time_step)
         self.structure, self.time_step = structure, time_step
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
         self._energy = LoopEnergy(watched_modes(structure, time_step))
@@ -229,6 +229,16 @@ class RunningTest(ABC):
         """Time for which a peak has not doubled [s] and low end of the error so far, of each displacement."""
         if self._low[metric] > 0.0:
             yield self._calm, self._low[metric] * (self.now.size(metric) or 0.0)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all samples are held, so that the test can be judged as one that is assessed."""
+        return True
+
+    @property
+    def moves(self) -> bool:
+        """Whether a displacement stands out of the noise of its sensor."""
+        return self._energy.moves
 
     @property
     def due(self) -> bool:

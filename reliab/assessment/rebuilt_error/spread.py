@@ -21,7 +21,10 @@ from reliab.vocabulary import Metric
 LEVEL = 0.90
 """Level of the intervals."""
 
-HALF_WIDTH = float(scipy.special.ndtri(0.5 + 0.5 * LEVEL))
+ENDS = 0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL
+"""Shares of the draws below the ends of an interval."""
+
+HALF_WIDTH = float(scipy.special.ndtri(ENDS[1]))
 """Half width of a 90 % interval in standard deviations."""
 
 _SMALLEST = 0.01  # of the median RMS^R: an error below it has the weight of this one
@@ -87,7 +90,8 @@ class Spread:
 
     def interval(self, metric: Metric) -> tuple[float, float]:
         """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""
-        return weighted_interval(self.errors(metric), self.weights())
+        low, high = weighted_quantiles(self.errors(metric), self.weights(), *ENDS)
+        return low, high
 
     def estimate(self, metric: Metric, value: float) -> Estimate:
         """Value of RMS^R or MTE^R with its 90 % interval, which holds the value."""
@@ -115,13 +119,12 @@ def spread_of_draws(statistics: Array, mean: Array, deviation: Array, places: Ar
     )
 
 
-def weighted_interval(values: Array, weights: Array) -> tuple[float, float]:
-    """Return the ends of the 90 % interval of draws, each with its weight."""
+def weighted_quantiles(values: Array, weights: Array, *shares: float) -> tuple[float, ...]:
+    """Return quantiles of draws, each with its weight."""
     order = np.argsort(values)
     ordered = weights[order]
     places = (np.cumsum(ordered) - 0.5 * ordered) / ordered.sum()
-    low, high = np.interp([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], places, values[order])
-    return float(low), float(high)
+    return tuple(np.interp(shares, places, values[order]).tolist())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

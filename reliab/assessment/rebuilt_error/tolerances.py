@@ -1,10 +1,9 @@
 """Standard deviations of stated values."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
-from reliab.errors import InputError
+from reliab.physical_range import require_physical
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,17 +43,8 @@ class Tolerances:
 
     def __post_init__(self) -> None:
         for name, value in self.items():
-            if not (math.isfinite(value) and (value >= 0.0 or name in _SIGNED)):
-                raise InputError(
-                    "A tolerance must be finite and not negative", value=value, where=_spoken(name)
-                )
-            if name in _RELATIVE and value >= _LARGEST:
-                raise InputError(
-                    "A relative tolerance is a standard deviation below one third",
-                    value=value,
-                    remedy="Give 0.01 for 1 %",
-                    where=_spoken(name),
-                )
+            quantity = "relative standard deviation" if name in _RELATIVE else "number"
+            require_physical(quantity, value, zero=True, signed=name in _SIGNED, called=_spoken(name))
 
     def items(self) -> list[tuple[str, float]]:
         """Names and values in order, without those of parts and of single sensors."""
@@ -71,7 +61,6 @@ _RELATIVE = (
     "lagging_hysteresis",
 )
 _SIGNED = ("open_offset", "open_drift")
-_LARGEST = 1.0 / 3.0
 
 
 def _spoken(name: str) -> str:

@@ -35,16 +35,17 @@ def _lines(sentence: str) -> int:
 
 
 def _headline(content: dict[str, Any]) -> str:
-    from reliab.assessment import ERROR_NAMES, probability_text
+    from reliab.assessment import ERROR_NAMES, error_in_words
+    from reliab.assessment.rebuilt_error import Estimate
 
     word, metric, error = content["verdict"].replace("_", " ").upper(), content["metric"], content["error"]
     if error[metric]["value"] is None:
         return f"{word}: {content['reasons'][-1]}"
-    size = percent(error[metric]["value"], decimals=2)
-    return (
-        f"{word}: {ERROR_NAMES[metric]}{_of_governing(error)} is {size}, below "
-        f"{percent(content['threshold'])} with probability {probability_text(content['probability'])}"
+    name, size = (
+        f"{ERROR_NAMES[metric]}{_of_governing(error)}",
+        Estimate(**{end: error[metric][end] for end in ("value", "low", "high")}),
     )
+    return f"{word}: {error_in_words(name, size, content['threshold'], content['probability'])}"
 
 
 def _of_governing(error: dict[str, Any]) -> str:
@@ -53,10 +54,14 @@ def _of_governing(error: dict[str, Any]) -> str:
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
+    from reliab.assessment import next_steps
+
     yield from content["reasons"][:-1]  # the last one says the size, as the headline does
     if content["error"][content["metric"]]["value"] is not None:
         yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
-    yield from (f"What would decide: {remedy}" for remedy in content["would_decide"])
+    narrowing = content["error"].get("would_decide", ())
+    yield from next_steps(content["would_decide"], narrowing)
+    yield from (f"What would narrow the interval most: {remedy}" for remedy in narrowing)
     yield from _improve(content["error"])
     yield from _widest(content)
     yield _tracking(content)
@@ -84,15 +89,13 @@ def _improve(error: dict[str, Any]) -> Iterator[str]:
 
 
 def _widest(content: dict[str, Any]) -> Iterator[str]:
-    """Largest contributions to the uncertainty of the error, and what would make the largest one smaller."""
+    """Largest contributions to the uncertainty of the error."""
     budget = content.get("budget", [])
     if budget:
         entries = (
             f"{item['quantity']} ±{percent(item['contribution'], decimals=2)}" for item in budget[:_LARGEST]
         )
         yield f"Most uncertain: {', '.join(entries)}."
-    if budget and not content["would_decide"]:
-        yield f"What would narrow the interval most: {budget[0]['remedy']}"
 
 
 def budget_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
@@ -118,8 +121,12 @@ def _tracking(content: dict[str, Any]) -> str:
     by_index = content.get("by_index")
     if by_index is None or by_index["index"] is None:
         return f"{tracked}."
-    word, index = by_index["verdict"].replace("_", " "), significant(by_index["index"])
-    return f"{tracked}; verdict of the criterion for A and d: {word} (index {index}, limit 1)."
+    return f"{tracked}. {index_in_words(by_index)}"
+
+
+def index_in_words(by_index: dict[str, Any]) -> str:
+    """Say what the criterion for A and d says of a test, and why."""
+    return f"By the criterion for A and d: {by_index['verdict'].replace('_', ' ')}. {by_index['reasons'][-1]}"
 
 
 def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:

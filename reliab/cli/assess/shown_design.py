@@ -21,7 +21,7 @@ def show_design(design: "Design") -> None:
     rows, first = design.tolerances, design.tolerances[0]
     shown = table(
         f"Tolerable errors at ξ = {first.damping_ratio:g}{_share(first)} for an error of "
-        f"{percent(first.threshold, decimals=0)}",
+        f"{percent(first.threshold)}",
         dict.fromkeys(
             ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
             "right",

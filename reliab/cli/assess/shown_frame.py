@@ -106,6 +106,7 @@ def _responses(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
 
 
 def _sentences(content: dict[str, Any]) -> Iterator[str]:
+    yield from ((content.get("by_index") or {}).get("reasons") or ())[-1:]
     if "critical_direction" in content and content["critical_delay_ms"] is not None:
         moved = ", ".join(
             f"{name} {significant(value, 2)}" for name, value in content["critical_direction"].items()

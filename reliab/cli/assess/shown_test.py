@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from reliab.cli.assess.shown_briefly import budget_table, show_remarks
+from reliab.cli.assess.shown_briefly import budget_table, index_in_words, show_remarks
 from reliab.cli.output import console, say, table
-from reliab.significant import percent, share_in_words, significant
+from reliab.significant import counted, percent, share_in_words, significant
 from reliab.vocabulary import PERCENT
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa:
     )
     size = "no limits for leads" if assessment.index is None else f"{significant(assessment.index)} (limit 1)"
     shown = table(
-        f"By the index: {assessment.verdict_by_index.word.shout.lower()}, {size}{against}",
+        f"Index of the criterion: {size}{against}",
         {"index": "left", "value": "right", "95 % interval": "left", "tolerable alone": "right"},
     )
     a, b = assessment.limits
@@ -120,8 +120,8 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
             f"Probability, by A and d under {basis}, that the error stays below the threshold: "
             f"{probability_text(assessment.index_probability)}."
         )
-    for reason in assessment.verdict_by_index.would_decide:
-        yield f"The index: {reason}"
+    yield index_in_words(summary["by_index"])
+    yield from assessment.verdict_by_index.would_decide
     if summary["stability_margin"] is not None:
         yield (
             f"Stability margin: {percent(summary['stability_margin'], decimals=0)} of the critical delay is "
@@ -156,7 +156,7 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     """Print the verdicts of tests."""
     judged = [content for content in contents if "fault" not in content]
     asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
-    shown = table(f"Verdicts on {len(contents)} tests{asked}", _COLUMNS)
+    shown = table(f"Verdicts on {counted(len(contents), 'test')}{asked}", _COLUMNS)
     for content in contents:
         shown.add_row(*_row(content))
     terminal = console()

@@ -1,4 +1,3 @@
-from .bootstrap import Bootstrap as Bootstrap
 from .bound import BoundMethod as BoundMethod, Scatter as Scatter, limits as limits
 from .conformal import Conformal as Conformal
 from .dirichlet import Dirichlet as Dirichlet
@@ -8,7 +7,6 @@ from .hierarchical.method import (
 )
 from .method import Learned as Learned, Method as Method
 from .order_statistic import OrderStatistic as OrderStatistic
-from .posterior import Posterior as Posterior
 from .predictive import Predictive as Predictive
 from .quantile import Quantile as Quantile
 from .registry import METHODS as METHODS, RECOMMENDED as RECOMMENDED, method_of as method_of

@@ -8,6 +8,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array
+from reliab.criterion.event_components import event_components
 from reliab.criterion.methods.bound import AssuredBound
 
 
@@ -17,8 +18,10 @@ class OrderStatistic(AssuredBound):
 
     Definition: in at least a share `assurance` of all suites, at least the stated share of the motions
     exceeds the bound, whatever their distribution. The bound is the r-th smallest value with the largest
-    r for which r − 1 or fewer of n motions below the true quantile are improbable enough (Wilks 1941);
-    without such an r, as with fewer than 59 motions for 95 % and 95 %, it is minus infinity.
+    r for which the share of the population below it, of the distribution Beta(r, n − r + 1), is small enough
+    (Wilks 1941); without such an r, as with fewer than 59 motions for 95 % and 95 %, it is minus infinity.
+    Motions of one earthquake are alike: both parameters shrink to as many independent motions as analysis of
+    variance finds.
 
     `assurance`: Share of suites for which the promise is kept, in (0, 1).
 
@@ -33,7 +36,9 @@ class OrderStatistic(AssuredBound):
 
     name: ClassVar[str] = "order_statistic"
     meaning: ClassVar[str] = "a bound by order statistics, free of any distribution"
-    exchangeable: ClassVar[str] = "motions, each counted as independent, of any distribution"
+    exchangeable: ClassVar[str] = (
+        "motions of any distribution, those of one earthquake correlated as analysis of variance finds"
+    )
     distribution_free: ClassVar[bool] = True
 
     def carried_confidence(self, n_motions: int, n_events: int) -> float:
@@ -42,9 +47,9 @@ class OrderStatistic(AssuredBound):
         return float((1.0 - self.assurance) ** (1.0 / n_motions))
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
-        del events
         n = logarithms.size
-        # The r-th smallest value is low enough when at least r motions lie below the true quantile.
+        worth = float(event_components(logarithms, events).effective_number) / n
         ranks = np.arange(1, n + 1)
-        kept = scipy.stats.binom.sf(ranks - 1, n, 1.0 - confidence) >= self.assurance
+        below = scipy.stats.beta(worth * ranks, worth * (n + 1 - ranks))
+        kept = below.cdf(1.0 - confidence) >= self.assurance
         return float(np.sort(logarithms)[kept.sum() - 1]) if kept.any() else -np.inf

@@ -1,15 +1,14 @@
 """Methods by the names they have on the command line."""
 
+import warnings
 from dataclasses import fields
 from typing import Any, Final, cast
 
-from reliab.criterion.methods.bootstrap import Bootstrap
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.order_statistic import OrderStatistic
-from reliab.criterion.methods.posterior import Posterior
 from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.tolerance import Tolerance
@@ -21,8 +20,8 @@ METHODS: Final[Registry[type[Method]]] = Registry(
     base=Method,
     group="reliab.criterion_methods",
     shipped=(
-        *(Quantile, Tolerance, Posterior, Predictive),
-        *(Dirichlet, OrderStatistic, Conformal, Bootstrap),
+        *(Quantile, Tolerance, Predictive),
+        *(Dirichlet, OrderStatistic, Conformal),
         *(HierarchicalNormal, HierarchicalRobust),
     ),
     name_of=lambda method: method.name,
@@ -33,12 +32,24 @@ RECOMMENDED: Final = Dirichlet.name
 """The method to rely on, used jointly for a and b: the default everywhere."""
 
 
+_MERGED: Final = {"posterior": Tolerance.name, "bootstrap": Tolerance.name}
+"""Former methods by their names, and the one that took their place."""
+
+
 def method_of(name: str, **settings: object) -> Method:
     """Make the method of a name.
 
     >>> method_of("tolerance", assurance=0.9)
     Tolerance(assurance=0.9)
     """
+    if name in _MERGED:
+        warnings.warn(
+            f"The method {name} is {_MERGED[name]} now, which counts motions of one earthquake as alike; the "
+            "former name ends with version 0.4",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        name = _MERGED[name]
     kind: Any = METHODS.find(name)
     given = {key: value for key, value in settings.items() if value is not None}
     for unknown in given.keys() - _parameters(name):

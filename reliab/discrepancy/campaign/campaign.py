@@ -1,5 +1,6 @@
 """A measured campaign: the operator's nominal model, and the tests."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -50,6 +51,11 @@ class MeasuredTest:
     def size(self) -> int:
         """Number of samples."""
         return next(iter(self.channels.values())).size
+
+
+def held_out_in_words(tests: Sequence[MeasuredTest], files: Iterable[str]) -> str:
+    """Name files that are held out of a campaign's tests, or the end of its only test."""
+    return f"last third of {tests[0].file}" if len(tests) == 1 else ", ".join(files)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,6 +147,11 @@ class Campaign:
             size = self.tests[0].size
             return (Stretch(test=0, begin=2 * size // 3, end=size),)
         return self._stretches(held_out=True)
+
+    @property
+    def held_out(self) -> str:
+        """What is held out, in words."""
+        return held_out_in_words(self.tests, [test.file for test in self.tests if test.held_out])
 
     def _stretches(self, *, held_out: bool) -> tuple[Stretch, ...]:
         return tuple(

@@ -11,14 +11,17 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from reliab.arrays import Array, Spectrum
 from reliab.assessment import (
+    doubts_of_force,
     doubts_of_ground,
-    noise_floor,
+    doubts_of_sign,
     plain_faults,
     require_plausible,
     require_restoring_force,
+    white_noise_share,
 )
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
@@ -37,6 +40,8 @@ _BINS_IN_BAND = (
 )
 _COHERENT = 0.8
 _NOISY = 0.001  # of the command's RMS
+_FOLLOWED = 0.3  # mean coherence of the upper half of the spectrum; that of noise is one over the stretches
+_LONGEST_STRETCH, _FEWEST_STRETCHES = 512, 8  # samples of a spectrum, and how many are averaged
 _AT_REST = 0.1  # of the largest displacement
 _SHARED, _ALIKE = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
 _STEEPEST = 2.0  # power of the frequency with which a rig answers
@@ -81,22 +86,29 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
             expected = replace(recording, command=campaign.nominal.actuator.gain * command)
             require_plausible(expected, stiffness=stiffness)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
-            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command))
+            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
+            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, measured))
             if campaign.structure is not None and force is not None:
                 shaken = replace(recording, ground=ground)
                 doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
                 yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
             require_restoring_force(measured, force, campaign.step, stiffness=stiffness, where=test.file)
+            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(measured, force, campaign.step))
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
 
 
-def _noise_of_command(command: Array) -> Iterator[str]:
-    """Say that a command holds noise, which a diagnosis takes for motion."""
-    floor, total = noise_floor(command)
-    share = np.sqrt(floor * (command.size // 2) / total)
-    if share > _NOISY:
+def _noise_of_command(command: Array, measured: Array) -> Iterator[str]:
+    """Say that a command holds noise, which a diagnosis takes for motion.
+
+    What the rig follows at the highest frequencies is motion, as of a random command.
+    """
+    share = np.sqrt(white_noise_share(command))
+    length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
+    frequency, coherence = signal.coherence(command, measured, nperseg=length)
+    followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _FOLLOWED
+    if share > _NOISY and not followed:
         yield (
             f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is "
             "taken as exact: a lag of the actuator, an added mass or an error of the integration may be this "

@@ -35,6 +35,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from reliab.described_files import described_text, faults_in_words, keys_of, parse_toml
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.errors import InputError
+from reliab.physical_range import Physical
 from reliab.received import named_within
 from reliab.recordings import (
     FEWEST_SAMPLES,
@@ -61,8 +62,6 @@ _CHANNELS: Final[Mapping[str, Channel]] = {
 _RATE_TOLERANCE = 2e-3
 
 CAMPAIGN_FILE = "campaign.toml"
-_Positive = Annotated[float, Field(ge=1e-30, le=1e30)]  # whose squares are numbers
-_NotNegative = Annotated[float, Field(ge=0.0, le=1e30)]
 MOST_SAMPLES = 3_000_000
 """Largest number of samples of all tests, a thousand tests of 23 s at 128 Hz. By extrapolation from 4 and 16
 tests a diagnosis then takes about 4 GB and two hours."""
@@ -158,12 +157,12 @@ class _Table(BaseModel):
 class StructureTable(_Table):
     """Nominal structure of one degree of freedom, as the operator assumes it."""
 
-    frequency_hz: _Positive = Field(description="Natural frequency")
-    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(description="Damping ratio ξ")
-    mass_kg: _Positive | None = Field(
+    frequency_hz: Annotated[float, Physical("natural frequency")] = Field(description="Natural frequency")
+    damping_ratio: Annotated[float, Physical("damping ratio")] = Field(description="Damping ratio ξ")
+    mass_kg: Annotated[float, Physical("mass")] | None = Field(
         default=None, description="Mass, which scales the force; without it forces are those of a unit mass"
     )
-    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = Field(
+    experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = Field(
         default=1.0, description="Share α of the stiffness that stands in the laboratory"
     )
 
@@ -179,22 +178,32 @@ class FrameTables(_Table):
 class ActuatorTable(_Table):
     """Nominal actuator. Left out where the command is not recorded."""
 
-    gain: _Positive = Field(default=1.0, description="Measured over commanded displacement")
-    delay_s: _NotNegative = Field(default=0.0, description="Time by which the piston is late")
+    gain: Annotated[float, Physical("actuator's gain")] = Field(
+        default=1.0, description="Measured over commanded displacement"
+    )
+    delay_s: Annotated[float, Physical("actuator's delay", zero=True)] = Field(
+        default=0.0, description="Time by which the piston is late"
+    )
 
 
 class SpecimenTable(_Table):
     """Nominal specimen, where it is not the structure's own spring."""
 
-    stiffness_n_per_m: _NotNegative = Field(default=0.0, description="Stiffness")
-    damping_n_s_per_m: _NotNegative = Field(default=0.0, description="Damping coefficient")
-    mass_kg: _NotNegative = Field(default=0.0, description="Mass that moves with the piston")
+    stiffness_n_per_m: Annotated[float, Physical("stiffness", zero=True)] = Field(
+        default=0.0, description="Stiffness"
+    )
+    damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True)] = Field(
+        default=0.0, description="Damping coefficient"
+    )
+    mass_kg: Annotated[float, Physical("mass", zero=True)] = Field(
+        default=0.0, description="Mass that moves with the piston"
+    )
 
 
 class SamplingTable(_Table):
     """How all tests were sampled."""
 
-    rate_hz: _Positive = Field(description="Samples in a second")
+    rate_hz: Annotated[float, Physical("sampling rate")] = Field(description="Samples in a second")
 
 
 class TestTable(_Table):

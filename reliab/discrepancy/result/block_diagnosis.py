@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.campaign.campaign import held_out_in_words
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR
@@ -145,6 +146,11 @@ class BlockDiagnosis:
     def verdict(self) -> Verdict:
         """The answer for this block in one word."""
         return Verdict.from_effects(self.effects, self.doubtful, self.unknown)
+
+    @property
+    def held_out(self) -> str:
+        """What is held out, in words."""
+        return held_out_in_words(self.block.tests, self.gap.held_out)
 
     @property
     def misstated(self) -> tuple[Estimate, ...]:

@@ -112,6 +112,11 @@ class Diagnosis(ResultWithRows):
         remarks = [*self.faults, *contradicted, *scale, *either, *(effect.remark for effect in self.doubtful)]
         for block in self.blocks:
             remarks += _limits_of(block)
+        if len(self.campaign.tests) == 1:
+            remarks.append(
+                f"{self.campaign.tests[0].file} is the only test: effects were sought in its first two "
+                "thirds and verified on its last third. Add a second test for a proof on other motion."
+            )
         remarks += [
             f"{test.file} has only {test.size} samples: it says little about any effect."
             for test in self.campaign.tests

@@ -34,6 +34,7 @@ _TELLS = {
         "Slow cycles of the same amplitude leave the inertia out",
 }  # fmt: skip
 _OTHERWISE = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
+_LEAST_RIVAL = 0.01  # probability of an effect that is named as another one's rival
 _DAMPING = "structure_damping"
 _STEP = 1e-4  # of a coordinate
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
@@ -204,9 +205,9 @@ def telling_test(effect: str, rival: str) -> str:
 
 
 def remark(name: str, probability: float, rival: tuple[str, float] | None) -> str:
-    """State from which other effect an effect cannot be distinguished."""
+    """State from which other effect an effect cannot be distinguished, if one is probable at all."""
     words = name.replace("_", " ")
-    if rival is None:
+    if rival is None or rival[1] < _LEAST_RIVAL:
         return f"The data suggest {words}, but do not settle it. {_OTHERWISE}."
     rival_name = rival[0].replace("_", " ")
     return (

@@ -4,7 +4,7 @@
 // share of motions of further earthquakes (method "dirichlet", reliab/criterion/methods/joint.py). Between the
 // structures that were simulated, a/xi^2 and b w0^2/xi^2 are interpolated in ln f and ln xi.
 
-import { isMeaningless, lengthsTogether, motionsAt, neighbours } from "./ellipses.js";
+import { isMeaningless, motionsAt, neighbours } from "./ellipses.js";
 import { learn, quantile } from "./further_motion.js";
 
 // Limits for a = 1, b = 1 in dimensionless form: xi^2 [-] and (xi/w0)^2 [ms^2].
@@ -64,7 +64,7 @@ function once(key, compute) {
 
 function nodeMotions(ellipses, question, row, column) {
   const { metric, side, threshold, duration } = question;
-  const key = [ellipses.name, metric, side, threshold, duration, lengthsTogether(ellipses, question), row, column].join();
+  const key = [ellipses.name, metric, side, threshold, duration, row, column].join();
   return once(key, () => motionsAt(ellipses, question, row, column));
 }
 

@@ -8,7 +8,7 @@ export async function unpack(packed) {
   const planes = new Uint8Array(await new Response(stream).arrayBuffer());
   const half = planes.length / 2, codes = new Uint16Array(half);
   for (let i = 0; i < half; i += 1) codes[i] = planes[i] | (planes[half + i] << 8);
-  const size = half / packed.tables;
+  const size = half / packed.windows.length;
   for (let i = size; i < half; i += 1) codes[i] = (codes[i] + codes[i % size]) & 0xffff;
   return { ...packed, codes, size };
 }
@@ -23,10 +23,10 @@ function logarithmAt({ codes, offsets, size }, window, place) {
 }
 
 // Logarithms of a and of b of all motions at a node of the grid, at any threshold, share and length of test.
-export function motionsAt(ellipses, { metric, side, threshold, duration, confidence }, row, column) {
+export function motionsAt(ellipses, { metric, side, threshold, duration }, row, column) {
   const { thresholds, frequencies, dampingRatios, motions } = ellipses;
   const [below, above, weight] = neighbours(thresholds, threshold);
-  const windows = windowsFor(ellipses, duration, confidence);
+  const windows = windowsFor(ellipses, duration);
   const metricPlace = ellipses.metrics.indexOf(metric), sidePlace = ellipses.sides.indexOf(side);
   const cells = frequencies.length * dampingRatios.length, half = ellipses.size / 2;
   const start = (t) => (((t * ellipses.metrics.length + metricPlace) * ellipses.sides.length + sidePlace) * cells +
@@ -63,24 +63,13 @@ export function neighbours(values, wanted) {
   return [above - 1, above, weight];
 }
 
-// Whether the criterion of whole records is one of all lengths together; larger shares protect every length.
-export function lengthsTogether({ windows, tables, protectedFrom }, { duration, confidence }) {
-  return duration === null && tables > windows.length && confidence < protectedFrom;
-}
-
 // Windows between which ellipses are interpolated for tests of a length [s]; null stands for whole records.
-function windowsFor(ellipses, duration, confidence = 1) {
-  const { windows } = ellipses;
-  if (lengthsTogether(ellipses, { duration, confidence })) return { below: windows.length, above: windows.length, weight: 0 };
+function windowsFor({ windows }, duration) {
   const lengths = windows.map(Number).filter((length) => length > 0).sort((p, q) => p - q);
   const place = (length) => windows.indexOf(String(length));
   if (duration === null || lengths.length === 0) return { below: 0, above: 0, weight: 0 };
   const above = lengths.find((length) => length >= duration) ?? lengths[lengths.length - 1];
   const below = [...lengths].reverse().find((length) => length <= duration) ?? lengths[0];
-  const near = Math.abs(Math.log(duration / below)) <= Math.abs(Math.log(duration / above)) ? below : above;
-  if (below === above || Math.abs(duration / near - 1) <= 0.01) {
-    return { below: place(near), above: place(near), weight: 0 };
-  }
-  const weight = Math.log(duration / below) / Math.log(above / below);
+  const weight = below === above ? 0 : Math.log(duration / below) / Math.log(above / below);
   return { below: place(below), above: place(above), weight };
 }

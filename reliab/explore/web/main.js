@@ -2,7 +2,7 @@
 
 import { inWords, prepareControls, question } from "./controls.js";
 import { band, carriedConfidence, limits, motionLimits, printedLimits, thresholdIsMeaningless } from "./criterion.js";
-import { lengthsTogether, unpack } from "./ellipses.js";
+import { unpack } from "./ellipses.js";
 import { drawOverFrequency } from "./over_frequency.js";
 import { describePlace, drawPlane, drawProbe } from "./plane.js";
 import { quantileOf } from "./fourier.js";
@@ -99,10 +99,8 @@ function explain() {
 
 // What the criterion promises of lengths, as the end of a sentence.
 function lengthsInWords(now) {
-  if (now.duration !== null || ellipses.tables === ellipses.windows.length) return "";
-  return lengthsTogether(ellipses, now)
-    ? ", all lengths together: short ones have less than the stated share, long ones more"
-    : ", every length protected";
+  if (now.duration !== null) return `, for records of ${Number(now.duration.toPrecision(3))} s`;
+  return ellipses.protection && `, ${ellipses.protection}`;
 }
 
 // Band and charts over frequency, in slices between which the controls answer; given up when they change.

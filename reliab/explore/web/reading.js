@@ -127,9 +127,12 @@ function stepOf(times) {
   const average = (times[times.length - 1] - times[0]) / steps.length;
   if (!(average > 0)) throw new ReadingError("Times must increase.");
   const rounded = steps.filter((step) => Math.abs(step - usual) > 0.01 * Math.abs(usual)).length > 0.01 * steps.length;
-  const [expected, allowed] = rounded ? [average, 1.01 * roundingOf(times)] : [usual, 0];
+  const rounding = 1.01 * roundingOf(times);
+  const [expected, allowed] = rounded ? [average, rounding] : [usual, 0];
   const wrong = steps.findIndex((step) => !(Math.abs(step - expected) <= allowed + 0.01 * Math.abs(expected)));
   if (wrong >= 0) throw new ReadingError(`Samples must follow each other at equal steps: row ${wrong + 2} does not.`);
+  const late = times.findIndex((time, i) => Math.abs(time - times[0] - i * average) > 0.02 * average + rounding);
+  if (late >= 0) throw new ReadingError(`The step between samples must not change: row ${late + 1} is off equal steps. ${ELSEWHERE}`);
   return average;
 }
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from typing import Generic, TypeVar
 
-from reliab.motions.faults import Report
-from reliab.motions.units import AccelerationUnit, find_unit
+from reliab.arrays import Array
+from reliab.motions.units import AccelerationUnit, ClockUnit
 
 T = TypeVar("T")
 
@@ -22,7 +22,7 @@ class Statement(Generic[T]):
     """One value that a header states."""
 
     value: T  # The value
-    line: int  # The line that states it
+    line: int | None  # The line that states it; None in a binary file
     tolerance: float = 0.0  # One unit in the last place that the header prints
 
 
@@ -30,23 +30,29 @@ class Statement(Generic[T]):
 class Header:
     """What a header says about one record of a file."""
 
-    start: int  # start, stop: Where the samples stand in the file [bytes]
-    stop: int
+    start: int = 0  # start, stop: Where the samples stand in the file [bytes]
+    stop: int = 0
     count: Statement[int] | None = None  # Number of samples
     time_step: Statement[float] | None = None  # Interval between samples [s]
     units: Statement[AccelerationUnit] | None = None  # Units of the samples
     # Units by definition of the format, where the header states none
     default_units: AccelerationUnit | None = None
     scale: float = 1.0  # Factor from the numbers in the file to the units
+    offset: float = 0.0  # The number in the file that stands for no acceleration
     # Whether the mean of the whole record is an instrument's offset and is subtracted
     remove_mean: bool = False
     width: int | None = None  # Columns that each number takes, where the format fixes it
-    # Numbers in each line, where that matters: one sample, or two with the sample's time first
-    columns: int | None = None
+    columns: int | None = None  # Numbers of a row, where samples stand in columns
+    column: int = 0  # The column of the samples, from 0
+    time_column: int | None = None  # The column of times or of sample numbers, from 0
+    time_unit: ClockUnit | None = None  # Unit of the times, where the header states it
+    has_rows: bool = True  # Whether each row of the columns is a line of the file
     delimiter: str = ""  # What separates numbers, besides blanks
-    missing: float | None = None  # The number that marks a missing sample
+    missing: tuple[float, ...] = ()  # Numbers that mark a missing sample
     event: str = ""  # The earthquake, where the header identifies it
     channel: str = ""  # The component, as the header calls it
+    applied: tuple[str, ...] = ()  # What the header says of its numbers and is applied, in words
+    values: Array | None = None  # The samples of a binary file, in place of numbers in its text
 
 
 def number(text: str) -> float | None:
@@ -71,46 +77,3 @@ def _decimal(text: str) -> Decimal:
         return Decimal(text.upper().replace("D", "E"))
     except InvalidOperation:
         return Decimal("NaN")
-
-
-def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
-    """Read a number of samples, or report that the text is not one."""
-    if re.fullmatch(r"\+?[0-9]{1,9}\.?", text):
-        count = int(text.rstrip("."))
-        if count > 1:
-            return Statement(value=count, line=line)
-    report.add(
-        "The number of samples in a header must be a whole number from 2 on",
-        line=line,
-        value=text or "nothing",
-        remedy="Correct the header",
-    )
-    return None
-
-
-def state_time_step(text: str, line: int, report: Report, *, factor: float = 1.0) -> Statement[float] | None:
-    """Read a time step, or report that the text is not one; the factor turns its unit into seconds."""
-    value = number(text)
-    if value is not None and 0 < value * factor < float("inf"):
-        return Statement(value=value * factor, line=line, tolerance=last_place(text) * factor)
-    report.add(
-        "The time step in a header must be a positive number",
-        line=line,
-        value=text or "nothing",
-        remedy="Correct the header or leave the record out",
-    )
-    return None
-
-
-def state_units(text: str, line: int, report: Report) -> Statement[AccelerationUnit] | None:
-    """Read the units of the samples, or report that the text names none."""
-    unit = find_unit(text)
-    if unit is not None:
-        return Statement(value=unit, line=line)
-    report.add(
-        "The units in a header must be g, cm/s2 or m/s2",
-        line=line,
-        value=repr(text.strip()),
-        remedy="Convert the record to acceleration in one of them",
-    )
-    return None

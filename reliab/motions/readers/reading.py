@@ -8,7 +8,13 @@ from reliab.arrays import Array
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
 from reliab.motions.readers.header import Header, Statement, last_place, may_round
-from reliab.motions.readers.samples import line_of_sample, parse_samples, separated, split_line
+from reliab.motions.readers.samples import (
+    count_rows,
+    line_of_sample,
+    parse_samples,
+    separated,
+    split_line,
+)
 from reliab.motions.readers.source import Source
 from reliab.motions.units import AccelerationUnit
 from reliab.vocabulary import STANDARD_GRAVITY
@@ -33,6 +39,7 @@ class Reading:
     time_step: float  # Interval between samples [s]
     event: str  # The earthquake, where the header identifies it
     units_stated: bool = True  # Whether the file itself, or its format, says in which units its samples are
+    applied: tuple[str, ...] = ()  # What the header says of its numbers and was applied, in words
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -40,13 +47,9 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
     """Read the samples that a header announces and turn them into acceleration."""
     sound = not report.faults
     units = _settle_units(header, declared, report, sound=sound)
-    regular = check_columns(source, header, report)
-    values = parse_samples(source, header, report)
-    if not regular:
-        values = None
-    elif values is not None and header.columns == TWO_COLUMNS:
-        values, header = split_times(source, header, values, report)
-    time_step = _settle_time_step(header, declared, report, sound=sound and header.columns != TWO_COLUMNS)
+    values, header = _read_samples(source, header, report)
+    has_times = header.time_column is not None
+    time_step = _settle_time_step(header, declared, report, sound=sound and not has_times)
     _check_against_catalogue(header, declared, report)
     if values is not None:
         values = _settle_count(source, header, values, report)
@@ -60,7 +63,28 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
         time_step=time_step,
         event=header.event,
         units_stated=header.units is not None or header.default_units is not None,
+        applied=header.applied,
     )
+
+
+def _read_samples(source: Source, header: Header, report: Report) -> tuple[Array | None, Header]:
+    """Read the numbers of a header's component; with times beside them, the header gets their step."""
+    if header.values is not None:
+        if np.isfinite(header.values).all():
+            return header.values, header
+        report.add("Every sample must be finite", value="NaN or infinity", remedy="Obtain the file again")
+        return None, header
+    regular = check_columns(source, header, report)
+    numbers = parse_samples(source, header, report)
+    if numbers is None or not regular or header.columns in {None, 1}:
+        return numbers if regular else None, header
+    rows = numbers[: numbers.size // header.columns * header.columns].reshape(-1, header.columns)
+    if not header.has_rows and header.count:
+        rows = rows[: max(header.count.value, len(rows) - _PAIRS_OF_A_LINE)]  # without padding
+    samples = rows[:, header.column]
+    if header.time_column is None:
+        return samples, header
+    return split_times(source, header, rows[:, header.time_column], samples, report)
 
 
 def _settle_units(
@@ -97,6 +121,15 @@ def _settle_time_step(header: Header, declared: Declared, report: Report, *, sou
             )
         return declared.time_step
     if declared.time_step is None:
+        if not _SHORTEST_STEP * (1 - _EXACT) <= of_header.value <= _LONGEST_STEP * (1 + _EXACT):
+            report.add(
+                f"The time step of a record must lie from {_SHORTEST_STEP:g} to {_LONGEST_STEP:g} s",
+                line=of_header.line,
+                value=f"{of_header.value:.6g} s",
+                remedy="Correct the header or state its unit, as in 10 ms, 0.1 kHz or time [ms]; "
+                "if the step is right, confirm it by `time_step` or a column dt_s in a catalogue",
+            )
+            return None
         return of_header.value
     if not may_round(declared.time_step, of_header):
         report.add(
@@ -161,6 +194,8 @@ def _in_si(source: Source, header: Header, values: Array, units: AccelerationUni
     _check_gaps(source, header, values, report)
     if header.remove_mean:
         values = values - values.mean()
+    if header.offset:
+        values = values - header.offset
     acceleration = values * (header.scale * units.in_si)
     if not acceleration.any():
         report.add(
@@ -182,67 +217,96 @@ def _in_si(source: Source, header: Header, values: Array, units: AccelerationUni
 
 
 def _check_gaps(source: Source, header: Header, values: Array, report: Report) -> None:
-    gaps = np.flatnonzero(values == header.missing) if header.missing is not None else np.array([])
+    marks = [*header.missing, *_usual_marks(values)]
+    gaps = np.flatnonzero(np.isin(values, marks)) if marks else np.array([])
     if gaps.size:
         report.add(
             "A record must have no gaps",
             line=line_of_sample(source, header, int(gaps[0])),
-            value=f"the mark of a missing sample, {header.missing:g}",
+            value=f"the mark of a missing sample, {values[gaps[0]]:g}"
+            + (f", {gaps.size} times" if gaps.size > 1 else ""),
             remedy="Fill the gap or leave the record out",
         )
 
 
-TWO_COLUMNS = 2
-"""Numbers in a line that holds a time and a sample."""
+_USUAL_MARKS = frozenset(
+    [*(float("9" * digits) for digits in range(3, 8)), 999.25, 999.9, 999.99, 32767.0, 32768.0]
+)
+_LARGEST_NUMBER = 1e10  # from which a number marks gaps: 1e20, 9.97e36 of netCDF, 1.7e38 of SMC
+_STANDING_OUT = 1.5  # times the largest deviation of the others, from which a usual mark is one
+_FAR_OUT = 3.0  # times the largest deviation of the others, from which any repeated number is a mark
+_REPEATED = 3  # times that a mark is repeated exactly
+_VARIED = 10  # fewest different numbers of a record
 
+
+def _usual_marks(values: Array) -> list[float]:
+    """Find a number that marks gaps although no header says so: -999 and such, or a repeated outlier."""
+    deviations = np.abs(values - np.median(values))
+    mark = float(values[deviations.argmax()])
+    others = deviations[values != mark]
+    if not others.size or deviations.max() <= _STANDING_OUT * others.max():
+        return []
+    is_usual = abs(mark) in _USUAL_MARKS or abs(mark) >= _LARGEST_NUMBER
+    is_repeated = values.size - others.size >= _REPEATED and deviations.max() > _FAR_OUT * others.max()
+    return [mark] if (is_usual or is_repeated) and np.unique(values).size >= _VARIED else []
+
+
+_EXACT = 1e-9  # relative rounding of a step in double precision
+_SHORTEST_STEP, _LONGEST_STEP = 0.0005, 0.1  # s; between them lie the steps of accelerograms
+_PAIRS_OF_A_LINE = 5  # times and samples, one pair after the other
 _JITTER = 0.01  # largest error of a time, as a share of the step
 _DIGITS = 12  # significant digits to which a step is known from times in double precision
+_MILLI = 1000  # how much too large times are that are milliseconds
 
 
 def check_columns(source: Source, header: Header, report: Report) -> bool:
     """Tell whether every line has the columns that the header expects; report the first that has not."""
     data = separated(source, header)
-    if header.columns is None or len(data.split()) == header.columns * _filled_lines(data):
+    expected = header.columns if header.has_rows else None
+    if expected is None or len(data.split()) == expected * count_rows(data):
         return True
     for line in source.lines(header.start, header.stop):
         tokens = split_line(line, header)
-        if tokens and len(tokens) != header.columns:
+        if tokens and len(tokens) != expected:
             report.add(
                 "Every line must have as many columns as the first",
                 line=line.number,
-                value=f"{len(tokens)} instead of {header.columns}",
+                value=f"{len(tokens)} instead of {expected}",
                 remedy="Correct the line",
             )
             break
     return False
 
 
-def _filled_lines(data: bytes) -> int:
-    return sum(1 for line in data.split(b"\n") if line.strip())
-
-
-def split_times(source: Source, header: Header, values: Array, report: Report) -> tuple[Array | None, Header]:
-    """Separate times from samples and find the step.
+def split_times(
+    source: Source, header: Header, times: Array, samples: Array, report: Report
+) -> tuple[Array | None, Header]:
+    """Find the step between times; sample numbers in their place have none.
 
     Times may differ from equal steps by their rounding or by 1 % of the step; any start time is allowed.
 
-    `values` (2 n,); returns samples (n,).
+    `times`, `samples` (n,).
     """
-    times, samples = values[0::2], values[1::2]
     if times.size < 2:  # noqa: PLR2004 - a step needs two times
         return samples, header
-    place = _rounding(source, header)
+    if header.time_unit is None and (np.diff(times) == 1).all():
+        applied = (*header.applied, "column of sample numbers left out")
+        return samples, replace(header, time_column=None, applied=applied)
+    place = _rounding(source, header, times.size)
     step = float(f"{(times[-1] - times[0]) / (times.size - 1):.{_DIGITS}g}")
     faulty = _first_unequal(times, step, place)
+    unit = header.time_unit.size if header.time_unit else 1.0
     if faulty is not None:
         report.add(
             "The times of a record must increase by equal steps",
             line=line_of_sample(source, header, faulty),
-            value=f"{times[faulty]:.12g} s after {times[faulty - 1]:.12g} s",
+            value=f"{times[faulty] * unit:.12g} s after {times[faulty - 1] * unit:.12g} s",
             remedy="Interpolate the record at equal steps; columns must be time and acceleration",
         )
         return None, header
-    return samples, _with_step(source, header, step, place / (times.size - 1), report)
+    if unit != 1:
+        header = replace(header, applied=(*header.applied, f"times in units of {unit:g} s"))
+    return samples, _with_step(source, header, step * unit, place * unit / (times.size - 1), report)
 
 
 def _first_unequal(times: Array, step: float, place: float) -> int | None:
@@ -259,13 +323,16 @@ def _first_unequal(times: Array, step: float, place: float) -> int | None:
     return int(np.abs(steps - np.median(steps)).argmax()) + 1
 
 
-def _rounding(source: Source, header: Header) -> float:
+def _rounding(source: Source, header: Header, count: int) -> float:
     """One unit in the last printed place of the times."""
-    tokens = separated(source, header).split()[0::2]
-    last = tokens[-1].decode("latin-1")
-    if "E" in last.upper():
-        return last_place(last)
-    return min(10.0 ** -len(token.partition(b".")[2]) for token in tokens)
+    tokens = separated(source, header).decode("latin-1").split()
+    if len(tokens) < count * (header.columns or 1):  # some follow each other without a blank
+        lines = source.lines(header.start, header.stop)
+        tokens = [token for line in lines for token in split_line(line, header)]
+    times = tokens[header.time_column :: header.columns][:count]
+    if "E" in times[-1].upper():
+        return last_place(times[-1])
+    return min(10.0 ** -len(token.partition(".")[2]) for token in times)
 
 
 def _with_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
@@ -274,10 +341,13 @@ def _with_step(source: Source, header: Header, step: float, tolerance: float, re
     if of_header is None:
         return replace(header, time_step=Statement(value=step, line=line, tolerance=tolerance))
     if not may_round(step, of_header):
+        milliseconds = may_round(step / _MILLI, of_header)
         report.add(
             "The time step in the header must be the one between the times",
             line=of_header.line,
             value=f"{of_header.value:g} s in the header, {step:g} s between the times",
-            remedy="Correct the header",
+            remedy="Head the column of times with its unit, time [ms]"
+            if milliseconds
+            else "Correct the header",
         )
     return header

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from reliab.motions.faults import Report
-from reliab.motions.readers import cosmos, csmip, knet, peer, text
+from reliab.motions.readers import miniseed, sac, text
 from reliab.motions.readers.header import Header
+from reliab.motions.readers.layouts import LAYOUTS, PLAIN, Layout
 from reliab.motions.readers.source import HEAD, Source, open_source
 from reliab.registry import Registry
 
@@ -21,35 +23,37 @@ class Format:
     recognises: Callable[[Source], bool]  # Tells from the content whether a file is one
     headers: Callable[[Source, Report], list[Header]]  # Reads the headers of all records of a file
     several: bool = False  # Whether one file may hold several records
+    is_text: bool = True  # Whether its files are texts
 
 
-TEXT = Format(
-    name="text",
-    endings=(".txt", ".csv", ".tsv", ".dat", ".asc", ".acc"),
-    recognises=text.recognises,
-    headers=text.headers,
-)
+def _of_layout(layout: Layout) -> Format:
+    return Format(
+        name=layout.name,
+        endings=layout.endings,
+        recognises=text.recognises if layout is PLAIN else layout.recognises,
+        headers=partial(text.headers, layout=layout),
+        several=not layout.holds_one,
+    )
+
+
+TEXT = _of_layout(PLAIN)
 _SHIPPED = (
-    Format(name="PEER AT2", endings=(".at2",), recognises=peer.recognises, headers=peer.headers),
+    *map(_of_layout, LAYOUTS),
     Format(
-        name="K-NET",
-        endings=(".ns", ".ew", ".ud", ".ns1", ".ew1", ".ud1", ".ns2", ".ew2", ".ud2"),
-        recognises=knet.recognises,
-        headers=knet.headers,
+        name="SAC",
+        endings=(".sac",),
+        recognises=sac.recognises,
+        headers=sac.headers,
+        several=True,
+        is_text=False,
     ),
     Format(
-        name="COSMOS",
-        endings=(".v2c", ".v1c"),
-        recognises=cosmos.recognises,
-        headers=cosmos.headers,
+        name="miniSEED",
+        endings=(".mseed", ".miniseed"),
+        recognises=miniseed.recognises,
+        headers=miniseed.headers,
         several=True,
-    ),
-    Format(
-        name="CSMIP Volume 2",
-        endings=(".v2",),
-        recognises=csmip.recognises,
-        headers=csmip.headers,
-        several=True,
+        is_text=False,
     ),
     TEXT,
 )
@@ -64,6 +68,26 @@ FORMATS = Registry(
 """Every format by its name; other packages register a `Format`."""
 
 
+UNREAD = {
+    ".mat": "a MATLAB file",
+    ".npy": "a NumPy file",
+    ".npz": "a NumPy file",
+    ".h5": "an HDF5 file",
+    ".hdf5": "an HDF5 file",
+    ".nc": "a netCDF file",
+    ".xls": "an Excel file",
+    ".xlsx": "an Excel file",
+    ".evt": "a Kinemetrics EVT file",
+    ".gcf": "a Guralp GCF file",
+    ".sgy": "a SEG-Y file",
+    ".segy": "a SEG-Y file",
+    ".zip": "an archive",
+    ".gz": "an archive",
+    ".tar": "an archive",
+}
+"""Endings of files that may hold records but are not read, and what they are."""
+
+
 def claims_to_be_record(path: Path) -> bool:
     """Tell whether the ending of a file's name is one of a record."""
     return any(path.suffix.lower() in form.endings for form in FORMATS.values())
@@ -72,27 +96,29 @@ def claims_to_be_record(path: Path) -> bool:
 def detect(source: Source) -> Format | None:
     """Choose the format of a file by its content, or by its extension where the content is not recognised."""
     ending = source.path.suffix.lower()
-    for form in FORMATS.values():
+    forms = [form for form in FORMATS.values() if form.is_text is source.is_text]
+    for form in forms:
         if form is not TEXT and form.recognises(source):
             return form
-    for form in FORMATS.values():
+    for form in forms:
         if ending in form.endings:
             return form
-    return TEXT if TEXT.recognises(source) else None
+    return TEXT if source.is_text and TEXT.recognises(source) else None
 
 
 def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Source, list[Header]] | None:
     """Open a file and read the headers of all its records."""
-    source = open_source(path, report, limit=None if whole else HEAD)
+    source = open_source(path, report, limit=None if whole else HEAD, binary=True)
     if source is None:
         return None
     form = detect(source)
     if form is None:
+        kind = UNREAD.get(path.suffix.lower(), "binary data")
         report.add(
-            "The format must be known",
+            "The format must be known" if source.is_text else "A record must be a text file, SAC or miniSEED",
             line=1,
-            value=f"none of {', '.join(FORMATS)}",
-            remedy="Export the record as text",
+            value=f"none of {', '.join(FORMATS)}" if source.is_text else kind,
+            remedy="Export the record as text" if source.is_text else "Unpack it or export it as text",
         )
         return None
     if form.several and not whole:

@@ -14,6 +14,9 @@ from reliab.motions.readers.source import Line, Source
 _PLAIN = b"0123456789+-.eE \t\n\r\v\f"
 _FORTRAN_EXPONENTS = bytes.maketrans(b"Dd", b"EE")
 _NUMBER = re.compile(NUMBER)
+_CLOCK = re.compile(
+    r"[0-9]{4}[-/][0-9]{1,2}[-/][0-9]{1,2}[T ]+([0-9]{1,2}):([0-9]{2}):([0-9]{2})((?:\.[0-9]+)?)Z?"
+)
 _NOT_FINITE = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#(?:qnan|ind|inf)\w*)", re.IGNORECASE)
 _GLUED = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
 
@@ -34,13 +37,36 @@ def parse_samples(source: Source, header: Header, report: Report) -> Array | Non
 
 
 def separated(source: Source, header: Header) -> bytes:
-    """Return the samples with blanks between the numbers and ``E`` before exponents."""
+    """Return the samples with blanks between numbers, ``E`` before exponents and dates as seconds."""
     data = source.content[header.start : header.stop]
+    if b":" in data:
+        data = clocks_in_seconds(data.decode("latin-1")).encode("latin-1")
     if b"D" in data or b"d" in data:
         data = data.translate(_FORTRAN_EXPONENTS)
     if header.delimiter:
         data = data.replace(header.delimiter.encode(), b" ")
     return data
+
+
+def clocks_in_seconds(text: str) -> str:
+    """Write dates with a time as seconds of the day.
+
+    >>> clocks_in_seconds("2026/05/05 10:00:00.01,0.78")
+    '36000.01,0.78'
+    """
+    if ":" not in text:
+        return text
+    return _CLOCK.sub(lambda at: f"{3600 * int(at[1]) + 60 * int(at[2]) + int(at[3])}{at[4]}", text)
+
+
+def count_rows(data: bytes) -> int:
+    """Count the lines that are not empty."""
+    return sum(1 for line in data.split(b"\n") if line.strip())
+
+
+def find_delimiter(line: Line) -> str:
+    """Find what separates the numbers of a line, besides blanks."""
+    return next((mark for mark in (";", ",") if mark in line.text), "")
 
 
 def _parse_plain(data: bytes) -> Array | None:
@@ -80,8 +106,8 @@ def _parse_lines(source: Source, header: Header, report: Report) -> Array | None
 
 def split_line(line: Line, header: Header) -> list[str]:
     """Split a line into its numbers; blanks between them may be missing where the split is unambiguous."""
-    text = line.text.replace(header.delimiter, " ") if header.delimiter else line.text
-    tokens = text.split()
+    text = clocks_in_seconds(line.text)
+    tokens = (text.replace(header.delimiter, " ") if header.delimiter else text).split()
     if all(_NUMBER.fullmatch(token) for token in tokens):
         return tokens
     if header.width is not None:

@@ -36,10 +36,11 @@ class Line:
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    r"""A text file in memory."""
+    r"""A file in memory."""
 
     path: Path  # The file
-    content: bytes  # Its bytes, with ``\n`` at the end of every line
+    content: bytes  # Its bytes; of a text with ``\n`` at the end of every line
+    is_text: bool = True  # Whether it is a text
 
     def line_number(self, offset: int) -> int:
         """Line in which a byte stands, counted from 1."""
@@ -92,23 +93,25 @@ def decode(raw: bytes) -> str:
 
 
 def open_source(
-    path: Path, report: Report, *, limit: int | None = None, most: int = MOST_BYTES
+    path: Path, report: Report, *, limit: int | None = None, most: int = MOST_BYTES, binary: bool = False
 ) -> Source | None:
-    """Read a file as text, or report why it cannot be read.
+    """Read a file, or report why it cannot be read.
 
-    `most` [bytes].
-    Returns the text; None if the file is missing, unreadable, too large, empty or binary.
+    `most` [bytes]; `binary`: whether it may be other than text.
+    Returns the file; None if it is missing, unreadable, too large, empty or other than text.
     """
-    content = _read(path, report, limit, most)
-    if content is None:
+    raw = _read(path, report, limit, most)
+    if raw is None:
         return None
-    content = as_utf8(content).rstrip(_END_OF_FILE)
+    content = as_utf8(raw).rstrip(_END_OF_FILE)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():
         report.add("A record must not be empty", line=1, remedy="Obtain the file again or leave it out")
         return None
     if len(content[:HEAD].translate(None, _CONTROL)) < len(content[:HEAD]):
+        if binary:
+            return Source(path=path, content=raw, is_text=False)
         report.add(
             "A record must be a text file",
             line=1,

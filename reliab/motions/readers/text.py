@@ -1,184 +1,264 @@
-"""Plain text and CSV: samples in one column, or times and samples in two.
+"""Text files of every layout: a header that states what its numbers mean, and then the numbers.
 
-Lines before the first number may give further data, marked with ``#``, ``%``, ``!`` or ``//`` or beginning
-with a letter::
+Plain text and CSV need no layout. Lines before the first number may state, marked with ``#``, ``%``, ``!`` or
+``//`` or beginning with a letter::
 
     # time_step: 0.01        or  dt = 0.01 s,  dt: 10 ms,  sampling rate: 100 Hz
     # units: m/s2            or  time [s], acceleration [m/s2]  or  time_s,acceleration_g
     # samples: 4096          or  npts = 4096
-    # event: KOBE
+    # scale factor: 0.5      # missing value: -999      # event: KOBE
 
-Numbers are separated by blanks, tabs, commas or semicolons. Units that are stated nowhere are not guessed.
+Numbers stand in one column, in two with times or sample numbers first, in named columns, or one after the
+other through the lines where the header states how many there are. They are separated by blanks, tabs, commas
+or semicolons. Units that are stated nowhere are not guessed.
 """
 
+import itertools
+import math
 import re
 from collections.abc import Iterator
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import (
-    NUMBER,
-    Header,
-    Statement,
-    number,
-    state_count,
-    state_time_step,
-    state_units,
+from reliab.motions.readers import statements
+from reliab.motions.readers.columns import arrange
+from reliab.motions.readers.header import Header, Statement, may_round, number
+from reliab.motions.readers.layouts import PLAIN, Layout
+from reliab.motions.readers.samples import (
+    clocks_in_seconds,
+    count_rows,
+    find_delimiter,
+    separated,
+    split_line,
 )
-from reliab.motions.readers.samples import split_line
-from reliab.motions.readers.source import HEAD, LONGEST_LINE, Line, Source
-from reliab.motions.units import AccelerationUnit, find_unit
+from reliab.motions.readers.source import HEAD, Line, Source
 
 T = TypeVar("T")
 
 _COMMENT = ("#", "%", "!", "//")
-_FLAGS = re.IGNORECASE
-_VALUE = rf"({NUMBER}|[^\s,;\])]+)"
-_STEP = re.compile(
-    rf"\b(?:dt|delta[ _]?t|time[ _]?step|sampling[ _](?:interval|period|step))(?:_s|\s*[\[(]s[\])])?"
-    rf"\s*[=:]\s*{_VALUE}\s*(ms\b|msec)?",
-    _FLAGS,
+_WIDTH = re.compile(r"\(\s*\d*\s*[a-z]\s*(\d{1,2})[^\n)]*\)", re.IGNORECASE)
+_CHANNEL = re.compile(
+    r"\b(?:chan(?:nel)?\s*\S*?:|comp(?:onent)?\b[:\s])\s*([^(\n]*?)\s*(?:\bfrom)?\s*(?:\(|$)", re.IGNORECASE
 )
-_RATE = re.compile(
-    rf"\b(?:fs|rate_hz|sampl(?:ing|e)[ _](?:rate|freq(?:uency)?))(?:_hz|\s*[\[(]hz[\])])?\s*[=:]\s*{_VALUE}",
-    _FLAGS,
-)
-_COUNT = re.compile(rf"\b(?:npts|n?samples|number[ _]of[ _](?:points|samples))\s*[=:]\s*{_VALUE}", _FLAGS)
-_NAMES = re.compile(r"^[#%!/\s]*(?:motion|event|name)\s*[=:]", _FLAGS)
-_EVENT = re.compile(r"^[#%!/\s]*event\s*[=:]\s*(.+?)\s*$", _FLAGS)
-_UNITS = re.compile(r"\bunits?\s*(?:of|are|is|in|[=:])\s*(.+)", _FLAGS)
-_PER_SECOND = re.compile(r"[a-z]\s*/\s*s", _FLAGS)
-_SLASHED = r"c?m/s(?:/s|(?:\^|\*\*)?[2²])"
-_COLUMN_UNITS = (
-    re.compile(r"\b(?:acc\w*|a_?g?)\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
-    re.compile(rf"(?<![a-z])acc[a-z]*(?:_[a-z])?_(g|gal|c?mps2|c?m_s2|{_SLASHED})(?!\w)", _FLAGS),
-    re.compile(r"\bacc\w*\s+in\s+(\S+)", _FLAGS),
-)
+_DATE = re.compile(r"\d+[/-]\d+[/-]\d+|\d+:\d+")
+_WHOLE = re.compile(r"[0-9]{1,9}\.?")
+_WORD = re.compile(r"[A-Za-z]{3}")
+_ROUNDED = 0.1  # largest relative difference between two statements of which one is rounded
+_LONGEST = 1e6  # s, eleven days; no accelerogram is as long
 
 
 def recognises(source: Source) -> bool:
-    """Tell whether a file has a line of one or two numbers near its top."""
+    """Tell whether a file has a line of numbers near its top."""
     return any(_is_data(line) for line in source.lines(0, min(HEAD, len(source.content))))
 
 
-def headers(source: Source, report: Report) -> list[Header]:
-    """Read the header of a plain text file.
-
-    Returns the header of the one record; empty if there is no line of one or two numbers.
-    """
-    top, first = _split_top(source)
-    if first is None:
-        report.add(
-            "A record must hold samples", line=1, value="no line of numbers", remedy="Leave the file out"
-        )
-        return []
-    delimiter = _delimiter(first)
-    columns = len(split_line(first, Header(start=0, stop=0, delimiter=delimiter)))
-    if columns not in {1, 2}:
-        report.add(
-            "A text record must have one column, or two with times first",
-            line=first.number,
-            value=f"{columns} columns",
-            remedy="Export the component alone, or mark lines of the header with #",
-        )
-        return []
-    events = (match[1] for line in top if (match := _EVENT.match(line.text)))
-    said = [line for line in top if len(line.text) <= LONGEST_LINE and not _NAMES.match(line.text)]
-    return [
-        Header(
-            start=first.start,
-            stop=len(source.content),
-            count=_first(_counts(said, report)),
-            time_step=_agreeing(list(_time_steps(said, report)), "time step", report),
-            units=_agreeing(list(_stated_units(said, report)), "kind of units", report),
-            columns=columns,
-            delimiter=delimiter,
-            event=_first(events) or "",
-        )
+def headers(source: Source, report: Report, *, layout: Layout = PLAIN) -> list[Header]:
+    """Read the headers of all records of a text file; empty if there is no line of numbers."""
+    records = [
+        header
+        for begin, start, stop in _records(source, layout)
+        for header in _read_record(source, layout, begin, start, stop, report)
     ]
+    if not records and not report.faults:
+        report.add(
+            f"{layout.subject} must {layout.states}",
+            line=1,
+            value="no line of numbers" if layout is PLAIN else "no such line",
+            remedy="Leave the file out, or write its samples as text below # dt: … and # units: …",
+        )
+    return records
 
 
-def _split_top(source: Source) -> tuple[list[Line], Line | None]:
-    """Lines before the samples, and the first line of samples."""
-    top: list[Line] = []
-    for line in source.lines():
+def _records(source: Source, layout: Layout) -> Iterator[tuple[int, int, int]]:
+    """Where the header of each record begins, and where its samples start and stop [bytes]."""
+    if layout.last is not None:
+        begin, whole = 0, len(source.content)
+        within = whole if layout.is_announced else min(HEAD, whole)
+        for match in layout.last.finditer(source.content, 0, within):
+            ending = layout.end.search(source.content, match.end()) if layout.end else None
+            stop = ending.start() if ending else whole
+            yield begin, min(match.end() + 1, stop), stop
+            begin = stop
+            if not layout.is_announced:
+                return
+        return
+    firsts = layout.first.finditer(source.content) if layout.first else ()
+    begins = [match.start() for match in firsts] or [0]
+    for begin, stop in zip(begins, [*begins[1:], len(source.content)], strict=True):
+        start = _first_sample(source, layout, begin, stop)
+        if start is not None:
+            ending = layout.end.search(source.content, start, stop) if layout.end else None
+            yield begin, start, ending.start() if ending else stop
+
+
+def _first_sample(source: Source, layout: Layout, begin: int, stop: int) -> int | None:
+    """Where the first line of samples stands, or a line that should be one [bytes]."""
+    for line in source.lines(begin, stop):
         text = line.text.strip()
-        if text and not text.startswith(_COMMENT) and (_is_data(line) or not _is_prose(text)):
-            return top, line
-        top.append(line)
-    return top, None
+        if not text or text.startswith(_COMMENT):
+            continue
+        if _is_data(line) or (layout is PLAIN and _begins_with_number(text)):
+            return line.start
+    return None
 
 
 def _is_data(line: Line) -> bool:
     """Tell whether every token of a line is a number; NaN and infinity count as numbers."""
-    tokens = re.split(r"[\s,;]+", line.text.strip(" \t\r\f,;"))
+    tokens = re.split(r"[\s,;]+", clocks_in_seconds(line.text).strip(" \t\r\f,;"))
     return all(
-        number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, _FLAGS)
+        number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, re.IGNORECASE)
         for token in tokens
     )
 
 
-def _is_prose(text: str) -> bool:
-    return text[0].isalpha() or text[0] in "\"'([<"
+def _begins_with_number(text: str) -> bool:
+    """Tell whether a line begins as a line of samples does, and not as a date or a sentence."""
+    return text[0] in "0123456789+-." and not _DATE.match(text) and len(_WORD.findall(text)) < 2  # noqa: PLR2004 - words make a sentence
 
 
-def _delimiter(line: Line) -> str:
-    return next((mark for mark in (";", ",") if mark in line.text), "")
+def _read_record(
+    source: Source, layout: Layout, begin: int, start: int, stop: int, report: Report
+) -> list[Header]:
+    top = list(source.lines(begin, start))
+    lines = statements.readable(top)
+    statement_lines = lines[-1:] if layout.is_announced else statements.refuse_another_quantity(lines, report)
+    header = replace(
+        _state(statement_lines, lines, layout, report),
+        start=start,
+        stop=stop,
+        width=_width(top) if layout.is_announced else None,
+        missing=statements.missing_marks(lines),
+        event=layout.find_event([*top, *lines]),
+        channel=_channel(lines),
+    )
+    header = layout.complete(source, begin, header, report)
+    if layout.wraps and (layout.last or header.count):  # other titles stand above plain columns, too
+        return [header]
+    if header.count is None:
+        header = _read_leading_sizes(source, header, report)
+    offsets = statements.offsets(statement_lines)
+    return list(arrange(source, header, lines, offsets, layout, report))
 
 
-def _first(statements: Iterator[T]) -> T | None:
-    return next(statements, None)
+def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, report: Report) -> Header:
+    """Read what the lines of a header state."""
+    scales = list(statements.scales(statement_lines, report))
+    factors = [Statement(value=scale.factor, line=scale.line) for scale in scales]
+    factor = _agreeing(factors, "scale factor", report)
+    peaks = list(statements.peak_units(lines))
+    units = [
+        *(peaks if layout.is_announced else ()),
+        *statements.stated_units(statement_lines, report),
+        *(Statement(value=scale.units, line=scale.line) for scale in scales if scale.units),
+    ]
+    applied = (
+        f"scale factor {factor.value:g} of line {factor.line}" if factor and not layout.remove_mean else ""
+    )
+    header = Header(
+        count=next(statements.counts(statement_lines, report), None),
+        time_step=_agreeing(list(statements.time_steps(statement_lines, report)), "time step", report),
+        units=_agreeing(units or peaks[:1], "kind of units", report),
+        default_units=layout.default_units,
+        scale=factor.value if factor else 1.0,
+        remove_mean=layout.remove_mean,
+        time_unit=statements.time_unit(statement_lines),
+        applied=(applied,) if applied else (),
+    )
+    return _complete_by_duration(header, lines, report) if layout.has_duration else header
 
 
-def _agreeing(statements: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
-    """Return the first of several statements, and report the one that contradicts it."""
-    for later in statements[1:]:
-        if later.value != statements[0].value:
+def _agreeing(claims: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
+    """Return the most precise of several statements, and report the one that contradicts the first."""
+    for later in claims[1:]:
+        if not _agree(*sorted((later, claims[0]), key=_tolerance)):
             report.add(
                 f"A file must state one {what}",
                 line=later.line,
-                value=f"{later.value} after {statements[0].value} in line {statements[0].line}",
+                value=f"{later.value} after {claims[0].value} in line {claims[0].line}",
                 remedy="Correct whichever is wrong",
             )
-    return statements[0] if statements else None
+    return min(claims, key=_tolerance, default=None)
 
 
-def _counts(said: list[Line], report: Report) -> Iterator[Statement[int]]:
-    for line in said:
-        if (match := _COUNT.search(line.text)) and (count := state_count(match[1], line.number, report)):
-            yield count
+def _tolerance(statement: Statement[T]) -> float:
+    return statement.tolerance
 
 
-def _time_steps(said: list[Line], report: Report) -> Iterator[Statement[float]]:
-    for line in said:
-        if match := _STEP.search(line.text):
-            step = state_time_step(match[1], line.number, report, factor=1e-3 if match[2] else 1.0)
-            if step:
-                yield step
-        elif match := _RATE.search(line.text):
-            rate = number(match[1])
-            if rate is None or not 0 < rate < float("inf"):
-                state_time_step(match[1], line.number, report)
-            else:
-                yield Statement(value=1.0 / rate, line=line.number)
+def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
+    if not isinstance(precise.value, float):
+        return bool(precise.value == coarse.value)
+    rounded = precise.tolerance < coarse.tolerance and may_round(precise.value, coarse)
+    return math.isclose(precise.value, coarse.value, rel_tol=_ROUNDED if rounded else 1e-9)
 
 
-def _stated_units(said: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
-    for line in said:
-        named = _named_units(line.text)
-        if named and (units := state_units(named, line.number, report)):
-            yield units
+def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
+    """Derive the count or the step, whichever is missing, from the duration that a header states."""
+    durations = sorted(statements.durations(lines), key=lambda printed: number(printed.value) is None)
+    if not durations or (header.count and header.time_step):
+        return header
+    printed = durations[0]
+    duration = number(printed.value) or 0.0
+    count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
+    if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
+        report.add(
+            "The duration in a header must be a positive number of seconds",
+            line=printed.line,
+            value=printed.value or "nothing",
+            remedy="Obtain the file again",
+        )
+    elif header.time_step:
+        return replace(header, count=Statement(value=count, line=printed.line))
+    elif header.count:
+        steps = [duration / header.count.value, duration / (header.count.value - 1)]
+        steps.sort(key=lambda step: abs(1 / step - round(1 / step)) * step)  # rates are whole numbers
+        tolerance = abs(steps[1] - steps[0])
+        return replace(header, time_step=Statement(value=steps[0], line=printed.line, tolerance=tolerance))
+    return header
 
 
-def _named_units(text: str) -> str | None:
-    """Return what a line of the header calls the units of acceleration, known or not."""
-    if match := _UNITS.search(text):
-        return _unit_among(match[1])
-    matches = (match[1] for pattern in _COLUMN_UNITS if (match := pattern.search(text)))
-    return _first(name for name in matches if find_unit(name) or _PER_SECOND.search(name))
+def _width(top: list[Line]) -> int | None:
+    """Columns that each number takes, from a printed format such as ``(8f10.6)``."""
+    match = _WIDTH.search(top[-1].text) if top else None
+    return int(match[1]) or None if match else None
 
 
-def _unit_among(text: str) -> str:
-    """Return the part of ``s, m/s2`` or of ``acceleration: g`` that is a unit, or else all of it."""
-    parts = re.split(r"[,;:=]|\band\b|\bin\b", text, flags=_FLAGS)
-    return next((word for word in parts if find_unit(word)), text)
+def _channel(lines: list[Line]) -> str:
+    labels = [match[1] for line in lines if (match := _CHANNEL.search(line.text))]
+    return labels[-1].strip() if labels else ""
+
+
+def _read_leading_sizes(source: Source, header: Header, report: Report) -> Header:
+    """Take lines of count and step before the samples from them: ``3000`` and ``0.01``, or ``3000 0.01``."""
+    lines = list(itertools.islice(source.lines(header.start, header.stop), 3))
+    tokens = [split_line(line, replace(header, delimiter=find_delimiter(line))) for line in lines]
+    if len(lines) < 3:  # noqa: PLR2004 - two lines of sizes and one of samples
+        return header
+    for last, sizes in ((lines[1], tokens[0] + tokens[1]), (lines[0], tokens[0])):
+        counts = [int(text.rstrip(".")) for text in sizes if _WHOLE.fullmatch(text)]
+        steps = [value for text in sizes if not _WHOLE.fullmatch(text) and (value := number(text))]
+        is_count = len(counts) == 1 and len(sizes) == 1 + len(steps) <= 2  # noqa: PLR2004 - count and step
+        if is_count and counts[0] > 1 and _holds(source, last.stop, header, counts[0]):
+            step = [Statement(value=step, line=last.number) for step in steps]
+            known = [header.time_step] if header.time_step else []
+            return replace(
+                header,
+                start=last.stop,
+                count=Statement(value=counts[0], line=lines[0].number),
+                time_step=_agreeing([*known, *step], "time step", report),
+            )
+    if (
+        len(tokens[0]) == 1
+        and tokens[0][0].isdecimal()
+        and all("." in text for text in tokens[1] + tokens[2])
+    ):
+        count = Statement(value=int(tokens[0][0]), line=lines[0].number)
+        return replace(header, start=lines[0].stop, count=count)
+    return header
+
+
+def _holds(source: Source, start: int, header: Header, count: int) -> bool:
+    """Tell whether as many numbers follow, or as many lines of them."""
+    data = separated(source, replace(header, start=start))
+    numbers, rows = len(data.split()), count_rows(data)
+    return count in {numbers, rows} or 0 <= numbers - count < numbers / rows

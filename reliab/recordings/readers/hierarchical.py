@@ -1,5 +1,6 @@
 """HDF5 files, among them NetCDF 4, MATLAB 7.3 and the open record of a test, and classic NetCDF files."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -7,15 +8,18 @@ import numpy as np
 import scipy
 
 from reliab.errors import InputError
-from reliab.received import objects_of, opened_hdf5
-from reliab.recordings.readers.columns import Columns
-from reliab.recordings.readers.layouts import Series, Tree, tests_of_tree
+from reliab.received import lists_of_scales, objects_of, opened_hdf5
+from reliab.recordings.readers.attributes import plain, series_of
+from reliab.recordings.readers.columns import Columns, Series
+from reliab.recordings.readers.layouts import Tree, tests_of_tree
 from reliab.recordings.readers.objects import tree_of_objects
 from reliab.recordings.recording import require_few_samples
+from reliab.significant import counted
 
 if TYPE_CHECKING:
     import h5py
 
+_MATRIX: Final = 2  # dimensions
 _SCHEMA: Final = "reliab recording"
 _PARTS: Final = {
     "time": "time",
@@ -34,7 +38,13 @@ _MOST_BYTES: Final = 2_000_000_000  # of all numbers together
 _MOST_ITEMS: Final = 20_000  # of cells and elements of structures together
 _LARGE: Final = 1_000_000  # bytes of what may not be referred to twice
 _DEEPEST: Final = 16
-_UNIT_NAMES: Final = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
+_NEVER_WRITTEN: Final = {
+    "i2": (-32767.0,),
+    "i4": (-2147483647.0,),
+    "f4": (9.969209968386869e36,),
+    "f8": (9.969209968386869e36,),
+}
+"""Numbers of classic NetCDF where nothing was written, by type, unless an attribute names others."""
 
 
 def is_record(file: "h5py.File") -> bool:
@@ -49,21 +59,21 @@ def columns_of_record(file: "h5py.File", path: Path) -> Columns:
         if "actuator" in file
         else [""]
     )
-    values: dict[str, np.ndarray] = {}
+    series: dict[str, Series] = {}
     parts: dict[str, tuple[str, str]] = {}
-    units: dict[str, str] = {}
     for name, item in file.items():
         if not hasattr(item, "shape") or item.dtype.kind not in "iuf" or name == "actuator":
             continue
-        require_few_samples(max(item.shape, default=0), f"{path.name}, {name}")
-        rows = np.atleast_2d(np.asarray(item[()], dtype=np.float64))
-        for number, row in zip(numbers if len(rows) > 1 else [""], rows, strict=True):
+        where = f"{path.name}, {name}"
+        require_few_samples(max(item.shape, default=0), where)
+        whole = series_of(np.atleast_2d(item[()]), item.attrs, marks=_marks(item), where=where)
+        for number, row in zip(numbers if len(whole.values) > 1 else [""], whole.values, strict=True):
             column = f"{name}_{number}" if number else name
-            values[column], units[column] = row, text_of(item.attrs.get("units", ""))
+            series[column] = replace(whole, values=row)
             if name in _PARTS:
                 parts[column] = (_PARTS[name], number)
     stated = {name: text_of(file.attrs[name]) for name in STATED if name in file.attrs}
-    return Columns(path=path, values=values, units=units, parts=parts, header=stated)
+    return Columns(path=path, series=series, parts=parts, header=stated)
 
 
 def text_of(value: object) -> str:
@@ -98,18 +108,26 @@ def read_hierarchical(path: Path, _delimiter: str | None = None) -> list[Columns
 
 def read_classic(path: Path, _delimiter: str | None = None) -> list[Columns]:
     """Read the variables of a classic NetCDF file."""
-    with scipy.io.netcdf_file(path, "r", mmap=False) as file:
-        variables = dict(file.variables)
+    with scipy.io.netcdf_file(path, "r", mmap=False, maskandscale=False) as file:
         tree = {
-            name: _of_variable(np.array(variable[()]), getattr(variable, "units", ""))
-            for name, variable in variables.items()
+            name: _of_variable(variable, f"{path.name}, {name}") for name, variable in file.variables.items()
         }
     return tests_of_tree(path, tree)
 
 
-def _of_variable(values: np.ndarray, units: object) -> Tree:
-    numbers = values.ndim == 1 and values.size > 1 and np.issubdtype(values.dtype, np.number)
-    return Series(values=values.astype(np.float64), unit=text_of(units)) if numbers else values
+def _of_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
+    """Unpack a vector or a matrix of a classic NetCDF file, whose times have the name of its dimension."""
+    values = np.array(variable[()])
+    if not 0 < values.ndim <= _MATRIX or values.dtype.kind not in "iuf":
+        return values
+    attributes = vars(variable)["_attributes"]
+    series = series_of(
+        values.astype(values.dtype.newbyteorder("=")),
+        attributes,
+        marks=_NEVER_WRITTEN.get(values.dtype.str[1:], ()),
+        where=where,
+    )
+    return replace(series, axis=variable.dimensions[0] if values.ndim < _MATRIX else "")
 
 
 class _Contents:
@@ -121,11 +139,7 @@ class _Contents:
 
     def tree(self) -> dict[str, Tree]:
         """All groups and datasets but those that MATLAB only refers to."""
-        content = self._group(self._file, 0)
-        return {
-            **{name: np.asarray(value) for name, value in self._file.attrs.items() if np.ndim(value) == 0},
-            **content,
-        }
+        return self._group(self._file, 0)
 
     def _group(self, group: "h5py.Group", depth: int) -> dict[str, Tree]:
         import h5py
@@ -142,14 +156,16 @@ class _Contents:
                 if isinstance(item, h5py.Group)
                 else self._dataset(item, depth + 1)
             )
-        attributes = (
-            {} if depth == 0 else {k: np.asarray(v) for k, v in group.attrs.items() if np.ndim(v) == 0}
-        )
         if "MATLAB_sparse" in group.attrs:
             return {}  # no history: places and values of what is not zero
         if group.attrs.get("MATLAB_class") == b"struct" and (elements := self._elements(group, content)):
             return elements  # type: ignore[return-value]  # an array of structures
-        return {**{k: v for k, v in attributes.items() if k not in content}, **content}
+        single = {
+            name: text_of(value) if isinstance(value, str | bytes) else np.asarray(value)
+            for name, value in group.attrs.items()
+            if np.ndim(value) == 0 and not name.startswith("MATLAB_")
+        }
+        return {**single, **content}
 
     def _elements(self, group: "h5py.Group", content: dict[str, Tree]) -> list[dict[str, Tree]]:
         """Elements of an array of structures, whose fields are datasets of references without a class."""
@@ -187,15 +203,47 @@ class _Contents:
                 remedy="Export the channels of the test only",
                 where=self._path.name,
             )
-        values = item[()]
+        values = np.asarray(item[()])
         if item.dtype.names:
             return {name: np.asarray(values[name]) for name in item.dtype.names}
         if kind == b"char":
-            return _characters(np.asarray(values))
+            return _characters(values)
         if item.dtype.kind in "SOU":
-            texts = [text_of(value) for value in np.asarray(values).reshape(-1)]
+            texts = [text_of(value) for value in values.reshape(-1)]
             return texts[0] if len(texts) == 1 else texts
-        return _with_names(item, np.asarray(values))
+        return self._with_names(item, values) if item.dtype.kind in "iuf" and values.size > 1 else values
+
+    def _with_names(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
+        """Apply what stands beside a vector, or beside a matrix with names and units of its columns."""
+        stated = dict(item.attrs)
+        texts = {name: _texts(value) for name, value in stated.items()}
+        units = next((texts[name] for name in stated if plain(name) in {"unit", "units"} and texts[name]), [])
+        where = f"{self._path.name}, {_name_of(item)}"
+        series = _with_gaps(series_of(values, stated, marks=_marks(item), where=where), item)
+        scales = [self._scales_of(axis) for axis in lists_of_scales(item)]
+        if values.squeeze().ndim == 1:
+            times = [_name_of(scale) for scale in scales[int(np.argmax(values.shape))]] if scales else []
+            return replace(series, values=series.values.squeeze(), axis=times[0] if times else "")
+        if values.ndim != _MATRIX:
+            return series
+        labels = [_texts(scale[()]) for axis in scales for scale in axis if scale.dtype.kind in "SOU"]
+        for names in (*(listed for listed in texts.values() if listed is not units), *labels):
+            if len(names) in values.shape and len(set(names)) == len(names) > 1:
+                upright = series.values if len(names) == values.shape[1] else series.values.T
+                of_columns = units * len(names) if len(units) == 1 else units
+                of_columns = of_columns if len(of_columns) == len(names) else [""] * len(names)
+                return {
+                    name: replace(series, values=column, unit=unit)
+                    for name, column, unit in zip(names, upright.T, of_columns, strict=True)
+                }
+        return series
+
+    def _scales_of(self, references: np.ndarray) -> "list[h5py.Dataset]":
+        """Find the scales of a dimension among the datasets of the file."""
+        import h5py
+
+        targets = [self._file[reference] for reference in np.ravel(references) if reference]
+        return [target for target in targets if isinstance(target, h5py.Dataset)]
 
     def _referred(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
         import h5py
@@ -235,27 +283,31 @@ def _refers(item: "h5py.Dataset") -> bool:
     return h5py.check_ref_dtype(item.dtype) is not None
 
 
-def _with_names(item: "h5py.Dataset", values: np.ndarray) -> Tree:
-    """Take the unit of a vector, or names and units of the columns of a matrix, that stand beside it."""
-    if not np.issubdtype(values.dtype, np.number):
-        return values
-    stated = {name: _texts(item.attrs[name]) for name in item.attrs}
-    units = next((stated[name] for name in _UNIT_NAMES if name in stated), [])
-    if values.squeeze().ndim == 1 and values.size > 1 and units:
-        return Series(values=np.asarray(values.squeeze(), dtype=np.float64), unit=units[0])
-    if values.ndim != 2:  # noqa: PLR2004 - a matrix
-        return values
-    labels = [_texts(scale[()]) for axis in item.dims for scale in axis.values() if scale.dtype.kind in "SOU"]
-    for names in (*(texts for texts in stated.values() if texts is not units), *labels):
-        if len(names) in values.shape and len(set(names)) == len(names) > 1:
-            columns = values if len(names) == values.shape[1] else values.T
-            of_columns = units * len(names) if len(units) == 1 else units
-            of_columns = of_columns if len(of_columns) == len(names) else [""] * len(names)
-            return {
-                name: Series(values=np.asarray(column, dtype=np.float64), unit=unit)
-                for name, column, unit in zip(names, columns.T, of_columns, strict=True)
-            }
-    return values
+def _name_of(item: "h5py.Dataset") -> str:
+    return str(item.name).strip("/").replace("/", ".")
+
+
+def _with_gaps(series: Series, item: "h5py.Dataset") -> Series:
+    """Mark samples of chunks that were never written, where others were; the library reads zeros there."""
+    written = 0 if item.chunks is None else item.id.get_num_chunks()
+    grid = [-(-size // chunk) for size, chunk in zip(item.shape, item.chunks or item.shape, strict=True)]
+    if not 0 < written < np.prod(grid):
+        return series
+    held = np.zeros(grid, dtype=np.bool_)
+    for place in range(written):
+        held[tuple(np.floor_divide(item.id.get_chunk_info(place).chunk_offset, item.chunks))] = True
+    for axis, (size, chunk) in enumerate(zip(item.shape, item.chunks, strict=True)):
+        held = np.repeat(held, chunk, axis=axis).take(range(size), axis=axis)
+    gap = f"{counted(int((~held).sum()), 'sample')} never written"
+    return replace(series, values=np.where(held, series.values, np.nan), applied=(*series.applied, gap))
+
+
+def _marks(item: "h5py.Dataset") -> tuple[float, ...]:
+    """Return what stands where nothing was written, if the file states it; zero may be a reading."""
+    import h5py
+
+    stated = item.id.get_create_plist().fill_value_defined() == h5py.h5d.FILL_VALUE_USER_DEFINED
+    return (float(item.fillvalue),) if stated and item.fillvalue else ()
 
 
 def _texts(value: object) -> list[str]:

@@ -8,7 +8,7 @@ A tree is a mapping (structure, group), a list (structure array, cell array), an
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from reliab.errors import InputError
 from reliab.recordings.naming import describe
-from reliab.recordings.readers.columns import Columns
+from reliab.recordings.readers.attributes import add_clock, series_of, with_attributes
+from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.words import Quantity
 
@@ -32,15 +33,6 @@ _GENERIC: Final = re.compile(
 
 Tree = Any
 """A mapping, a list, an array, a text or a `Series`."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Series:
-    """A history with what its container states of it."""
-
-    values: NDArray[np.float64]  # shape (n,)
-    unit: str = ""
-    times: NDArray[np.float64] | None = None  # s
 
 
 @dataclass(kw_only=True)
@@ -139,20 +131,16 @@ def _dspace(tree: Mapping[str, Tree]) -> _Histories | None:
         return None
     histories = _Histories()
     axes = [item for item in _as_list(tree.get("X")) if isinstance(item, Mapping)]
-    times = [_vector(item.get("Data")) for item in axes]
+    clocks = [_history(item.get("Data"), item) for item in axes]
     capture = tree.get("Capture")
     names = short_names([_text(channel.get("Name")) or _text(channel.get("Path")) for channel in channels])
     for name, channel in zip(names, channels, strict=True):
-        values = _vector(channel["Data"])
-        if values is None:
+        series = _history(channel["Data"], channel)
+        if series is None:
             continue
         index = _number(channel.get("XIndex"))
-        of_channel = times[int(index) - 1] if index is not None and 1 <= index <= len(times) else None
-        fitting = [axis for axis in (of_channel, *times) if axis is not None and axis.size == values.size]
-        histories.add(
-            name,
-            Series(values=values, unit=_text(channel.get("Unit")), times=fitting[0] if fitting else None),
-        )
+        of_channel = clocks[int(index) - 1] if index is not None and 1 <= index <= len(clocks) else None
+        histories.add(name, _add_first_clock(series, of_channel, *clocks))
     step = _number(capture.get("SamplingPeriod")) if isinstance(capture, Mapping) else None
     if step is not None:
         thinned = _number(capture.get("Downsampling")) if isinstance(capture, Mapping) else None
@@ -190,7 +178,7 @@ def _are_values(items: Sequence[Tree]) -> bool:
 
 def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = "values") -> _Histories:
     histories = _Histories(named=False)
-    shared = _vector(time)
+    shared = _history(time)
     for place, signal in enumerate(signals, start=1):
         label = (
             _text(signal.get("label"))
@@ -198,24 +186,19 @@ def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = 
             or _text(signal.get("blockName"))
             or _text(signal.get("name"))
         )
-        of_signal = _vector(signal.get("time"))
+        of_signal = _history(signal.get("time"))
         columns = _columns_of(signal["values"])
         labels = [part.strip() for part in re.split(r"[,;\n]", label)]
         histories.named = histories.named or bool(label)
         for k, values in enumerate(columns):
-            times = next(
-                (axis for axis in (of_signal, shared) if axis is not None and axis.size == values.size), None
-            )
             name = (
                 labels[k]
                 if len(labels) == len(columns) and labels[k]
                 else short_names([label])[0] or f"{outer}({place})"
             )
             several = len(columns) > 1 and len(labels) != len(columns)
-            histories.add(
-                f"{name}[{k + 1}]" if several else name,
-                Series(values=values, unit=_text(signal.get("unit")), times=times),
-            )
+            series = _add_first_clock(_with_attributes(values, signal), of_signal, shared)
+            histories.add(f"{name}[{k + 1}]" if several else name, series)
     return histories
 
 
@@ -230,12 +213,11 @@ def _timeseries(tree: Mapping[str, Tree]) -> _Histories | None:
         return None
     histories = _Histories()
     for name, item in members.items():
-        columns, times = _columns_of(_value_of(item, "data")), _vector(_value_of(item, "time"))
+        columns, clock = _columns_of(_value_of(item, "data")), _history(_value_of(item, "time"))
         unit = _unit_of_series(item)
         label = _text(item.get("Name"))
         for k, values in enumerate(columns):
-            fits = times is not None and times.size == values.size
-            series = Series(values=values, unit=unit, times=times if fits else None)
+            series = _add_first_clock(Series(values=values, unit=unit), clock)
             outer = (
                 _text(_value_of(tree, "name")) if name.lower() == "values" else ""
             )  # a signal's, in a data set
@@ -283,10 +265,10 @@ def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
         if not others:
             continue
         histories = _Histories(scalars=dict(_scalars(tree, "")))
+        whole = matrix if isinstance(matrix, Series) else Series(values=matrix)
         for place, (name, values) in enumerate(zip(others[0], columns, strict=True)):
-            histories.add(
-                name or f"column {place + 1}", Series(values=values, unit=units[place] if units else "")
-            )
+            unit = units[place] if units else ""
+            histories.add(name or f"column {place + 1}", replace(whole, values=values, unit=unit))
         for key, item in tree.items():
             beside = _vector(item)  # such as Simulink's `tout`
             if beside is not None and beside.size == columns[0].size:
@@ -297,49 +279,105 @@ def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
 
 def _plain(tree: Mapping[str, Tree]) -> _Histories:
     """Vectors, columns of matrices and single numbers wherever they stand."""
-    histories = _Histories(scalars=dict(_scalars(tree, "")))
     vectors = list(_vectors(tree, ""))
-    clocks = _clocks_of_groups(vectors)
+    groups = [name.rpartition(".")[0] for name, *_ in vectors]
+    histories = _Histories(
+        scalars={
+            name: value
+            for name, value in _scalars(tree, "")
+            if not name.lower().endswith(".scale") or groups.count(name.rpartition(".")[0]) != 1
+        }
+    )
+    clocks = _clocks_of(vectors)
     matrices_only = True
     for name, series, of_matrix in vectors:
         matrices_only = matrices_only and of_matrix
-        times = (
-            series.times
-            if series.times is not None
-            else clocks.get((name.rpartition(".")[0], series.values.size))
+        of_group = clocks.get((name.rpartition(".")[0], series.values.size))
+        held = clocks.get((series.axis, 0), of_group)
+        histories.add(
+            name, _add_first_clock(series, held) if series.times is None and series.axis != name else series
         )
-        histories.add(name, Series(values=series.values, unit=series.unit, times=times))
     histories.named = len(vectors) > 1 and not matrices_only
     return histories
 
 
-def _clocks_of_groups(
-    vectors: Sequence[tuple[str, Series, bool]],
-) -> dict[tuple[str, int], NDArray[np.float64]]:
-    """Return times by group and length, where several groups have times of their own."""
-    times: dict[tuple[str, int], NDArray[np.float64]] = {}
+def _clocks_of(vectors: Sequence[tuple[str, Series, bool]]) -> dict[tuple[str, int], Series]:
+    """Return times by their own names, with a zero, and by group and length, where channels have several."""
+    times: dict[str, Series] = {}
     for name, series, _ in vectors:
-        group, _, _ = name.rpartition(".")
-        what = describe([name], {name: series.unit})[name]
-        if what.quantity is Quantity.TIME:
-            factor = what.unit.factor if what.unit else 1.0
-            times.setdefault((group, series.values.size), factor * series.values)
-    return times if len(times) > 1 else {}
+        if _is_time(name, series):
+            unit = describe([name], {name: series.unit})[name].unit
+            times[name] = replace(series, unit=unit.text if unit else "")
+    of_groups: dict[tuple[str, int], Series] = {}
+    for name, series in times.items():
+        of_groups.setdefault((name.rpartition(".")[0], series.values.size), series)
+    axes = {series.axis for name, series, _ in vectors if series.axis in times and name not in times}
+    if max(len(of_groups), len(axes)) < 2:  # noqa: PLR2004 - one clock is that of all
+        return {}
+    return {**of_groups, **{(name, 0): series for name, series in times.items()}}
+
+
+def _is_time(name: str, series: Series) -> bool:
+    return describe([name], {name: series.unit})[name].quantity is Quantity.TIME
 
 
 def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:
+    """Find vectors and columns of matrices, with their names and whether they are of a matrix.
+
+    Numbers beside the only vector of a structure are attributes of it; a step and a date are of all in it.
+    """
     if isinstance(tree, Mapping):
-        for key, item in tree.items():
-            yield from _vectors(item, f"{name}.{key}".lstrip("."))
+        inner = [(key, list(_vectors(item, f"{name}.{key}".lstrip(".")))) for key, item in tree.items()]
+        vectors = [vector for _, below in inner for vector in below]
+        beside = _attributes_of(tree)
+        has_times = any(_is_time(label, series) for label, series, _ in vectors)
+        for label, series, of_matrix in vectors:
+            if not name or label.rpartition(".")[0] != name:
+                yield label, series, of_matrix
+            elif len(vectors) == 1:
+                yield label, with_attributes(series, beside), of_matrix
+            else:
+                yield label, add_clock(series, beside, has_times=has_times), of_matrix
     elif isinstance(tree, list):
         for place, item in enumerate(tree, start=1):
             yield from _vectors(item, f"{name}({place})")
-    elif isinstance(tree, Series):
-        yield name, tree, False
     else:
         columns = _columns_of(tree)
         for k, values in enumerate(columns):
-            yield (f"{name}[{k + 1}]" if len(columns) > 1 else name), Series(values=values), len(columns) > 1
+            label, of_matrix = f"{name}[{k + 1}]" if len(columns) > 1 else name, len(columns) > 1
+            yield (
+                label,
+                replace(tree, values=values) if isinstance(tree, Series) else Series(values=values),
+                of_matrix,
+            )
+
+
+def _history(tree: Tree, about: Mapping[str, Tree] | None = None) -> Series | None:
+    """Take one history with what stands beside it; None where there is none, or several."""
+    columns = _columns_of(tree)
+    if len(columns) != 1:
+        return None
+    return tree if isinstance(tree, Series) else _with_attributes(columns[0], about or {})
+
+
+def _with_attributes(values: NDArray[np.float64], about: Mapping[str, Tree]) -> Series:
+    """Apply the numbers and the unit that a structure states beside a history."""
+    return series_of(values, _attributes_of(about))
+
+
+def _attributes_of(tree: Mapping[str, Tree]) -> dict[str, str | float]:
+    """Texts and single numbers of a structure."""
+    single = {name: item if isinstance(item, str) else _number(item) for name, item in tree.items()}
+    return {name: item for name, item in single.items() if item is not None}
+
+
+def _add_first_clock(series: Series, *clocks: Series | None) -> Series:
+    """Give a history the first clock of its length."""
+    for clock in clocks:
+        if clock is not None and clock.values.size == series.values.size:
+            start = series.start if clock.start is None else clock.start
+            return replace(series, times=clock.values, times_unit=clock.unit, start=start)
+    return series
 
 
 def _scalars(tree: Tree, name: str) -> Iterator[tuple[str, float]]:
@@ -363,9 +401,7 @@ def _columns(path: Path, test: str, histories: _Histories) -> Columns:
         require_few_samples(series.values.size, f"{path.name}, {name}")
     return Columns(
         path=path,
-        values={name: series.values for name, series in kept.items()},
-        units={name: series.unit for name, series in kept.items() if series.unit},
-        clocks={name: series.times for name, series in kept.items() if series.times is not None},
+        series=kept,
         scalars=histories.scalars,
         named=histories.named,
         test=test,
@@ -424,23 +460,20 @@ def _is_number_type(array: NDArray[Any]) -> bool:
 
 
 def _is_matrix(tree: Tree) -> bool:
-    return isinstance(tree, np.ndarray) and len(_columns_of(tree)) > 1
+    return isinstance(tree, np.ndarray | Series) and len(_columns_of(tree)) > 1
 
 
 def _vector(tree: Tree) -> NDArray[np.float64] | None:
-    if isinstance(tree, Series):
-        return tree.values
     columns = _columns_of(tree)
     return columns[0] if len(columns) == 1 else None
 
 
 def _columns_of(tree: Tree) -> list[NDArray[np.float64]]:
     """Histories in an array: itself, or the columns of a narrow matrix."""
-    if isinstance(tree, Series):
-        return [tree.values]
-    if not isinstance(tree, np.ndarray) or not _is_number_type(tree):
+    values = tree.values if isinstance(tree, Series) else tree
+    if not isinstance(values, np.ndarray) or not _is_number_type(values):
         return []
-    values = np.asarray(tree).squeeze()
+    values = values.squeeze()
     if values.ndim == 1 and values.size > 1:
         return [np.asarray(values, dtype=np.float64)]
     if values.ndim == _MATRIX and min(values.shape) <= _WIDEST and max(values.shape) >= _FEWEST_SAMPLES:

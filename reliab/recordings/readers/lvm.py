@@ -1,25 +1,31 @@
-"""LabVIEW measurement files (.lvm): a header of names and values, then one table for each segment."""
+"""LabVIEW measurement files (.lvm): a header of names and values, then one table for each segment.
 
+Each channel has its own date, time of day, first time `X0` and step `Delta_X`; in the header they stand where
+its column stands in the table. Segments in which all channels go on are one test.
+"""
+
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from reliab.arrays import Array
 from reliab.encodings import as_utf8, decoded
 from reliab.errors import InputError
 from reliab.files import require_small
-from reliab.recordings.readers.columns import Columns
-from reliab.recordings.readers.text import TOO_LARGE, number_of, tables_of
-
-if TYPE_CHECKING:
-    from reliab.arrays import Array
+from reliab.recordings.readers.cells import cells_of, lines_of, number_of
+from reliab.recordings.readers.columns import Columns, Series, date_of
+from reliab.recordings.readers.joining import join_tables
+from reliab.recordings.readers.text import TOO_LARGE, tables_of
 
 _END: Final = "***End_of_Header***"
 _MOST_BYTES: Final = 400_000_000
-_SEPARATORS: Final = {"tab": "\t", "comma": ",", "semicolon": ";"}
-_MOST_CHANNELS: Final = 1000
+_SEPARATOR: Final = re.compile(r"Separator(\W)")
+_ABSOLUTE: Final = 1e8  # s, from which times count from LabVIEW's own date
+_FIRST_DATE: Final = np.datetime64("1904-01-01", "ns")
 
 
 def recognises(head: bytes) -> bool:
@@ -28,35 +34,38 @@ def recognises(head: bytes) -> bool:
 
 
 def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
-    """Read all segments of a file, each as a test."""
+    """Read the tests of a file, each of one segment or of several that go on one another."""
     require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as TDMS")
-    lines = decoded(path.read_bytes()).splitlines()
+    lines = lines_of(decoded(path.read_bytes()))
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
-    head = _values(lines[: ends[0]] if ends else [], "\t")
-    separator = delimiter or _SEPARATORS.get(head.get("Separator", ("tab",))[0].lower(), "\t")
-    bodies = list(_segments(lines, ends, separator))
-    tests = [
-        _segment(table, lines[begin:end], head, separator)
-        for table, begin, end in _tables(bodies, lines, path, separator)
-    ]
-    if not tests:
+    above = lines[: ends[0] if ends else 0]
+    separator = delimiter or next((match[1] for line in above if (match := _SEPARATOR.match(line))), "\t")
+    head = _values(above, separator)
+    tables = []
+    for begin, first, last in _segments(lines, ends, separator):
+        segment = _Segment(
+            names=cells_of(lines[first], separator), stated=_values(lines[begin:first], separator), head=head
+        )
+        if (table := _table(lines, first, last, separator, path)) is not None:
+            tables.append(replace(table, series=segment.series(table)))
+    if not tables:
         raise InputError(
             "A LabVIEW file must hold a segment of numbers",
             value="none",
             remedy="Export it again",
             where=path.name,
         )
-    return tests if len(tests) == 1 else [replace(test, test=str(k)) for k, test in enumerate(tests, start=1)]
+    return join_tables(tables)
 
 
 def _values(lines: Sequence[str], separator: str) -> dict[str, tuple[str, ...]]:
     """Names of a header with their values."""
-    cells = [line.rstrip("\r\n").split(separator) for line in lines]
-    return {row[0].strip(): tuple(cell.strip() for cell in row[1:]) for row in cells if len(row) > 1}
+    rows = [cells_of(line, separator) for line in lines]
+    return {row[0]: row[1:] for row in rows if len(row) > 1}
 
 
 def _segments(lines: Sequence[str], ends: Sequence[int], separator: str) -> Iterator[tuple[int, int, int]]:
-    """First line of the header of each segment, first and last line of its table."""
+    """First line of the header of each segment, the line of its names, and the end of its table."""
     for place, end in enumerate(ends[1:], start=1):
         following = ends[place + 1] if place + 1 < len(ends) else None
         last = len(lines)
@@ -65,59 +74,83 @@ def _segments(lines: Sequence[str], ends: Sequence[int], separator: str) -> Iter
                 (k for k in range(following, end, -1) if lines[k].split(separator)[0].strip() == "Channels"),
                 following,
             )
-        yield ends[place - 1] + 1, end + 1, last
+        if end + 1 < last:
+            yield ends[place - 1] + 1, end + 1, last
 
 
-def _tables(
-    bodies: Sequence[tuple[int, int, int]], lines: Sequence[str], path: Path, separator: str
-) -> Iterator[tuple[Columns, int, int]]:
-    for begin, first, last in bodies:
-        body = [_without_comment(line, separator) for line in lines[first:last]]
-        if any(number_of(line.split(separator)[0].strip()) is not None for line in body if line.strip()):
-            (table, *_) = tables_of(body, path, separator)
-            moved = None if table.lines is None else table.lines + first
-            yield replace(table, lines=moved), begin, first
+def _table(lines: Sequence[str], first: int, last: int, separator: str, path: Path) -> Columns | None:
+    """Rows of a segment without their comments; None where there are none."""
+    names = cells_of(lines[first], separator)
+    width = names.index("Comment") if "Comment" in names else len(names)
+    names = tuple(f"X_Value {k}" if name == "X_Value" else name for k, name in enumerate(names[:width]))
+    rows = [
+        separator.join(cells) if any(cells := cells_of(line, separator)[:width]) else ""
+        for line in lines[first + 1 : last]
+    ]
+    if not any(number_of(row.split(separator)[0].strip()) is not None for row in rows if row):
+        return None
+    table, *further = tables_of([separator.join(names), *rows], path, separator, above=first)
+    if further:
+        raise InputError(
+            "The rows of a segment must follow each other",
+            value="a line without numbers among them",
+            remedy="Leave it out",
+            where=f"{path.name}, {further[0].place(0).rpartition(', ')[2]}",
+        )
+    return table
 
 
-def _without_comment(line: str, separator: str) -> str:
-    """Leave out the last column of names and the delimiter before an empty one."""
-    cells = line.rstrip("\r\n").split(separator)
-    while len(cells) > 1 and cells[-1].strip() in {"", "Comment"}:
-        cells.pop()
-    if cells[0].strip() == "X_Value":
-        cells = [f"X_Value {k}" if cell.strip() == "X_Value" else cell for k, cell in enumerate(cells)]
-    return separator.join(cells)
+@dataclass(frozen=True, kw_only=True)
+class _Segment:
+    """The names of the columns of a segment, and what its header states of each at the same place."""
 
+    names: tuple[str, ...]
+    stated: Mapping[str, tuple[str, ...]]  # In its header
+    head: Mapping[str, tuple[str, ...]]  # In that of the file
 
-def _segment(
-    table: Columns, header: Sequence[str], head: Mapping[str, tuple[str, ...]], separator: str
-) -> Columns:
-    """Give a table units and times of its header; each channel may have times, all may, or none."""
-    stated = _values(header, separator)
-    names = list(table.values)
-    xs = [name for name in names if name.startswith("X_Value")]
-    ys = [name for name in names if name not in xs]
-    layout = head.get("X_Columns", stated.get("X_Columns", ("One",)))[0].lower()
-    units = dict(zip(ys, stated.get("Y_Unit_Label", ()), strict=False))
-    steps = [number_of(cell) for cell in stated.get("Delta_X", ())][:_MOST_CHANNELS]
-    begins = [number_of(cell) for cell in stated.get("X0", ())][:_MOST_CHANNELS]
-    values = dict(table.values)
-    clocks: dict[str, Array] = {}
-    for place, name in enumerate(ys):
-        step, begin = (_at(numbers, place) for numbers in (steps, begins))
-        if layout == "no" and step:
-            clocks[name] = (begin or 0.0) + step * np.arange(values[name].size, dtype=np.float64)
-        elif layout == "multi" and place < len(xs):
-            clocks[name] = values[xs[place]]
-    if layout in {"no", "multi"}:
-        values = {name: values[name] for name in ys}
-    else:
-        units |= dict.fromkeys(xs, "s")
-        values = {("Time" if name in xs[:1] else name): history for name, history in values.items()}
-        units |= {"Time": "s"}
-    return replace(table, values=values, units={k: v for k, v in units.items() if k in values}, clocks=clocks)
+    def series(self, table: Columns) -> dict[str, Series]:
+        """Give each channel its unit, times and date."""
+        xs = [place for place, name in enumerate(self.names) if name == "X_Value"]
+        channels = [
+            place for place, name in enumerate(self.names) if name in table.series and place not in xs
+        ]
+        layout = {**self.stated, **self.head}.get("X_Columns", ("One",))[0].lower()
+        series = {}
+        for place in channels:
+            x = max((x for x in xs if x < place), default=None) if layout != "no" else None
+            owner = channels[0] if layout == "one" else place
+            known = None if x is None else table.values[f"X_Value {x}"]
+            series[self.names[place]] = self._channel(place, table.values[self.names[place]], known, owner)
+        return series
 
+    def _channel(self, place: int, values: Array, x: Array | None, owner: int) -> Series:
+        """One channel; `x` are times [s] of the channel `owner`."""
+        samples = self._number(place, "Samples", values.size)
+        values = values[: int(samples)]
+        step, begin = self._number(place, "Delta_X", 0.0), self._number(place, "X0", 0.0)
+        times = begin + step * np.arange(values.size, dtype=np.float64) if step else None
+        if x is not None and self._number(owner, "Delta_X", 0.0) == step:
+            times = x[: values.size] + begin - self._number(owner, "X0", 0.0)
+        start = date_of(f"{self._text(place, 'Date')} {self._text(place, 'Time')}")
+        if times is not None and times.size and abs(times[0]) > _ABSOLUTE:
+            whole = np.floor(times[0])
+            times, start = times - whole, _FIRST_DATE + np.timedelta64(int(whole), "s")
+        dimension = self._text(place, "X_Dimension")
+        return Series(
+            values=values,
+            unit=self._text(place, "Y_Unit_Label"),
+            times=times,
+            times_unit="s" if dimension in {"", "Time"} else dimension,
+            start=None if times is None else start,
+        )
 
-def _at(numbers: Sequence[float | None], place: int) -> float | None:
-    value = numbers[place] if place < len(numbers) else None
-    return value if value is not None and np.isfinite(value) else None
+    def _text(self, place: int, name: str) -> str:
+        cells = self.stated.get(name, ())
+        single = [cell for cell in cells if cell]
+        if len(single) == 1:
+            return single[0]
+        return cells[place - 1] if 0 < place <= len(cells) else ""
+
+    def _number(self, place: int, name: str, otherwise: float) -> float:
+        number = number_of(self._text(place, name))
+        return number if number is not None and np.isfinite(number) else otherwise

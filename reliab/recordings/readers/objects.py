@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.recordings.readers.columns import is_frame
-from reliab.recordings.readers.layouts import Series, Tree
+from reliab.recordings.readers.columns import Series, date_of, is_frame, seconds, series_of_frame, start_of
+from reliab.recordings.readers.layouts import Tree
 from reliab.recordings.recording import require_few_samples
-from reliab.recordings.units import unit_of
-from reliab.recordings.words import Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +72,11 @@ def _of_array(item: np.ndarray, depth: int) -> Tree:
             if item.size == 1
             else [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
         )
-    return seconds(item) if item.dtype.kind in "mM" and not _is_calendar(item) else item
+    if item.dtype.kind not in "mM" or _is_calendar(item):
+        return item
+    instants = item.reshape(-1)
+    values = seconds(instants)
+    return Series(values=values, unit="s", start=start_of(instants)) if values.size > 1 else values
 
 
 def _of_timeseries(properties: Mapping[str, Tree]) -> dict[str, Tree]:
@@ -90,14 +92,30 @@ def _of_timeseries(properties: Mapping[str, Tree]) -> dict[str, Tree]:
         times = _saved(about, "Time")
     if times is None:
         times = _equal_steps(about)
-    unit = unit_of(str(_saved(about, "Units") or "s"))
-    factor = unit.factor if unit is not None and unit.quantity is Quantity.TIME else 1.0
+    times = times.values if isinstance(times, Series) else times
+    unit = str(_saved(about, "Units") or "s")
     return {
-        "Time": None if times is None else np.asarray(times, dtype=np.float64) * factor,
+        "Time": None
+        if times is None
+        else Series(values=np.ravel(times).astype(np.float64), unit=unit, start=_start_date(about)),
         "Data": data,
         "Name": _saved(properties, "Name") or "",
         "DataInfo": {"Units": _saved(_saved(properties, "DataInfo") or {}, "Units") or ""},
     }
+
+
+def _start_date(about: Mapping[str, Tree]) -> np.datetime64 | None:
+    """Read the date from which a `timeseries` counts its times; None where it states none."""
+    text = _saved(about, "StartDate")
+    if not isinstance(text, str) or not text:
+        return None
+    if (start := date_of(text)) is None:
+        raise InputError(
+            "The start of a timeseries must be a date",
+            value=repr(text),
+            remedy="Set TimeInfo.StartDate to one, such as 2026-05-05 10:00:00, or to ''",
+        )
+    return start
 
 
 def _saved(properties: Mapping[str, Tree], name: str) -> Tree:
@@ -118,32 +136,10 @@ def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:
 
 def _of_table(frame: "pd.DataFrame") -> dict[str, Series]:
     """Columns of a table; those of a timetable have its row times."""
-    import pandas as pd
-
-    numbers = frame.select_dtypes("number")
     units = frame.attrs.get("varUnits") or frame.attrs.get("VariableUnits") or []
-    unit_of = dict(zip(map(str, frame.columns), map(str, units), strict=False))
-    timed = isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex)
-    times = seconds(frame.index.to_numpy()) if timed else None
-    durations = {name: frame[name].to_numpy() for name in frame.select_dtypes(["timedelta", "datetime"])}
-    return {
-        **{str(name): Series(values=seconds(values), unit="s") for name, values in durations.items()},
-        **{
-            str(name): Series(
-                values=numbers[name].to_numpy(np.float64), unit=unit_of.get(str(name), ""), times=times
-            )
-            for name in numbers
-        },
-    }
+    return series_of_frame(frame, dict(zip(map(str, frame.columns), map(str, units), strict=False)))
 
 
 def _is_calendar(times: np.ndarray) -> bool:
     """Whether durations are counted in months or years, which have no length in seconds."""
     return times.dtype.kind == "m" and np.datetime_data(times.dtype)[0] in {"Y", "M"}
-
-
-def seconds(times: np.ndarray) -> np.ndarray:
-    """Dates from the first one on, or durations, in seconds."""
-    if times.dtype.kind == "M":
-        times = times - times.reshape(-1)[0] if times.size else times.astype("timedelta64[ns]")
-    return np.asarray(times / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9

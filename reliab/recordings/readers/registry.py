@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from reliab.errors import InputError
-from reliab.files import decoding, ordinary, require_small
+from reliab.errors import InputError, naming
+from reliab.file_limits import LIMITS
+from reliab.files import decoding, ordinary
 from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
 from reliab.recordings.readers.columns import Columns
 from reliab.registry import Registry
 
 _HEAD: Final = 1024  # bytes
-_MOST_BYTES: Final = 2_000_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,10 +70,13 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
     ):
         with ordinary(path).open("rb") as file:
             head = file.read(_HEAD)
-        require_small(path, _MOST_BYTES, remedy=text.TOO_LARGE)
+        LIMITS["test"].require_small(path)
         form = next((form for form in (*FORMATS.values(), _TEXT) if form.recognises(head)), None)
         if form is not None:
-            return form.read(path, delimiter)
+            if b"\0" not in head:
+                LIMITS["test"].require_narrow(path)
+            with naming(path.name):
+                return form.read(path, delimiter)
     kind, remedy = next(
         (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
         ("another binary format", "Export it in one of these"),

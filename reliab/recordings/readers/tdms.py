@@ -2,6 +2,7 @@
 
 import logging
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -9,14 +10,29 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.errors import InputError
-from reliab.recordings.readers.columns import Columns
-from reliab.recordings.readers.layouts import MOST_COLUMNS, Series, Tree, tests_of_tree
-from reliab.recordings.readers.objects import seconds
+from reliab.recordings.readers.attributes import series_of
+from reliab.recordings.readers.columns import Columns, Series, seconds, start_of
+from reliab.recordings.readers.layouts import MOST_COLUMNS, Tree, tests_of_tree
 from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
 _DECIMATED: Final = re.compile(r"Decimated Data_Level\d+$")  # thinned copies beside a test
-_UNIT_NAMES: Final = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units", "units")
+_SCALE: Final = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
+_KNOWN_SCALES: Final = frozenset(
+    (
+        "Linear",
+        "Polynomial",
+        "Table",
+        "Strain",
+        "RTD",
+        "Thermistor",
+        "Thermocouple",
+        "Add",
+        "Subtract",
+        "AdvancedAPI",
+    )
+)
+_LONGEST: Final = 40  # characters of a property that a message repeats
 _INCOMPLETE: Final = "The file ends within its last segment, as after a logger that was stopped."
 _MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
 
@@ -45,7 +61,7 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
         _require_bounded([channel for group in groups for channel in group.channels()], path)
         tree: dict[str, Tree] = {}
         for group in groups:
-            tree[group.name] = _group(group)
+            tree[group.name] = _group(group, content.properties)
         tests = tests_of_tree(path, tree if len(tree) != 1 else next(iter(tree.values())))
         incomplete = content.file_status.incomplete_final_segment
     return [replace(test, notes=(_INCOMPLETE,)) for test in tests] if incomplete else tests
@@ -71,32 +87,34 @@ def _require_bounded(channels: list[Any], path: Path) -> None:
         )
 
 
-def _group(group: Any) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS declares no types
+def _group(group: Any, of_file: Mapping[str, object]) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS is untyped
     tree: dict[str, Tree] = {
         name: np.asarray(value) for name, value in group.properties.items() if isinstance(value, int | float)
     }
     for channel in group.channels():
-        series = _series(channel)
+        series = _series(channel, {**of_file, **group.properties})
         if series is not None:
             tree[channel.name] = series
     return tree
 
 
-def _series(channel: Any) -> Series | None:  # noqa: ANN401
-    """History of a channel; None where it holds texts, or nothing."""
+def _series(channel: Any, above: Mapping[str, object]) -> Series | None:  # noqa: ANN401
+    """History of a channel; None where it holds texts, or nothing. `above`: properties of group and file."""
     if channel.data_type is None or len(channel) < 2:  # noqa: PLR2004 - a single number is no history
         return None
     values = np.asarray(channel[:])
-    stated = channel.properties
-    unit = next((str(stated[name]) for name in _UNIT_NAMES if stated.get(name)), "")
     if values.dtype.kind == "M":
-        return Series(values=seconds(values), unit="s")
+        return Series(values=seconds(values), unit="s", start=start_of(values))
     if values.dtype.kind not in "iufb":
         return None
-    step, begin = _number(stated.get("wf_increment")), _number(stated.get("wf_start_offset"))
-    times = None if not step else (begin or 0.0) + step * np.arange(values.size, dtype=np.float64)
-    return Series(values=np.asarray(values, dtype=np.float64), unit=unit, times=times)
+    return _scaled(series_of(values, channel.properties), {**above, **channel.properties})
 
 
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) and np.isfinite(value) and value >= 0.0 else None
+def _scaled(series: Series, stated: Mapping[str, object]) -> Series:
+    """List the scales that npTDMS has applied; without a word it applies none where it does not know one."""
+    kinds = {str(kind) for name, kind in stated.items() if _SCALE.fullmatch(name)}
+    if not kinds or stated.get("NI_Scaling_Status") == "scaled":
+        return series
+    if unknown := sorted(kinds - _KNOWN_SCALES):
+        return replace(series, unclear=f"a scale of the type {unknown[0][:_LONGEST]!r}")
+    return replace(series, applied=(*series.applied, f"scale of the file ({', '.join(sorted(kinds))})"))

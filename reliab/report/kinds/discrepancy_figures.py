@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from reliab.discrepancy.adding import Posterior
 from reliab.discrepancy.campaign import Channel
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
-from reliab.effects import Effect, find_effect
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
     GapPanel,
@@ -67,6 +66,11 @@ def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDAr
     return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
 
 
+def _shown(diagnosed: BlockDiagnosis, file: str) -> str:
+    """Name the test that a figure shows whole, and what of it is held out."""
+    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, last third held out"
+
+
 def _noise(diagnosed: BlockDiagnosis) -> float | None:
     """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
     residuals = np.concatenate(list(diagnosed.residuals_before.values()))
@@ -94,9 +98,9 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
         highest=min(_HIGHEST, 0.5 * rate),
     )
     caption = prose(
-        "Power of the residual of {channel} over that of the noise, held-out test {file}.",
+        "Power of the residual of {channel} over that of the noise, {shown}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
 
@@ -109,9 +113,9 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     unit, factor = _UNITS[diagnosed.block.channel]
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
-        "Mean residual of {channel} over displacement and velocity, held-out test {file}.",
+        "Mean residual of {channel} over displacement and velocity, {shown}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
     )
     return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
 
@@ -137,10 +141,10 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         label=f"{diagnosed.block.channel} [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of held-out test {file} in the stretch in which it is strongest: "
+        "Measured and modelled {channel} of {shown}, in the stretch in which it is strongest: "
         "over time, and over {driven}.",
         channel=str(diagnosed.block.channel),
-        file=file,
+        shown=_shown(diagnosed, file),
         driven=str(diagnosed.block.inputs[-1]),
     )
     return Figure(
@@ -176,7 +180,7 @@ def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, 
 def gap_figure(diagnosis: Diagnosis) -> Figure:
     """Draw what is left in every observed channel."""
     caption = (
-        "Residuals on a held-out test before and after the effects are added, and their size over all "
+        "Residuals on held-out data before and after the effects are added, and their size over all "
         "held-out tests compared with that of the noise."
     )
     drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
@@ -200,25 +204,27 @@ def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
     )
 
 
-def _meaning(name: str) -> str:
-    """Words for a parameter of an effect, by "effect.parameter"."""
-    effect, _, parameter = name.partition(".")
-    kind: type[Effect] = find_effect(effect)
-    return next(item.meaning for item in kind.parameters if item.name == parameter)
+def _meanings(diagnosed: BlockDiagnosis) -> dict[str, str]:
+    """Words for every parameter of a block's effects, of the library or not, by "effect.parameter"."""
+    space = diagnosed.best.space
+    return {
+        f"{effect.name}.{parameter.name}": parameter.meaning
+        for effect in (*space.block.offsets, *space.effects)
+        for parameter in effect.parameters
+    }
 
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
     """Draw the posterior of the effects that are named in a block, None where none has parameters."""
-    named = {
-        str(effect.effect.name)
-        for diagnosed in diagnosis.blocks
-        if str(diagnosed.block.block) == block
-        for effect in diagnosed.effects
-    }
-    chosen = [k for k, name in enumerate(posterior.names) if name.split(".")[0] in named][:_MOST_PARAMETERS]
+    diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
+    named = {str(effect.effect.name) for effect in diagnosed.effects}
+    chosen = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in named][
+        :_MOST_PARAMETERS
+    ]
     if not chosen:
         return None
-    names = [f"{_meaning(posterior.names[k])} [{posterior.units[k]}]" for k in chosen]
+    meanings = _meanings(diagnosed)
+    names = [f"{meanings[posterior.names[k]]} [{posterior.units[k]}]" for k in chosen]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,

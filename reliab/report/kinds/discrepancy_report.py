@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.discrepancy.adding import Posterior
+from reliab.discrepancy.campaign import held_out_in_words
 from reliab.discrepancy.fitting import MOST_OF_A_TEST
 from reliab.discrepancy.naming import LARGEST_REMAINDER
 from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect, Remainder, Unknown, Verdict
@@ -126,9 +127,8 @@ def _of_signal(size: float) -> str:
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
     campaign = diagnosis.campaign
-    held_out = ", ".join(diagnosis.gap.held_out)
     facts: dict[str, Prose] = {
-        "Tests": f"{len(campaign.tests)} at {campaign.rate:g} Hz, held out: {held_out}",
+        "Tests": f"{len(campaign.tests)} at {campaign.rate:g} Hz, held out: {campaign.held_out}",
         "Channels": ", ".join(sorted(campaign.channels)),
         "Blocks observed": ", ".join(str(diagnosed.block.block) for diagnosed in diagnosis.blocks),
     }
@@ -408,7 +408,7 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
         {
             "block": str(diagnosed.block.block),
             "channel": diagnosed.gap.channel,
-            "test": gap.files[0],
+            "test": held_out_in_words(diagnosed.block.tests, gap.files),
             "kind": gap.kind,
             "before": gap.before,
             "after": gap.after,

@@ -70,8 +70,9 @@ def _verdict(table: RigTable, prediction: Prediction) -> Prose:
     good = sum(bool(row["reliable"]) for row in table.rows)
     share = good / len(table)
     return prose(
-        "*{good} of {tests} tests were reliable* ({share}). The next one keeps its error below {threshold} "
-        "with probability {probability}{doubt}.",
+        "*{good} of {tests} tests were judged reliable* ({share}): their error was below the threshold "
+        "beyond doubt. The next test, under a motion like those of the rig's tests, keeps its error below "
+        "{threshold} with probability {probability}{doubt}.",
         good=good,
         tests=len(table),
         share=percent(share),
@@ -96,7 +97,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
             alpha=structure.experimental_fraction,
         )
     if table.faults:
-        facts["Left out"] = f"{len(table.faults)} files that could not be read"
+        facts["Left out"] = f"{counted(len(table.faults), 'file')} that could not be read"
     return facts
 
 
@@ -180,8 +181,9 @@ def _changes(plan: Plan | None) -> tuple[Paragraph | Points | Table, ...]:
             ),
         )
     begins = (
-        f"{percent(plan.share_now)} of the coming tests would have an error below {percent(plan.threshold)}, "
-        f"under any of the motions that ship; {percent(plan.share)} are wanted. Each remedy alone:"
+        f"Under the motions that ship, in place of those of the rig's tests, {percent(plan.share_now)} of "
+        f"the coming tests would have an error below {percent(plan.threshold)}; {percent(plan.share)} are "
+        "wanted. Each remedy alone:"
     )
     sobol = quantities_table(
         [

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from reliab.arrays import Array
+from reliab.physical_range import Physical
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.specimen_table import KinematicsTable, SpecimenTable
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable, require
@@ -14,14 +15,16 @@ from reliab.structures import drift_interface, floor_interface, static_shapes
 from reliab.structures.frames import (
     Frame,
     PlanarFrame,
+    massless,
     modal_damping,
     rayleigh_damping,
     shear_frame,
 )
 
-Positive = Annotated[float, Field(gt=0.0)]
-
-NotNegative = Annotated[float, Field(ge=0.0)]
+_Inertia = Annotated[float, Physical("second moment of area")]
+_Length = Annotated[float, Physical("length")]
+_Ratio = Annotated[float, Physical("damping ratio", zero=True)]
+_Frequency = Annotated[float, Physical("natural frequency")]
 
 
 class PlanarTable(DescribedTable):
@@ -29,11 +32,11 @@ class PlanarTable(DescribedTable):
 
     storeys: Annotated[int, Field(ge=1)] = Field(description="Number of storeys")
     bays: Annotated[int, Field(ge=1)] = Field(description="Number of bays")
-    elastic_modulus_pa: Positive = Field(description="Elastic modulus")
-    column_inertia_m4: Positive = Field(description="Second moment of area of a column")
-    beam_inertia_m4: Positive = Field(description="Second moment of area of a beam")
-    storey_height_m: Positive = Field(description="Height of a storey")
-    bay_width_m: Positive = Field(description="Width of a bay")
+    elastic_modulus_pa: Annotated[float, Physical("elastic modulus")] = Field(description="Elastic modulus")
+    column_inertia_m4: _Inertia = Field(description="Second moment of area of a column")
+    beam_inertia_m4: _Inertia = Field(description="Second moment of area of a beam")
+    storey_height_m: _Length = Field(description="Height of a storey")
+    bay_width_m: _Length = Field(description="Width of a bay")
     fixed_base: bool = Field(
         default=False, description="Whether columns are clamped at the ground, not hinged"
     )
@@ -56,11 +59,13 @@ class PlanarTable(DescribedTable):
 class FrameTable(DescribedTable):
     """Mass and stiffness of the whole structure, each in one of its ways."""
 
-    masses_kg: Row | None = Field(default=None, description="Masses of the floors, from the ground up")
+    masses_kg: tuple[Annotated[float, Physical("mass", zero=True)], ...] | None = Field(
+        default=None, description="Masses of the floors, from the ground up"
+    )
     mass_matrix_kg: Matrix | None = Field(
         default=None, description="Mass matrix, with the specimen's, by rows"
     )
-    storey_stiffnesses_n_per_m: Row | None = Field(
+    storey_stiffnesses_n_per_m: tuple[Annotated[float, Physical("stiffness")], ...] | None = Field(
         default=None,
         description="Stiffnesses of the storeys of a shear frame, with the specimen's, from the ground up",
     )
@@ -103,12 +108,14 @@ class FrameTable(DescribedTable):
 class DampingTable(DescribedTable):
     """Damping of the whole structure: `ratio`, `ratios`, `rayleigh_ratios` or `matrix_n_s_per_m`."""
 
-    ratio: NotNegative | None = Field(default=None, description="Damping ratio of all modes")
-    ratios: Row | None = Field(default=None, description="Damping ratio of each mode, the slowest first")
-    rayleigh_ratios: tuple[float, float] | None = Field(
+    ratio: _Ratio | None = Field(default=None, description="Damping ratio of all modes")
+    ratios: tuple[_Ratio, ...] | None = Field(
+        default=None, description="Damping ratio of each mode, the slowest first"
+    )
+    rayleigh_ratios: tuple[_Ratio, _Ratio] | None = Field(
         default=None, description="Damping ratios of Rayleigh damping at two frequencies"
     )
-    rayleigh_frequencies_hz: tuple[Positive, Positive] | None = Field(
+    rayleigh_frequencies_hz: tuple[_Frequency, _Frequency] | None = Field(
         default=None, description="The two frequencies of `rayleigh_ratios`"
     )
     matrix_n_s_per_m: Matrix | None = Field(default=None, description="Damping matrix, by rows")
@@ -133,8 +140,8 @@ class DampingTable(DescribedTable):
         if self.rayleigh_ratios is not None and self.rayleigh_frequencies_hz is not None:
             return rayleigh_damping(mass, stiffness, self.rayleigh_ratios, self.rayleigh_frequencies_hz)
         ratios = self.ratio if self.ratio is not None else self.ratios or ()
-        massed = np.asarray(mass.any(axis=1))
-        shapes = static_shapes(stiffness, ~massed)
+        bare = massless(mass)
+        massed, shapes = ~bare, static_shapes(stiffness, bare)
         damping = np.zeros_like(mass)
         damping[np.ix_(massed, massed)] = modal_damping(
             shapes.T @ mass @ shapes, shapes.T @ stiffness @ shapes, ratios

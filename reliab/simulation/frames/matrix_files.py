@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
-from reliab.files import require_small
+from reliab.file_limits import LIMITS
 from reliab.received import named_within
 
 Row = tuple[float, ...]
@@ -23,7 +23,6 @@ _MATRICES: Final = frozenset(
         "matrix_n_s_per_m",
     ]
 )
-_MOST_BYTES: Final = 20_000_000
 _REMEDY: Final = "Write rows of numbers, separated by commas or spaces"
 
 
@@ -44,7 +43,7 @@ def _read(key: str, value: Any, folder: Path) -> Any:  # noqa: ANN401 - TOML hol
 
 def _rows(name: str, folder: Path) -> list[list[float]]:
     path = named_within(folder, name, where="")
-    require_small(path, _MOST_BYTES, remedy=_REMEDY)
+    LIMITS["matrix"].require_small(path)
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeError) as error:

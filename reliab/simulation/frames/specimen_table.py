@@ -9,13 +9,12 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from reliab.arrays import Array
 from reliab.effects import Effect, find_effect
 from reliab.errors import InputError
+from reliab.physical_range import Physical
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import DescribedTable, require
 from reliab.structures import condensed
 from reliab.structures.frames import place_of
-
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 _OF_ONE = {"stiffness_n_per_m", "damping_n_s_per_m", "damping_ratio", "mass_kg", "effects", "below"}
 _OF_SEVERAL = {"names", "stiffness_matrix_n_per_m", "damping_matrix_n_s_per_m", "mass_matrix_kg"}
@@ -59,12 +58,18 @@ class SpecimenTable(DescribedTable):
         default=None,
         description="Interface displacement by degree of freedom, in place of `degree_of_freedom`",
     )
-    stiffness_n_per_m: NotNegative = Field(default=0.0, description="Stiffness of the specimen")
-    damping_n_s_per_m: float | None = Field(default=None, description="Damping coefficient of the specimen")
-    damping_ratio: NotNegative | None = Field(
+    stiffness_n_per_m: Annotated[float, Physical("stiffness", zero=True)] = Field(
+        default=0.0, description="Stiffness of the specimen"
+    )
+    damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True, signed=True)] | None = (
+        Field(default=None, description="Damping coefficient of the specimen")
+    )
+    damping_ratio: Annotated[float, Physical("damping ratio", zero=True)] | None = Field(
         default=None, description="Damping ratio of the specimen by itself, in place of its coefficient"
     )
-    mass_kg: NotNegative = Field(default=0.0, description="Mass of the specimen")
+    mass_kg: Annotated[float, Physical("mass", zero=True)] = Field(
+        default=0.0, description="Mass of the specimen"
+    )
     effects: tuple[EffectTable, ...] = Field(
         default=(), description="Effects of the specimen in addition to its linear force"
     )

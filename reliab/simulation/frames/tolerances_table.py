@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import Physical
 from reliab.structures import least_of, name_of_entries
 
 _FAR = 3.0  # standard deviations that an entry may be off
@@ -25,7 +26,7 @@ def require(sound: bool, message: str) -> None:  # noqa: FBT001 - what must hold
         raise ValueError(message)
 
 
-Deviation = Annotated[float, Field(ge=0.0, lt=1.0 / 3.0)]
+Deviation = Annotated[float, Physical("relative standard deviation", zero=True)]
 
 Deviations = Deviation | tuple[Deviation, ...]
 

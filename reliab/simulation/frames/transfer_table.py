@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import Physical
 from reliab.received import named_within
 from reliab.simulation.frames.tolerances_table import DescribedTable, require
 from reliab.simulation.transfer_systems import (
@@ -19,29 +20,30 @@ from reliab.simulation.transfer_systems import (
 from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.vocabulary import MILLI
 
-Positive = Annotated[float, Field(gt=0.0)]
+_Positive = Annotated[float, Physical("number")]
+_Number = Annotated[float, Physical("number", zero=True, signed=True)]
 
-Root = float | tuple[float, float]
+Root = _Number | tuple[_Number, _Number]
 """A real zero or pole [1/s], or real and imaginary part of one that stands for a conjugate pair."""
 
 
 class ServoHydraulicTable(DescribedTable):
     """The servo-hydraulic plant of the benchmark, with other numbers where given."""
 
-    input_gain: Positive = Field(
+    input_gain: _Positive = Field(
         default=ServoHydraulic.input_gain, description="Gain of the command’s way to the valve"
     )
-    valve_gain: Positive = Field(
+    valve_gain: _Positive = Field(
         default=ServoHydraulic.valve_gain, description="Gain of the valve [N/(m·s³)]"
     )
-    piston_coupling_n_per_m: Positive = Field(
+    piston_coupling_n_per_m: _Positive = Field(
         default=ServoHydraulic.piston_coupling, description="Coupling of the piston"
     )
-    leakage_per_s: Positive = Field(default=ServoHydraulic.leakage, description="Leakage past the piston")
-    valve_damping_per_s: Positive = Field(
+    leakage_per_s: _Positive = Field(default=ServoHydraulic.leakage, description="Leakage past the piston")
+    valve_damping_per_s: _Positive = Field(
         default=ServoHydraulic.valve_damping, description="Damping of the valve"
     )
-    valve_stiffness_per_s2: Positive = Field(
+    valve_stiffness_per_s2: _Positive = Field(
         default=ServoHydraulic.valve_stiffness, description="Stiffness of the valve"
     )
 
@@ -61,11 +63,13 @@ class ServoHydraulicTable(DescribedTable):
 class TransferTable(DescribedTable):
     """The actuators with their inner control: one, in one of its ways with a pure delay beside it, or all."""
 
-    gain: Positive | None = Field(default=None, description="Static gain, alone or with `poles_per_s`")
-    numerator: tuple[float, ...] | None = Field(
+    gain: Annotated[float, Physical("actuator's gain")] | None = Field(
+        default=None, description="Static gain, alone or with `poles_per_s`"
+    )
+    numerator: tuple[_Number, ...] | None = Field(
         default=None, description="Coefficients of the numerator, in descending powers of s"
     )
-    denominator: tuple[float, ...] | None = Field(
+    denominator: tuple[_Number, ...] | None = Field(
         default=None, description="Coefficients of the denominator, likewise"
     )
     zeros_per_s: tuple[Root, ...] = Field(default=(), description="Zeros, as `poles_per_s`")
@@ -78,13 +82,13 @@ class TransferTable(DescribedTable):
     )
     variable: str | None = Field(default=None, description="Structure in that file which holds them")
     servo_hydraulic: ServoHydraulicTable | None = Field(default=None, description="Plant of the benchmark")
-    matrix: tuple[tuple["TransferTable | float", ...], ...] | None = Field(
+    matrix: tuple[tuple["TransferTable | _Number", ...], ...] | None = Field(
         default=None,
         description="Transfer functions of several actuators, coupled: row i and column j is what the "
         "command of actuator j moves actuator i by; 0 where they are not coupled. Any other way is that of "
         "each actuator",
     )
-    delay_ms: Annotated[float, Field(ge=0.0)] = Field(
+    delay_ms: Annotated[float, Physical("time", zero=True)] = Field(
         default=0.0, description="Pure delay in addition to each of these"
     )
 

@@ -1,11 +1,11 @@
 """The model of a whole hybrid test: structure, actuator, specimen and effects."""
 
-import math
 from dataclasses import dataclass, field, replace
 from typing import Self
 
 from reliab.effects import Effect, Role, Setting, library
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.simulation.integrators import LinearSubstructure
 from reliab.structures import Specimen, Structure
 
@@ -22,18 +22,8 @@ class Actuator:
     delay: float = 0.0  # Delay τ [s], not negative
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.gain) and self.gain > 0.0):
-            raise InputError(
-                "The actuator's gain must be positive and finite",
-                value=self.gain,
-                remedy="Give measured over command amplitude, 1 for a perfect actuator",
-            )
-        if not (math.isfinite(self.delay) and self.delay >= 0.0):
-            raise InputError(
-                "The actuator's delay must be finite and not negative",
-                value=f"{self.delay} s",
-                remedy="Give the delay in seconds, 0.001 for one millisecond",
-            )
+        require_physical("actuator's gain", self.gain)
+        require_physical("actuator's delay", self.delay, zero=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +43,7 @@ class HybridTest:
     moved_before: float = 0.0  # Largest displacement of the specimen in earlier tests [m]
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.mass) and self.mass > 0.0):
-            raise InputError(
-                "The structure's mass must be positive and finite",
-                value=self.mass,
-                remedy="Give kilograms, or leave it out when forces are per unit mass",
-            )
+        require_physical("mass", self.mass, called="mass of the structure")
         if self.specimen is None and self.structure is not None:
             w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
             object.__setattr__(self, "specimen", Specimen(stiffness=alpha * w0**2 * self.mass))

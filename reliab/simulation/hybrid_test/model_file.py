@@ -4,18 +4,18 @@ The file is TOML with the tables of campaign.toml, so that people can read, copy
 """
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from reliab.described_files import described, read_toml
 from reliab.effects import Effect, Parameter, find_effect
 from reliab.errors import InputError
 from reliab.files import refuse_unwritable, written_whole
+from reliab.physical_range import Physical, require_physical
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures import Specimen, Structure
@@ -27,9 +27,8 @@ _HEAD = """\
 # Use it with: reliab criterion --model {file} --motions ...    or: reliab simulate --model {file} ...
 """
 
-_Finite = Annotated[float, Field(allow_inf_nan=False)]
-_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-_NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+_Number = Annotated[float, Physical("number", zero=True, signed=True)]
+_Deviation = Annotated[float, Physical("number", zero=True)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +45,7 @@ class UpdatedModel:
 
     def __post_init__(self) -> None:
         for parameter, value in self.deviations.items():
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(
-                    "A standard deviation must be finite and not negative", value=value, where=parameter
-                )
+            require_physical("number", value, zero=True, called="standard deviation", where=parameter)
 
 
 def write_model(path: Path | str, model: UpdatedModel) -> None:
@@ -80,10 +76,10 @@ class _Table(BaseModel):
 
 
 class _Structure(_Table):
-    frequency_hz: _Positive
-    damping_ratio: Annotated[float, Field(gt=0.0, lt=1.0)]
-    mass_kg: _Positive = 1.0
-    experimental_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    frequency_hz: Annotated[float, Physical("natural frequency")]
+    damping_ratio: Annotated[float, Physical("damping ratio")]
+    mass_kg: Annotated[float, Physical("mass")] = 1.0
+    experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = 1.0
 
     def built(self) -> Structure:
         return Structure(
@@ -94,25 +90,25 @@ class _Structure(_Table):
 
 
 class _Actuator(_Table):
-    gain: _Positive = 1.0
-    gain_sd: _NotNegative | None = None
-    delay_s: _NotNegative = 0.0
-    delay_s_sd: _NotNegative | None = None
+    gain: Annotated[float, Physical("actuator's gain")] = 1.0
+    gain_sd: _Deviation | None = None
+    delay_s: Annotated[float, Physical("actuator's delay", zero=True)] = 0.0
+    delay_s_sd: _Deviation | None = None
 
 
 class _Specimen(_Table):
-    stiffness_n_per_m: _NotNegative
-    stiffness_n_per_m_sd: _NotNegative | None = None
-    damping_n_s_per_m: _Finite = 0.0
-    mass_kg: _NotNegative = 0.0
+    stiffness_n_per_m: Annotated[float, Physical("stiffness", zero=True)]
+    stiffness_n_per_m_sd: _Deviation | None = None
+    damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True, signed=True)] = 0.0
+    mass_kg: Annotated[float, Physical("mass", zero=True)] = 0.0
 
     def built(self) -> Specimen:
         return Specimen(stiffness=self.stiffness_n_per_m, damping=self.damping_n_s_per_m, mass=self.mass_kg)
 
 
 class _Value(_Table):
-    value: _Finite
-    sd: _NotNegative | None = None
+    value: _Number
+    sd: _Deviation | None = None
     units: str | None = None
 
 

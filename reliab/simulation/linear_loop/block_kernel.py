@@ -43,19 +43,25 @@ def at_samples(record: Array, weights: Weights) -> Array:
 
 
 @compiled
-def _way_to(time: float, h: float, samples: int, pole: complex) -> tuple[int, Way]:
-    """Sample before a time [s], −1 before the record, and the way of the mode from there to that time."""
+def _place_of(time: float, h: float, samples: int) -> tuple[int, float]:
+    """Sample before a time [s], −1 before the record, and the time from there [s]."""
     if time <= 0.0:
-        return -1, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return -1, 0.0
     i = min(int(time * (1.0 / h) + 1e-9), samples - 2)
     into = time - i * h
-    if into < _AT_SAMPLE * h:
-        return i, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return i, 0.0 if into < _AT_SAMPLE * h else into
+
+
+@compiled
+def _way(into: float, h: float, pole: complex) -> Way:
+    """Way of the mode from a sample to a time after it [s]."""
+    if into == 0.0:
+        return 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     inverse = 1.0 / pole
     grown = np.exp(pole * into)
     held = (grown - 1.0) * inverse
     ramp = (held - into) * inverse
-    return i, (grown.real, grown.imag, held.real, held.imag, ramp.real * (1.0 / h), ramp.imag * (1.0 / h))
+    return grown.real, grown.imag, held.real, held.imag, ramp.real * (1.0 / h), ramp.imag * (1.0 / h)
 
 
 @compiled
@@ -126,8 +132,13 @@ def cut_records(
         own, longer = weights[0][n], weights[1][n]
         both = (own[0], own[1], own[2]), (longer[0], longer[1], longer[2])
         blocks, edges = slice(at, at + counts[n]), slice(at + n, at + n + counts[n] + 1)
+        at_sample = between = _way(0.0, h, poles[n])
+        known = 0.0
         for k in range(counts[n] + 1):
-            place[k], way = _way_to(starts[n] + steps[n] * k, h, records.shape[1], poles[n])
+            place[k], into = _place_of(starts[n] + steps[n] * k, h, records.shape[1])
+            if into > 0.0 and abs(into - known) > _AT_SAMPLE * h:  # edges often lie alike between samples
+                known, between = into, _way(into, h, poles[n])
+            way = between if into > 0.0 else at_sample
             ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5] = way
         for m in range(number):
             lines = left[m, blocks], right[m, blocks], ideal[m, edges]
@@ -159,8 +170,9 @@ def peak_of_mode(
         if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
             for place in range(_PARTS + 1):
                 time = min(window[0] + step * (k + place / _PARTS), window[1])
-                i, way = _way_to(time, h, a.shape[1], pole)
+                i, into = _place_of(time, h, a.shape[1])
                 if i >= 0:
+                    way = _way(into, h, pole)
                     _, y = _along(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
                     largest = max(largest, abs(y))
     return largest / pole.imag

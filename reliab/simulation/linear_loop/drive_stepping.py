@@ -2,15 +2,18 @@
 
 The deviation y of a cell obeys a recursion of two states. It is stepped with its increment d ::
 
-    d₊ = gd − βy + w,   y₊ = y + d₊,     g = |E|²,   β = |1 − E|²
+    d₊ = γd − βy₋ + w,   y₊ = y + d₊,     γ = |E|² − β,   β = |1 − E|²
 
 in single precision, since β keeps the digits that 2Re E would lose; squares are summed up in double
-precision. g is near one: in a pass of eight blocks it is rounded four times, so that the product is right.
+precision. With y₋, the deviation before y, an increment waits for one product only, which lets a processor
+step several cells at once. γ is near one: in a pass of eight blocks it is rounded four times, so that the
+product is right.
 
 Cells are stepped in sets of lanes, eight blocks in one pass with the state in registers. Of the peak only the
 pass in which it lies is noted, with the state before it, from which it is stepped again at the end.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,16 +27,16 @@ from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes
 from reliab.simulation.linear_loop.shared_drives import DRIVES, SharedDrives
 
-LANES = 128
+LANES = 216
 """Cells that advance side by side; their state fits the first-level cache."""
 
 PASS_GAINS = 4
-"""Factors g of a cell in one pass, each for two blocks."""
+"""Factors γ of a cell in one pass, each for two blocks."""
 
 _PASS = 8
 _PARTS = 8  # passes whose squares are summed in single precision
 _COEFFICIENTS = 1 + PASS_GAINS + DRIVES
-_STATES = 6  # y, d, and of the peak: modulus, first block of the pass, y and d before it
+_STATES = 6  # y₋, d, and of the peak: modulus, first block of the pass, y₋ and d before it
 
 Row = tuple[float, float, float, float, float, float]
 """Values of the drives in one block, or a cell's weights of them."""
@@ -44,15 +47,14 @@ Single = Any
 
 @compiled
 def _row(drives: NDArray[np.float32], i: int) -> Row:
-    return drives[i, 0], drives[i, 1], drives[i, 2], drives[i, 3], drives[i, 4], drives[i, 5]
+    return drives[0, i], drives[1, i], drives[2, i], drives[3, i], drives[4, i], drives[5, i]
 
 
 @compiled
-def _step(y: float, d: float, beta: float, g: float, u: Row, w: Row) -> tuple[float, float]:
-    """Deviation and increment at the end of a block."""
+def _increment(y_before: float, d: float, beta: float, gamma: float, u: Row, w: Row) -> float:
+    """Increment of the deviation in a block."""
     drive = u[0] * w[0] + u[1] * w[1] + u[2] * w[2] + u[3] * w[3] + u[4] * w[4] + u[5] * w[5]
-    increment = (drive + g * d) - beta * y
-    return y + increment, increment
+    return (drive - beta * y_before) + gamma * d
 
 
 @compiled
@@ -72,7 +74,7 @@ def _square(p: float, q: float, r: float, s: float) -> float:
 
 @compiled
 def _note_peak(
-    old: tuple[float, float, float, float], new: tuple[float, float, float, float], one: float
+    old: tuple[float, float, float, float], new: tuple[float, float, float, float], unity: float
 ) -> tuple[float, float, float, float]:
     """Whichever of two peaks, with pass and state, is higher.
 
@@ -81,16 +83,16 @@ def _note_peak(
     """
     up = new[0] > old[0]
     return (
-        one * (new[0] if up else old[0]),
-        one * (new[1] if up else old[1]),
-        one * (new[2] if up else old[2]),
-        one * (new[3] if up else old[3]),
+        unity * (new[0] if up else old[0]),
+        unity * (new[1] if up else old[1]),
+        unity * (new[2] if up else old[2]),
+        unity * (new[3] if up else old[3]),
     )
 
 
 @compiled
 def _track_lanes(  # noqa: PLR0915 - one compiled loop
-    drives: NDArray[np.float32], before: int, end: float, cells: NDArray[np.float32], one: Single
+    drives: NDArray[np.float32], before: int, end: float, cells: NDArray[np.float32], unity: Single
 ) -> tuple[NDArray[np.float32], Array, NDArray[np.float32]]:
     """Step one set of lanes from rest through the window: states, sums of squares, last moduli.
 
@@ -102,15 +104,21 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
     s = np.zeros((_STATES, LANES), dtype=np.float32)
     squares_of_pass, squares = np.zeros(LANES, dtype=np.float32), np.zeros(LANES)
     last = np.zeros(LANES, dtype=np.float32)
-    blocks, i, passes = drives.shape[0], 0, 0
+    blocks, i, passes = drives.shape[1], 0, 0
     while i < blocks:
         at: Single = np.float32(i)
         if i == before:
             for j in range(LANES):
-                squares[j], squares_of_pass[j] = 0.0, np.float32(0.5) * s[0, j] * s[0, j]
-                s[2, j], s[3, j], s[4, j], s[5, j] = abs(s[0, j]), at, s[0, j], s[1, j]
+                y = s[0, j] + s[1, j]
+                squares[j], squares_of_pass[j] = 0.0, np.float32(0.5) * y * y
+                s[2, j], s[3, j], s[4, j], s[5, j] = abs(y), at, s[0, j], s[1, j]
         if i + _PASS <= (before if i < before else blocks - 2):
-            w0, w1, w2, w3 = _row(drives, i), _row(drives, i + 1), _row(drives, i + 2), _row(drives, i + 3)
+            w0, w1, w2, w3 = (
+                _row(drives, i),
+                _row(drives, i + 1),
+                _row(drives, i + 2),
+                _row(drives, i + 3),
+            )
             w4, w5, w6, w7 = (
                 _row(drives, i + 4),
                 _row(drives, i + 5),
@@ -120,20 +128,29 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
             for j in range(LANES):
                 b, g, h, m, n = k[0, j], k[1, j], k[2, j], k[3, j], k[4, j]
                 u = (k[5, j], k[6, j], k[7, j], k[8, j], k[9, j], k[10, j])
-                y, d = s[0, j], s[1, j]
-                y0, d0 = _step(y, d, b, g, u, w0)
-                y1, d1 = _step(y0, d0, b, g, u, w1)
-                y2, d2 = _step(y1, d1, b, h, u, w2)
-                y3, d3 = _step(y2, d2, b, h, u, w3)
-                y4, d4 = _step(y3, d3, b, m, u, w4)
-                y5, d5 = _step(y4, d4, b, m, u, w5)
-                y6, d6 = _step(y5, d5, b, n, u, w6)
-                y7, d7 = _step(y6, d6, b, n, u, w7)
-                s[0, j], s[1, j] = y7, d7
+                before_pass, d = s[0, j], s[1, j]
+                y = before_pass + d
+                d0 = _increment(before_pass, d, b, g, u, w0)
+                y0 = y + d0
+                d1 = _increment(y, d0, b, g, u, w1)
+                y1 = y0 + d1
+                d2 = _increment(y0, d1, b, h, u, w2)
+                y2 = y1 + d2
+                d3 = _increment(y1, d2, b, h, u, w3)
+                y3 = y2 + d3
+                d4 = _increment(y2, d3, b, m, u, w4)
+                y4 = y3 + d4
+                d5 = _increment(y3, d4, b, m, u, w5)
+                y5 = y4 + d5
+                d6 = _increment(y4, d5, b, n, u, w6)
+                y6 = y5 + d6
+                d7 = _increment(y5, d6, b, n, u, w7)
+                y7 = y6 + d7
+                s[0, j], s[1, j] = y6, d7
                 high = _larger(_highest(y0, y1, y2, y3), _highest(y4, y5, y6, y7))
                 squares_of_pass[j] += _square(y0, y1, y2, y3) + _square(y4, y5, y6, y7)
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
-                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (high, at, y, d), one)
+                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (high, at, before_pass, d), unity)
             i, passes = i + _PASS, passes + 1
         else:
             ends = i + 1 == blocks
@@ -143,13 +160,16 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
             w0 = _row(drives, i)
             for j in range(LANES):
                 u = (k[5, j], k[6, j], k[7, j], k[8, j], k[9, j], k[10, j])
-                y, d = s[0, j], s[1, j]
-                _, d0 = _step(y, d, k[0, j], k[1, j], u, w0)
+                before_pass, d = s[0, j], s[1, j]
+                y = before_pass + d
+                d0 = _increment(before_pass, d, k[0, j], k[1, j], u, w0)
                 now = y + fraction * d0
-                s[0, j], s[1, j], last[j] = now, d0, abs(now)
+                s[0, j], s[1, j], last[j] = y, d0, abs(now)
                 squares_of_pass[j] += weight * now * now
                 noted = (s[2, j], s[3, j], s[4, j], s[5, j])
-                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (inner * abs(now), at, y, d), one)
+                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(
+                    noted, (inner * abs(now), at, before_pass, d), unity
+                )
             i += 1
         if passes == _PARTS or i >= blocks:
             for j in range(LANES):
@@ -160,45 +180,44 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
 
 
 @compiled
-def _around_peak(
-    drives: NDArray[np.float32], at: int, y: float, d: float, cell: NDArray[np.float32]
-) -> tuple[float, float, float]:
-    """Deviation of one cell at its peak, and a block before and after it; all the same at the window's begin.
+def _peak(drives: NDArray[np.float32], at: int, y_before: float, d: float, cell: Array) -> float:
+    """Largest modulus of the deviation of one cell, between blocks too.
 
-    The peak is in the pass that begins with block `at` in the state y, d.
+    The peak is in the pass that begins with block `at` in the state y₋, d.
     """
-    steps = min(_PASS + 1, drives.shape[0] - at)
-    path = np.empty(_PASS + 2)
-    path[0] = y
-    highest = 0
+    steps = min(_PASS + 1, drives.shape[1] - at)
+    now = left = middle = right = y_before + d
+    rises, follows = False, False
     for n in range(steps):
-        drive = 0.0
-        for w in range(DRIVES):
-            drive += np.float64(cell[5 + w]) * drives[at + n, w]
-        d = cell[1] * d - cell[0] * path[n] + drive
-        path[n + 1] = path[n] + d
-        if n + 1 < steps and abs(path[n + 1]) > abs(path[highest]):
-            highest = n + 1
-    if highest == 0:
-        return path[0], path[0], path[0]
-    return path[highest - 1], path[highest], path[highest + 1]
+        u = _row(drives, at + n)
+        drive = (cell[5] * u[0] + cell[6] * u[1]) + (cell[7] * u[2] + cell[8] * u[3])
+        d = cell[1] * d - cell[0] * y_before + (drive + (cell[9] * u[4] + cell[10] * u[5]))
+        y_before, now = now, now + d
+        if follows:
+            right = now
+        follows = n + 1 < steps and abs(now) > abs(middle)
+        if follows:
+            left, middle, rises = y_before, now, True
+    return refine_peak(left, middle, right) if rises else abs(middle)  # at the begin of the window
 
 
 @compiled
 def track(
-    drives: NDArray[np.float32], before: int, end: float, coefficients: NDArray[np.float32], one: Single
-) -> tuple[Array, Array, Array]:
-    """Step all cells from rest through the window."""
+    drives: NDArray[np.float32], before: int, end: float, coefficients: NDArray[np.float32], unity: Single
+) -> tuple[Array, Array]:
+    """Step all cells from rest through the window: sums of squares, and largest moduli."""
     cells = coefficients.shape[1]
-    squares, around, last = np.empty(cells), np.empty((3, cells)), np.empty(cells)
+    squares, peaks, cell = np.empty(cells), np.empty(cells), np.empty(_COEFFICIENTS)
     for first in range(0, cells, LANES):
-        s, total, final = _track_lanes(drives, before, end, coefficients[:, first : first + LANES], one)
+        s, total, final = _track_lanes(drives, before, end, coefficients[:, first : first + LANES], unity)
         for j in range(LANES):
-            squares[first + j], last[first + j] = total[j], final[j]
-            cell = coefficients[:, first + j]
-            place = _around_peak(drives, int(s[3, j]), float(s[4, j]), float(s[5, j]), cell)
-            around[0, first + j], around[1, first + j], around[2, first + j] = place
-    return squares, around, last
+            for row in range(_COEFFICIENTS):
+                cell[row] = coefficients[row, first + j]
+            peak = _peak(drives, int(s[3, j]), float(s[4, j]), float(s[5, j]), cell)
+            if final[j] > peak or np.isnan(peak):
+                peak = float(final[j])
+            squares[first + j], peaks[first + j] = total[j], peak
+    return squares, peaks
 
 
 _LARGEST_GROWTH = 30.0  # as an exponent, beyond which squares may overflow
@@ -210,7 +229,7 @@ class DrivenCells:
     """Cells whose deviations are responses to shared drives."""
 
     place: NDArray[np.intp]  # Which cells of a recursion, shape (n,)
-    # Of `track`, the weights of the drives divided by `size`, shape (11, n)
+    # Of `track`, the weights of the drives divided by `size`, filled up to whole lanes, shape (11, lanes)
     coefficients: NDArray[np.float32]
     size: Array  # Norm of the weights, shape (n,)
     # Growth of free vibration in one block, as an exponent, shape (n,); negative where it decays
@@ -225,19 +244,20 @@ def driven_cells(drives: SharedDrives, coefficients: Array) -> DrivenCells:
     size = np.sqrt((weights**2).sum(axis=0))
     size[size == 0.0] = 1.0
     gains = np.empty((PASS_GAINS, place.size), dtype=np.float32)
-    remainder = np.zeros(place.size)
+    beta, remainder = (1.0 - c1 - c2).astype(np.float32), np.zeros(place.size)
     for gain in gains:  # what one lacks the next makes up for
-        gain[:] = -c2 + remainder
-        remainder += -c2 - gain
-    single = np.concatenate([(1.0 - c1 - c2)[np.newaxis], gains, weights / size]).astype(np.float32)
-    return DrivenCells(place=place, coefficients=single, size=size, growth=0.5 * np.log(-c2))
+        gain[:] = -c2 - beta + remainder
+        remainder += -c2 - beta - gain
+    single = np.concatenate([beta[np.newaxis], gains, (weights / size).astype(np.float32)])
+    filled = fill_lanes(single, LANES)
+    return DrivenCells(place=place, coefficients=filled, size=size, growth=0.5 * np.log(-c2))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DrivenRecord:
     """Shared drives of a structure under one record."""
 
-    # Drives in each block in units of `scale`, in single precision, shape (blocks, drives)
+    # Drives in each block in units of `scale`, in single precision, shape (drives, blocks)
     drives: NDArray[np.float32]
     scale: float  # Largest drive [m]
 
@@ -247,26 +267,25 @@ class DrivenRecord:
         single, scale = in_units(drives.histories(blocks))
         return cls(drives=single, scale=scale)
 
-    def bounded(self, cells: DrivenCells) -> NDArray[np.bool_]:
-        """Whether single precision holds the deviations, shape (cells,)."""
-        blocks = self.drives.shape[0]
-        calm = cells.growth * blocks <= _LARGEST_GROWTH
-        return np.asarray(calm & bool(blocks < _MOST_BLOCKS and np.isfinite(self.scale)))
+    @property
+    def is_bounded(self) -> bool:
+        """Whether single precision holds the drives and the numbers of their blocks."""
+        return self.drives.shape[1] < _MOST_BLOCKS and math.isfinite(self.scale)
 
 
 @compiled
 def in_units(histories: Array) -> tuple[NDArray[np.float32], float]:
-    """Drives in single precision in units of the largest, and that unit."""
-    scale = 0.0
-    for i in range(histories.shape[0]):
-        for j in range(histories.shape[1]):
-            drive = abs(histories[i, j])
-            scale = max(scale, drive) if np.isfinite(drive) else np.inf
+    """Drives in single precision in units of the largest, and that unit; infinite where one is not finite."""
+    scale, spoiled = 0.0, 0.0
+    for drive in histories.flat:
+        scale = max(scale, abs(drive))
+        spoiled += drive - drive
     scale = scale if scale > 0.0 else 1.0
+    scale = scale if spoiled == 0.0 else np.inf
     single = np.empty(histories.shape, dtype=np.float32)
     for i in range(histories.shape[0]):
         for j in range(histories.shape[1]):
-            single[i, j] = histories[i, j] / scale
+            single[i, j] = histories[i, j] * (1.0 / scale)
     return single, scale
 
 
@@ -274,29 +293,28 @@ def in_units(histories: Array) -> tuple[NDArray[np.float32], float]:
 class Stepped:
     """What `track` finds of all driven cells, filled up to whole lanes."""
 
-    squares: Array  # squares, around, last: As `track` returns them
-    around: Array
-    last: Array
+    squares: Array  # squares, peaks: As `track` returns them
+    peaks: Array
 
     @classmethod
     def through_window(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "Stepped":
         """Step the cells through the window."""
-        filled = fill_lanes(cells.coefficients, LANES)
-        squares, around, last = track(record.drives, blocks.before, blocks.end, filled, np.float32(1.0))
-        return cls(squares=squares, around=around, last=last)
+        window = blocks.before, blocks.end
+        squares, peaks = track(record.drives, *window, cells.coefficients, np.float32(1.0))
+        return cls(squares=squares, peaks=peaks)
 
 
 def deviation(
-    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, which: NDArray[np.bool_], stepped: Stepped
+    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, stepped: Stepped
 ) -> tuple[Deviation, NDArray[np.bool_]]:
     """Deviation of the measured displacement from the exact response, for many cells.
 
-    Returns `faint`: whether a deviation stays below its drive, as under a record of high frequencies only,
-    shape (cells,); single precision is then not enough.
+    Returns `precise`: whether single precision is enough, shape (cells,). It is not for a cell that grows
+    beyond it, nor for a deviation that stays below its drive, as under a record of high frequencies only.
     """
-    unit, cells_of_lanes = record.scale * cells.size[which], np.flatnonzero(which)
-    left, middle, right = stepped.around[:, cells_of_lanes]
-    peak = np.fmax(refine_peak(left, middle, right), stepped.last[cells_of_lanes])
-    mean_square = unit**2 * stepped.squares[cells_of_lanes] / blocks.intervals
+    number, unit = cells.size.size, record.scale * cells.size
+    peak = stepped.peaks[:number]
+    mean_square = unit**2 * stepped.squares[:number] / blocks.intervals
     strayed = Deviation(mean_square=mean_square, peak=unit * peak, ideal_peak=blocks.ideal_peak)
-    return strayed, (peak > 0.0) & (peak < 1.0)
+    calm = cells.growth * record.drives.shape[1] <= _LARGEST_GROWTH
+    return strayed, calm & ((peak == 0.0) | (peak >= 1.0))

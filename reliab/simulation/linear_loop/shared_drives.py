@@ -19,7 +19,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled, copy_rows
+from reliab.compiled import compiled
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.dominant_pole import modal_loop
 from reliab.simulation.linear_loop.pole_recursion import recursion
@@ -31,6 +31,7 @@ DRIVES = 6
 LEFT_OUT = 1e-5
 """Largest share of an actuator's drive that the shared ones may leave out at any frequency [-]."""
 
+_LAGS = 5  # blocks of which a drive is made up
 _NO_DRIVE = 1e-10  # of the exact response's drive; less counts as none
 _REACH_GAIN = 1.1  # of the actuators from which drives are taken: |ln k_p| in damping ratios
 _LONGEST_DELAY = 0.3  # of a block; the fast pair of a longer delay needs more drives
@@ -45,8 +46,7 @@ class SharedDrives:
     # e^(−iωH) at the frequencies at which drives are compared, shape (frequencies, 1)
     back: Spectrum
     exact: Array  # Recursion of the exact response, shape (6, 1)
-    sources: Array  # Recursions of the actuators whose drives are taken, shape (12, drives)
-    mixture: Array  # Shared drives from those of the sources, shape (drives, drives)
+    taps: Array  # Of `drive_histories`, shape (13, drives)
     # Real and imaginary parts of the transfer functions from both ends of a block to the shared drives,
     # divided by `rows`, shape (4 frequencies, drives)
     orthonormal: Array
@@ -62,8 +62,8 @@ class SharedDrives:
         return weights, np.all(_sizes(residual) <= LEFT_OUT * _sizes(targets) + nothing, axis=0)
 
     def histories(self, blocks: Blocks) -> Array:
-        """Shared drives [m] in each block of a record, shape (blocks, drives)."""
-        return step_drives(blocks.left, blocks.right, blocks.ideal, self.sources, self.mixture)
+        """Shared drives [m] in each block of a record, shape (drives, blocks)."""
+        return drive_histories(blocks.left, blocks.right, blocks.ideal, self.taps)
 
 
 @lru_cache(maxsize=1024)
@@ -87,8 +87,7 @@ def shared_drives(structure: Structure, step: float) -> SharedDrives:
     return SharedDrives(
         back=back,
         exact=exact,
-        sources=candidates[:, selected].copy(),
-        mixture=np.linalg.inv(triangle),
+        taps=_taps(candidates[:, selected]) @ np.linalg.inv(triangle),
         orthonormal=orthonormal.copy(),
         rows=rows,
     )
@@ -147,30 +146,44 @@ def _fit(orthonormal: Array, targets: Array) -> tuple[Array, Array]:
     return weights, residual
 
 
+def _taps(sources: Array) -> Array:
+    """Drives of some actuators as sums of neighbouring values of a record and of the exact response.
+
+    The recursion (1 − c₁z − c₂z²)x = (b₀ + d₀z)a₀ + (b₁ + d₁z)a₁ of either pair, z a block of delay, leaves
+    of the dominant pair its load alone. The fast pair of so short a delay has c₁ of 3e-6 and c₂ of 3e-12, so
+    that 1/(1 − c₁z − c₂z²) is 1 + c₁z.
+
+    Returns the weights of a₀, then of a₁, in this block and the four before, and of the exact response at the
+    end of this block and at the two edges before, shape (13, cells).
+    """
+    own = np.stack([np.ones_like(sources[0]), -sources[0], -sources[1]])
+    taps = np.zeros((2 * _LAGS + 3, sources.shape[1]))
+    for end in (0, 1):
+        lags = taps[end * _LAGS :]
+        for dominant, late, fast in zip(sources[2 + end : 6 : 2], (0, 1), sources[8 + end :: 2], strict=True):
+            lags[late] += dominant
+            for later, weight in enumerate(own):
+                lags[late + later] += weight * fast
+                lags[late + later + 1] += sources[6] * weight * fast
+    taps[2 * _LAGS :] = -own
+    return taps
+
+
 @compiled
-def step_drives(left: Array, right: Array, ideal: Array, sources: Array, mixture: Array) -> Array:
+def drive_histories(left: Array, right: Array, ideal: Array, taps: Array) -> Array:
     """Shared drives [m] in each block, from the lines of a record and the exact response to them."""
-    drives = np.zeros((left.size, DRIVES))
-    k, m = np.empty((12, DRIVES)), np.empty((DRIVES, DRIVES))
-    copy_rows(sources, k)
-    copy_rows(mixture, m)
-    x, y, w, total = np.zeros((4, DRIVES)), np.zeros((2, DRIVES)), np.zeros(DRIVES), np.zeros(DRIVES)
-    a2, a3 = 0.0, 0.0
-    for i in range(left.size):
-        a0, a1, exact = left[i], right[i], ideal[i + 1]
-        for j in range(DRIVES):
-            slow = k[0, j] * x[0, j] + k[1, j] * x[1, j]
-            slow += k[2, j] * a0 + k[3, j] * a1 + k[4, j] * a2 + k[5, j] * a3
-            fast = k[6, j] * x[2, j] + k[7, j] * x[3, j]
-            fast += k[8, j] * a0 + k[9, j] * a1 + k[10, j] * a2 + k[11, j] * a3
-            x[1, j], x[3, j], x[0, j], x[2, j] = x[0, j], x[2, j], slow, fast
-            now = slow + fast - exact
-            w[j] = now - k[0, j] * y[0, j] - k[1, j] * y[1, j]
-            y[1, j], y[0, j], total[j] = y[0, j], now, 0.0
-        for p in range(DRIVES):
-            for j in range(DRIVES):
-                total[j] += w[p] * m[p, j]
-        for j in range(DRIVES):
-            drives[i, j] = total[j]
-        a2, a3 = a0, a1
+    blocks = left.size
+    a0, a1, exact = np.zeros(blocks + _LAGS), np.zeros(blocks + _LAGS), np.zeros(blocks + _LAGS)
+    for i in range(blocks):
+        a0[i + _LAGS], a1[i + _LAGS], exact[i + _LAGS] = left[i], right[i], ideal[i + 1]
+    drives = np.empty((DRIVES, blocks))
+    for j in range(DRIVES):
+        p0, p1, p2, p3, p4 = taps[0, j], taps[1, j], taps[2, j], taps[3, j], taps[4, j]
+        q0, q1, q2, q3, q4 = taps[5, j], taps[6, j], taps[7, j], taps[8, j], taps[9, j]
+        r0, r1, r2 = taps[10, j], taps[11, j], taps[12, j]
+        for i in range(blocks):
+            k = i + _LAGS
+            early = p0 * a0[k] + p1 * a0[k - 1] + p2 * a0[k - 2] + p3 * a0[k - 3] + p4 * a0[k - 4]
+            late = q0 * a1[k] + q1 * a1[k - 1] + q2 * a1[k - 2] + q3 * a1[k - 3] + q4 * a1[k - 4]
+            drives[j, i] = early + late + (r0 * exact[k] + r1 * exact[k - 1] + r2 * exact[k - 2])
     return drives

@@ -17,9 +17,8 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import cut_records
 from reliab.simulation.linear_loop.blocks import Blocks, block_length, mode_weights, spacing
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.drive_stepping import LANES, DrivenRecord, Single, Stepped, in_units, track
-from reliab.simulation.linear_loop.pole_recursion import fill_lanes
-from reliab.simulation.linear_loop.shared_drives import DRIVES, shared_drives, step_drives
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Single, Stepped, in_units, track
+from reliab.simulation.linear_loop.shared_drives import DRIVES, drive_histories, shared_drives
 
 _MOST_BLOCKS = 4_000_000  # of all structures together, of some 50 bytes each
 
@@ -43,8 +42,7 @@ class StructureBatch:
     # Pole of each structure [1/s], and weights and decay of its mode over a block, shape (structures, 3)
     poles: Spectrum
     weights: Spectrum
-    sources: Array  # sources, mixtures: Shared drives of each structure, as of `SharedDrives`
-    mixtures: Array
+    taps: Array  # Of the shared drives of each structure, shape (structures, 13, drives)
     # Of `drive_kernel.track`, for the driven cells of all structures, filled up to whole lanes, (11, lanes)
     coefficients: NDArray[np.float32]
     first: NDArray[np.int64]  # First lane of each structure, and the end, shape (structures + 1,)
@@ -55,17 +53,14 @@ class StructureBatch:
         structures = [cells_of_structure.structure for cells_of_structure in cells]
         steps = [block_length(structure) for structure in structures]
         drives = [shared_drives(structure, step) for structure, step in zip(structures, steps, strict=True)]
-        filled = [
-            fill_lanes(cells_of_structure.own_driven.coefficients, LANES) for cells_of_structure in cells
-        ]
+        filled = [cells_of_structure.own_driven.coefficients for cells_of_structure in cells]
         poles = [structure.pole for structure in structures]
         return cls(
             cells=tuple(cells),
             steps=np.array(steps),
             poles=np.array(poles),
             weights=np.array([mode_weights(pole, step) for pole, step in zip(poles, steps, strict=True)]),
-            sources=np.stack([shared.sources for shared in drives]),
-            mixtures=np.stack([shared.mixture for shared in drives]),
+            taps=np.stack([shared.taps for shared in drives]),
             coefficients=np.concatenate(filled, axis=1),
             first=np.cumsum([0, *(lanes.shape[1] for lanes in filled)]),
         )
@@ -90,7 +85,7 @@ class StructureBatch:
         driven = _step_structures(
             (left[0], right[0], ideal[0], counts),
             (np.array([place.before for place in places]), np.array([place.end for place in places])),
-            (self.sources, self.mixtures),
+            self.taps,
             (self.coefficients, self.first),
             np.float32(1.0),
         )
@@ -112,52 +107,46 @@ class StructureBatch:
         return prepared
 
     def _of_structure(self, rank: int, cut: Blocks, blocks: slice, driven: "_Driven") -> Prepared:
-        drives, scales, squares, around, last = driven
+        drives, scales, squares, peaks = driven
         lanes = slice(self.first[rank], self.first[rank + 1])
         return Prepared(
             cells=self.cells[rank],
             blocks=cut,
-            driven_record=DrivenRecord(drives=drives[blocks], scale=float(scales[rank])),
-            stepped=Stepped(squares=squares[lanes], around=around[:, lanes], last=last[lanes]),
+            driven_record=DrivenRecord(
+                drives=np.ascontiguousarray(drives[:, blocks]), scale=float(scales[rank])
+            ),
+            stepped=Stepped(squares=squares[lanes], peaks=peaks[lanes]),
         )
 
 
-_Driven = tuple[
-    NDArray[np.float32],
-    Array,
-    Array,
-    Array,
-    Array,
-]
+_Driven = tuple[NDArray[np.float32], Array, Array, Array]
 
 
 @compiled
 def _step_structures(
     lines: tuple[Array, Array, Array, NDArray[np.int64]],
     bounds: tuple[NDArray[np.int64], Array],
-    shared: tuple[Array, Array],
+    taps: Array,
     cells: tuple[NDArray[np.float32], NDArray[np.int64]],
-    one: Single,
+    unity: Single,
 ) -> _Driven:
     """Step the drives of each structure, and the cells that they drive.
 
     Blocks and cells of all structures stand one after the other.
     """
     (left, right, ideal, counts), (before, end), (coefficients, first) = lines, bounds, cells
-    drives, scales = np.empty((left.size, DRIVES), dtype=np.float32), np.empty(counts.size)
+    drives, scales = np.empty((DRIVES, left.size), dtype=np.float32), np.empty(counts.size)
     lanes = coefficients.shape[1]
-    squares, around, last = np.empty(lanes), np.empty((3, lanes)), np.empty(lanes)
+    squares, peaks = np.empty(lanes), np.empty(lanes)
     at = 0
     for k in range(counts.size):
         blocks, exact = slice(at, at + counts[k]), ideal[at + k : at + k + counts[k] + 1]
-        histories = step_drives(left[blocks], right[blocks], exact, shared[0][k], shared[1][k])
+        histories = drive_histories(left[blocks], right[blocks], exact, taps[k])
         own_drives, scales[k] = in_units(histories)
         own_cells = np.ascontiguousarray(coefficients[:, first[k] : first[k + 1]])
-        own_squares, own_around, own_last = track(own_drives, before[k], end[k], own_cells, one)
-        copy_rows(own_drives, drives[blocks])
-        for i in range(own_last.size):
-            squares[first[k] + i], last[first[k] + i] = own_squares[i], own_last[i]
-            for j in range(3):
-                around[j, first[k] + i] = own_around[j, i]
+        own_squares, own_peaks = track(own_drives, before[k], end[k], own_cells, unity)
+        copy_rows(own_drives, drives[:, blocks])
+        for i in range(own_peaks.size):
+            squares[first[k] + i], peaks[first[k] + i] = own_squares[i], own_peaks[i]
         at += counts[k]
-    return drives, scales, squares, around, last
+    return drives, scales, squares, peaks

@@ -16,10 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 from reliab.arrays import Array, Spectrum
 from reliab.compiled import compiled
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.significant import significant
 from reliab.structures.structure import Structure
 
 _SINGULAR = 1e-10  # of the largest eigenvalue
+_NO_MASS = 1e-12  # of the largest mass
 
 
 def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> tuple[Array, ...]:
@@ -27,6 +29,11 @@ def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> t
     followed = np.arange(stiffness.shape[0]) >= retained
     shapes = static_shapes(stiffness, followed)
     return tuple(shapes.T @ matrix @ shapes for matrix in matrices)
+
+
+def massless(mass: Array) -> NDArray[np.bool_]:
+    """Tell which degrees of freedom have no mass, or one that is rounding beside the largest."""
+    return np.asarray(np.abs(mass).max(axis=1) <= _NO_MASS * np.abs(mass).max())
 
 
 def static_shapes(stiffness: Array, followed: NDArray[np.bool_]) -> Array:
@@ -104,6 +111,7 @@ def rayleigh_damping(
     return np.asarray(on_mass * np.asarray(mass) + on_stiffness * np.asarray(stiffness))
 
 
+_QUANTITIES = {"mass": "mass", "damping": "damping coefficient", "stiffness": "stiffness"}
 _SYMMETRY = 1e-6  # of the largest entry: printed matrices are rounded
 _ROUNDING = 1e-9  # of the largest eigenvalue: a semi-definite matrix in double precision
 
@@ -115,8 +123,9 @@ def square_matrix(values: ArrayLike, name: str) -> Array:
         raise InputError(
             f"The {name} must be square", value=f"shape {matrix.shape}", remedy="Give n rows of n numbers"
         )
-    if not np.isfinite(matrix).all():
-        raise InputError(f"The {name} must be finite", remedy="Remove entries that are not numbers")
+    quantity = next((_QUANTITIES[word] for word in _QUANTITIES if word in name), "number")
+    largest = float(np.abs(matrix).max())
+    require_physical(quantity, largest, zero=True, called=f"largest entry of the {name}")
     difference = np.abs(matrix - matrix.T)
     if difference.max() > _SYMMETRY * np.abs(matrix).max():
         row, column = np.unravel_index(int(np.argmax(difference)), matrix.shape)

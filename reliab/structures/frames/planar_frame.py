@@ -1,13 +1,13 @@
 """Regular frames: shear frames on storey springs, and moment frames of columns and beams."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 
 
 def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) -> tuple[Array, Array]:
@@ -27,17 +27,14 @@ def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) ->
             "A shear frame needs as many floor masses as storey stiffnesses",
             value=f"{m.size} masses and {k.size} stiffnesses",
         )
-    if not ((m > 0.0) & np.isfinite(m)).all() or not ((k > 0.0) & np.isfinite(k)).all():
-        raise InputError(
-            "Masses and stiffnesses of storeys must be positive and finite",
-            value=f"masses {m.tolist()} and stiffnesses {k.tolist()}",
-        )
+    for place, (mass, stiffness) in enumerate(zip(m.tolist(), k.tolist(), strict=True), start=1):
+        require_physical("mass", mass, called=f"mass of floor {place}")
+        require_physical("stiffness", stiffness, called=f"stiffness of storey {place}")
     above = np.append(k[1:], 0.0)
     return np.diag(m), np.diag(k + above) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
 
 
 _MOST_UNKNOWNS = 5_000  # whose matrix takes 200 MB
-_SMALLEST = 1e-100  # of a member's stiffness, and the inverse of the largest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,23 +58,16 @@ class PlanarFrame:
     fixed_base: bool = False  # Whether the feet of the columns are clamped; pinned by default
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name != "fixed_base" and not (math.isfinite(value) and value > 0):
-                raise InputError(
-                    f"The {field.name.replace('_', ' ')} of a planar frame must be positive", value=value
-                )
-        for member, stiffness in (
-            ("column, E I/h³ [N/m],", self._sway_stiffness),
-            ("column, E I/h [N m],", self.elastic_modulus * self.column_inertia / self.storey_height),
-            ("beam, E I/L [N m],", self._beam_stiffness),
+        for name in ("storeys", "bays"):
+            if getattr(self, name) < 1:
+                raise InputError(f"A planar frame must have {name}", value=getattr(self, name))
+        require_physical("elastic modulus", self.elastic_modulus)
+        for member, inertia, length in (
+            ("a column", self.column_inertia, self.storey_height),
+            ("a beam", self.beam_inertia, self.bay_width),
         ):
-            if not _SMALLEST <= stiffness <= 1.0 / _SMALLEST:
-                raise InputError(
-                    f"The stiffness of a {member} must be between {_SMALLEST:g} and {1.0 / _SMALLEST:g}",
-                    value=f"{stiffness:.4g}",
-                    remedy="Check the units of modulus, second moment of area and length",
-                )
+            require_physical("second moment of area", inertia, called=f"second moment of area of {member}")
+            require_physical("length", length, called=f"length of {member}")
         if self.storeys * (self.bays + 2) > _MOST_UNKNOWNS:
             raise InputError(
                 f"A planar frame may have {_MOST_UNKNOWNS:,} displacements and rotations at most",
@@ -87,8 +77,7 @@ class PlanarFrame:
 
     @property
     def _sway_stiffness(self) -> float:
-        h = self.storey_height
-        return self.elastic_modulus * self.column_inertia / h / h / h  # h³ may be zero to a computer
+        return self.elastic_modulus * self.column_inertia / self.storey_height**3
 
     @property
     def _beam_stiffness(self) -> float:

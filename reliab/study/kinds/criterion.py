@@ -41,7 +41,7 @@ def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
     return (
         *simulation(study, material, show),
         tracing(study, material, show),
-        derivation(study.errors, study.criterion),
+        derivation(study.errors, study.criterion, show),
         judgement(study, material, show),
         *on_real_motions(study, material),
     )

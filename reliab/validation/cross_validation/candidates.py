@@ -4,11 +4,10 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import filterfalse
 
 import xarray as xr
 
-from reliab.criterion import Derivation, protect_over_lengths, protects, without_copies
+from reliab.criterion import Derivation, without_copies
 from reliab.criterion.laws import FittedLaw, Law, Table
 from reliab.criterion.methods import Method
 from reliab.errors import InputError
@@ -72,30 +71,20 @@ class Derived(Candidate):
     def learn(
         self, ellipses: xr.Dataset, threshold: float, metric: str, confidences: Sequence[float]
     ) -> Mapping[float, Limits]:
-        """Derive the criterion of all structures at each confidence that the motions carry.
-
-        A posterior is sampled once for all shares that protect every length, and once for those that do not.
-        """
+        """Derive the criterion of all structures at each confidence that the motions carry."""
+        derivation = Derivation.from_ellipses(
+            without_copies(ellipses), method=self.method, law=self.law, threshold=threshold, metric=metric
+        )
         learned: dict[float, Limits] = {}
         refusals: list[InputError] = []
-        ellipses = without_copies(ellipses)
-        for shares in (list(filter(protects, confidences)), list(filterfalse(protects, confidences))):
-            if not shares:
-                continue
-            population = protect_over_lengths(
-                ellipses, metric=metric, curve=self.method.curve, confidence=shares[0]
-            )
-            derivation = Derivation.from_ellipses(
-                population, method=self.method, law=self.law, threshold=threshold, metric=metric
-            )
-            for confidence in shares:
-                try:
-                    criterion = derivation.criterion(confidence, joint=self.joint)
-                except InputError as refusal:
-                    refusals.append(refusal)
-                else:
-                    learned[confidence] = Limits(law=criterion.law, lead_law=criterion.lead_law)
-            derivation.warn_unless_converged()
+        for confidence in confidences:
+            try:
+                criterion = derivation.criterion(confidence, joint=self.joint)
+            except InputError as refusal:
+                refusals.append(refusal)
+            else:
+                learned[confidence] = Limits(law=criterion.law, lead_law=criterion.lead_law)
+        derivation.warn_unless_converged()
         if refusals and not learned:
             raise refusals[0]
         return learned

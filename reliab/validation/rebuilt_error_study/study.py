@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from reliab.errors import InputError
-from reliab.files import refuse_unwritable, written_whole
 from reliab.progress import Progress, silent
+from reliab.rows import read_table, write_table
 from reliab.validation.cross_validation.counts import event_bootstrap
 from reliab.validation.rebuilt_error_study.bench import tests_of_round
 from reliab.validation.rebuilt_error_study.design import Design
@@ -40,7 +40,7 @@ def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = 
             rows = pd.DataFrame(list(tests_of_round(design, number)), columns=list(STUDY_COLUMNS))
             table = rows if table.empty else pd.concat([table, rows], ignore_index=True)
             if kept is not None:
-                _write(table, kept)
+                write_table(table, kept)
         progress(number + 1, design.trials)
     return table
 
@@ -49,7 +49,7 @@ def _kept(path: Path | None, digest: str) -> pd.DataFrame:
     if path is None or not path.exists():
         return pd.DataFrame(columns=list(STUDY_COLUMNS))
     try:
-        table = pd.read_csv(path)
+        table = read_table(path)
     except (OSError, ValueError) as error:
         raise InputError(
             "The file of a study must be a table that an earlier run wrote",
@@ -65,11 +65,6 @@ def _kept(path: Path | None, digest: str) -> pd.DataFrame:
             where=str(path),
         )
     return table
-
-
-def _write(table: pd.DataFrame, path: Path) -> None:
-    with refuse_unwritable("The study's file must be writable", where=path), written_whole(path) as file:
-        table.to_csv(file, index=False)
 
 
 _ENDS = (0.05, 0.95)

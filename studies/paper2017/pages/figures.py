@@ -194,7 +194,7 @@ def structures_section(records: Records, printed: PrintedTables) -> Section:
             Figure(
                 drawing=parameters_over_damping_ratio(tuple(_over_damping(records, printed))),
                 caption=prose(
-                    "Table 4 of the paper over the damping ratio: both parameters grow as $xi^2$, not as "
+                    "Table 4 of the paper over the damping ratio: both parameters grow as $xi^(2.3)$, not as "
                     "$xi$; the printed column $b$, drawn here as printed, is $sqrt(b)$."
                 ),
                 label="fig:paper-table-4",

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.api.arguments import require_positive
+from reliab.api.arguments import require_sound
 from reliab.assessment import assess
 from reliab.assessment.budget import (
     Size,
@@ -83,7 +83,7 @@ def test_a_laboratory_overrides_what_it_knows_better(tmp_path):
 def test_a_file_of_other_names_or_numbers_is_refused(tmp_path, text):
     file = tmp_path / "laboratory.toml"
     file.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="not negative"):
+    with pytest.raises(InputError, match=r"not negative|0 or positive"):
         read_equipment(file)
 
 
@@ -127,7 +127,7 @@ def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
     file = tmp_path / "channels.toml"
     file.write_text("[calibration]\nhysteresis = 0\nhysteresis_sd = 1e-4\n", encoding="utf-8")
     stated = read_channels_file(file).of_tests
-    require_positive(stated)
+    require_sound(stated)
     sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=Source.STATED)
     assert "hysteresis" not in sizes

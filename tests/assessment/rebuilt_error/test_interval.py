@@ -232,7 +232,7 @@ def test_bad_input_is_refused(outcome, change, rule):
 
 
 @pytest.mark.parametrize(
-    ("value", "rule"), [(0.5, "below one third"), (-0.1, "not negative"), (np.nan, "finite")]
+    ("value", "rule"), [(0.5, "below 0.333"), (-0.1, "0 or positive"), (np.nan, "found nan")]
 )
 def test_bad_tolerances_are_refused(value, rule):
     with pytest.raises(InputError, match=rule):

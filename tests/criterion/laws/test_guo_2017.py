@@ -73,13 +73,17 @@ def test_the_corrected_equation_15_meets_table_3(table3):
     np.testing.assert_allclose(b, table3["b"], rtol=0.3)
 
 
-def test_the_corrected_equation_17_meets_table_4_read_as_roots(table4):
+def test_the_corrected_equation_17_meets_every_row_of_table_4_read_as_roots(table4):
     a, b = guo_2017.Equation17Corrected().limits(1.0, table4["xi"])
-    assert float(a[0]) == pytest.approx(0.02**2 * geometric_mean(table4["a"] / table4["xi"] ** 2), rel=0.01)
-    assert float(b[0]) == pytest.approx(
-        0.02**2 * geometric_mean(table4["b"] ** 2 / table4["xi"] ** 2), rel=0.01
-    )
-    np.testing.assert_allclose(b, table4["b"] ** 2, rtol=0.4)
+    np.testing.assert_allclose(a, table4["a"], rtol=0.15)
+    np.testing.assert_allclose(b, table4["b"] ** 2, rtol=0.15)
+
+
+def test_squares_in_equation_17_would_be_too_generous_at_the_least_damping(table4):
+    """Powers of 2, fitted by their geometric means."""
+    for truth, excess in ((table4["a"], 1.6), (table4["b"] ** 2, 1.4)):
+        square = geometric_mean(truth / table4["xi"] ** 2) * table4["xi"] ** 2
+        assert float(square[0] / truth[0]) == pytest.approx(excess, abs=0.05)
 
 
 def test_the_corrected_equation_18_joins_the_other_two():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import OrderStatistic, Posterior, Tolerance, tolerance_factor
+from reliab.criterion.methods import OrderStatistic, Tolerance, method_of, tolerance_factor
 
 # Odeh and Owen (1980), as reprinted in US EPA (2009), Unified guidance, table 17-3 (assurance 95 %)
 PROPORTION_95 = {10: 2.911, 20: 2.396, 30: 2.220, 50: 2.065, 100: 1.927}
@@ -29,13 +29,31 @@ def test_the_factor_tends_to_the_normal_quantile():
     assert tolerance_factor(10**6, 0.95, 0.95) == pytest.approx(1.6449, abs=0.003)
 
 
-@pytest.mark.parametrize("assurance", [0.5, 0.9, 0.95])
-@pytest.mark.parametrize("confidence", [0.8, 0.95, 0.99])
-def test_the_credible_bound_under_the_reference_prior_is_the_tolerance_bound(confidence, assurance):
-    logarithms, events = np.random.default_rng(2).normal(size=17), np.arange(17).astype(str)
-    assert Posterior(assurance=assurance).lower_bound(logarithms, events, confidence) == pytest.approx(
-        Tolerance(assurance=assurance).lower_bound(logarithms, events, confidence)
+@pytest.mark.parametrize("confidence", [0.8, 0.95])
+def test_clusters_that_are_not_alike_leave_the_bound_of_independent_motions(confidence):
+    """By another route: the exact factor, where earthquakes have two motions without a common part."""
+    values = np.random.default_rng(6).normal(size=4000)
+    pairs, alone = np.repeat(np.arange(2000), 2).astype(str), np.arange(4000).astype(str)
+    bounds = [Tolerance().lower_bound(values, events, confidence) for events in (pairs, alone)]
+    assert bounds[0] == pytest.approx(bounds[1], abs=0.03)
+
+
+def test_copies_of_each_motion_are_worth_no_more_than_the_motions():
+    values = np.random.default_rng(7).normal(size=30)
+    few, many = (
+        Tolerance().lower_bound(np.repeat(values, count), np.repeat(np.arange(30), count).astype(str), 0.9)
+        for count in (1, 8)
     )
+    assert many == pytest.approx(few, abs=0.1)
+    own = OrderStatistic().lower_bound(values, np.arange(30).astype(str), 0.8)
+    copied = OrderStatistic().lower_bound(np.repeat(values, 8), np.repeat(np.arange(30), 8).astype(str), 0.8)
+    assert copied <= own
+
+
+@pytest.mark.parametrize("former", ["posterior", "bootstrap"])
+def test_former_methods_are_the_tolerance_bound(former):
+    with pytest.warns(DeprecationWarning, match="is tolerance now"):
+        assert method_of(former, assurance=0.9) == Tolerance(assurance=0.9)
 
 
 @pytest.mark.parametrize(("n", "rank"), [(58, 0), (59, 1), (93, 2), (124, 3), (181, 5)])

@@ -71,8 +71,12 @@ def test_channels_are_read_and_velocity_is_not(cosmos: str, write: Write) -> Non
     [
         ("       5 acceleration", "      50 acceleration", "found the end after 5 of 50 samples"),
         ("       5 acceleration", "       4 acceleration", "found 5 samples instead of 4"),
-        ("cm/sec2(04)", "counts(50)", "units in a header must be g, cm/s2 or m/s2; found 'counts'"),
-        ("units=cm/sec2(04),", "", "units in a header"),
+        (
+            "cm/sec2(04)",
+            "counts(50)",
+            "units in a header must be g, cm/s2, m/s2, mm/s2 or g/10; found 'counts'",
+        ),
+        ("units=cm/sec2(04),", "", "units must be stated"),
         ("   3.438810e-01", "    -999.000000", "must have no gaps; found the mark of a missing sample, -999"),
         ("       5.000000", "       0.000000", "step in a header must be a positive number"),
         ("       5.000000", "    -999.000000", "time step must be stated"),

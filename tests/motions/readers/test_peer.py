@@ -191,7 +191,7 @@ def test_the_format_is_found_without_the_ending(write: Write) -> None:
         (at2(units="ACCELERATION TIME SERIES IN UNITS OF FURLONGS"), 3, "units in a header must be g"),
         (at2("NPTS= 7, DT= .005 SEC, UNITS: CM/S2"), 4, "one kind of units; found cm/s2 after g in line 3"),
         (at2(lines="0.0 0.0 0.0 0.0 0.0 0.0 0.0"), 5, "a sample other than zero"),
-        ("PEER\nwithout\nsizes\n0.1 0.2\n", 4, "must state NPTS and DT"),
+        ("PEER\nwithout\nsizes\n0.1 0.2\n", 1, "must state NPTS and DT"),
     ],
 )
 def test_a_fault_is_told_with_file_line_rule_and_remedy(

@@ -61,6 +61,8 @@ def test_a_test_is_reported_on_two_pages(
     assert f"with the test {found.scope.position} of them" in read
     rms = found.error.rebuilt.rms
     low, value, high = (f"{100.0 * end:.2f}" for end in (rms.low, rms.value, rms.high))
-    assert f"is {value} % (90 % interval {low} to {high} %) against 5 %" in read
+    interval = f"{low} to {high} %"
+    sizes = {"undecided": f"{interval} (90 % interval)"}
+    assert f"is {sizes.get(word, f'{value} % (90 % interval {interval})')}, below 5 %" in read
     assert f"RMSR {value} {low} to {high} " in read  # as the table has them
-    assert ("What would decide" in read) is (word == "undecided")
+    assert all(remedy in read for remedy in found.verdict.would_decide)

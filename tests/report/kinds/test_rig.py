@@ -35,7 +35,13 @@ def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
     sobol = {"delay": {"first_order": 0.8, "total": 0.9}}
     plan = Plan(threshold=0.05, share=0.95, share_now=0.5, remedies=(remedy,), sobol=sobol)
     text = text_of(rig_report("A & $b$", table, prediction, plan, structure=STRUCTURE, provenance={}))
-    for words in ("34 of 34 tests were reliable", "delay +2", "Each remedy alone", "R-hat", "the last ten"):
+    for words in (
+        "34 of 34 tests were judged reliable",
+        "delay +2",
+        "Each remedy alone",
+        "R-hat",
+        "the last ten",
+    ):
         assert words in text
     text = text_of(rig_report("frames", table, prediction, None, structure=None, provenance={}))
     assert "single-degree-of-freedom structures" in text

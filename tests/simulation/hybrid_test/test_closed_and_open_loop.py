@@ -94,7 +94,7 @@ def test_integration_error_adds_the_damping_that_it_states(added):
 def test_loop_without_a_structure():
     with pytest.raises(InputError, match="needs a numerical substructure"):
         _ = HybridTest().substructure
-    with pytest.raises(InputError, match="mass must be positive"):
+    with pytest.raises(InputError, match="mass of the structure must be between"):
         HybridTest(mass=-1.0)
 
 

@@ -89,6 +89,7 @@ class HierarchicalNormal(HierarchicalMethod):
         "predictive, or with the stated assurance"
     )
     robust: ClassVar[bool] = False
+    lognormal: ClassVar[bool] = True
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,8 +14,8 @@ from reliab.assessment import (
     ErrorWithThreshold,
     ResponseErrors,
     Word,
+    error_in_words,
     part_in_words,
-    probability_text,
 )
 from reliab.assessment.budget import BudgetItem
 from reliab.assessment.rebuilt_error import DisplacementError, Estimate, Parts
@@ -25,7 +25,7 @@ from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, spelled_out
-from reliab.significant import percent, percent_range, percent_with_interval, significant
+from reliab.significant import percent, percent_with_interval, significant
 from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
@@ -158,17 +158,11 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     size = error.estimate(error.metric)
     if np.isnan(size.value):
         return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
+    how_large = error_in_words(error.of_which, size, error.threshold, error.probability, with_interval=True)
     return (
         *prose("The test is *{word}*: its ", word=spelled_out(word)),
         ERRORS[error.metric],
-        " ".join(
-            (
-                f"{error.of_which} is {percent(size.value, decimals=2)}",
-                f"(90 % interval {percent_range(size.low, size.high)})",
-                f"against {percent(error.threshold)}.",
-                f"Probability of staying below: {probability_text(error.probability)}.",
-            )
-        ),
+        f"{how_large}.",
     )
 
 

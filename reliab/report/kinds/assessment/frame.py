@@ -14,6 +14,7 @@ from reliab.assessment import (
     JudgedFrame,
     ModeOfTest,
     Word,
+    next_steps,
     part_in_words,
     probability_text,
 )
@@ -152,7 +153,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     )
     return [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *(f"What would decide: {remedy}" for remedy in verdict.would_decide),
+        *next_steps(verdict.would_decide, error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         f"The error is that of {of_what}, whatever the actuator did.",

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reliab.assessment import LEVEL, Assessment, Word
+from reliab.assessment import LEVEL, Assessment, Word, next_steps
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
@@ -84,10 +84,11 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
             alpha=_with_deviation(assessment, "alpha", structure.experimental_fraction),
         ),
         "Threshold and window": (
-            f"{percent(assessment.criterion.threshold)}, over the test's own {recording.duration:.4g} s"
+            f"{percent(assessment.error.threshold)}, over the test's own {recording.duration:.4g} s"
         ),
         "Index judged by": (
-            f"{basis}: {spelled_out(assessment.verdict_by_index.word)}; window of its errors: {window}"
+            f"{basis}: {spelled_out(assessment.verdict_by_index.word)}. "
+            f"{assessment.verdict_by_index.reasons[-1]} Window of its errors: {window}"
         ),
     }
 
@@ -238,7 +239,7 @@ def _cautions(assessment: Assessment) -> list[Prose]:
     verdict = assessment.verdict
     return [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *(f"What would decide: {remedy}" for remedy in verdict.would_decide),
+        *next_steps(verdict.would_decide, assessment.error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         *warnings,

@@ -61,9 +61,11 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
             drawing=ellipses_and_criterion(reported.sample, _named_limits(reported)),
             caption=prose(
                 "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
-                "late actuators) and the criterion: where the coloured ellipse crosses a grey one, a test on "
-                "its edge would exceed the error under that motion, as far as the ellipse represents "
-                "the boundary.",
+                "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
+                "coloured ellipse crosses a grey one, a test on its edge would exceed the error under that "
+                "motion, as far as the ellipse represents the boundary.",
+                inside=_containing(reported),
+                drawn=reported.sample.n_motions,
                 how="inscribed in" if reported.inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,
@@ -80,6 +82,12 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
+
+
+def _containing(reported: ReportedCriteria) -> int:
+    """Count the motions whose ellipse at the structure contains that of the criterion."""
+    a, b = reported.limits
+    return int(((reported.sample.a >= a) & (reported.sample.b >= b)).sum())
 
 
 def _without_promise(reported: ReportedCriteria) -> str:

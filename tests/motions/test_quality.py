@@ -1,0 +1,104 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reliab.motions import inspect, load_motions
+from reliab.motions.quality import Copies, find_flaws
+
+Write = Callable[[str, str | bytes], Path]
+STEP = 0.01
+TIMES = STEP * np.arange(2000)
+
+
+@pytest.fixture(scope="module")
+def record() -> np.ndarray:
+    """A record without flaws: noise in an envelope, at rest at both ends, whose velocity ends at zero."""
+    random = np.random.default_rng(3)
+    noise = np.convolve(random.normal(size=TIMES.size + 8), np.hanning(9), mode="valid")
+    shaken = noise * np.exp(-(((TIMES - 8) / 3) ** 2))
+    return shaken - shaken.sum() / TIMES.size * np.hanning(TIMES.size) * 2
+
+
+def flaws(acceleration: np.ndarray) -> list[str]:
+    return [value for value, _ in find_flaws(acceleration, STEP)]
+
+
+def test_sound_record_has_no_flaws(record: np.ndarray) -> None:
+    assert flaws(record) == []
+    assert flaws(np.round(record, 2)) == []
+
+
+@pytest.mark.parametrize("sides", ["both", "upper", "lower"])
+@pytest.mark.parametrize("share", [0.35, 0.7])
+def test_clipping_is_noted(sides: str, share: float, record: np.ndarray) -> None:
+    low = share * record.min() if sides != "upper" else None
+    high = share * record.max() if sides != "lower" else None
+    assert any("flat tops" in flaw for flaw in flaws(np.clip(record, low, high)))
+
+
+def test_equal_samples_at_a_coarse_resolution_are_no_clipping(record: np.ndarray) -> None:
+    weak = np.round(record / np.abs(record).max() * 30)  # counts of a weak record
+    assert not any("flat tops" in flaw for flaw in flaws(weak))
+
+
+@pytest.mark.parametrize("offset", [0.05, -0.3])
+def test_constant_offset_is_noted_by_the_velocity_to_which_it_leads(
+    offset: float, record: np.ndarray
+) -> None:
+    (flaw,) = [flaw for flaw in flaws(record + offset) if "velocity" in flaw]
+    assert f"ends at {'-' if offset < 0 else ''}{abs(offset) * TIMES[-1]:.3g}" in flaw
+
+
+@pytest.mark.parametrize("samples", [[900], [900, 1300], [2, 700], [0], [1999]])
+def test_single_spikes_are_noted(samples: list[int], record: np.ndarray) -> None:
+    spoiled = record.copy()
+    spoiled[samples] += 1.5 * np.abs(record).max()
+    (flaw,) = [flaw for flaw in flaws(spoiled) if "spike" in flaw]
+    assert flaw.endswith(" s" if len(samples) == 1 else " and 1 more")
+
+
+def test_jump_that_stays_is_no_spike(record: np.ndarray) -> None:
+    spoiled = record.copy()
+    spoiled[800:806] += 1.5 * np.abs(record).max() * np.array([1.0, 0.95, 0.9, 0.8, 0.6, 0.3])
+    assert not any("spike" in flaw for flaw in flaws(spoiled))
+
+
+@pytest.mark.parametrize("value", [0.0, 0.4])
+def test_gap_that_was_filled_is_noted(value: float, record: np.ndarray) -> None:
+    spoiled = record.copy()
+    spoiled[780:820] = value
+    assert any("held from 7.80 s for 40 samples" in flaw for flaw in flaws(spoiled))
+
+
+@pytest.mark.parametrize("factor", [1.0, -1.0, 1.7, -0.25])
+def test_copies_are_recognised_scaled_reversed_and_cut(factor: float, record: np.ndarray) -> None:
+    copies = Copies()
+    assert copies.find("one", record, STEP) is None
+    assert copies.find("another", record[::-1], STEP) is None
+    original, its_factor = copies.find("copy", np.round(factor * record, 4)[200:1700], STEP)
+    assert original == "one"
+    assert its_factor == pytest.approx(factor, rel=1e-3)
+    assert copies.find("slower", record, 2 * STEP) is None
+
+
+def test_check_notes_flaws_and_reversed_copies(record: np.ndarray, write: Write) -> None:
+    for name, samples in {"a": record, "b": -2 * record, "c": record[::-1] + 0.3}.items():
+        write(f"{name}.txt", "# dt: 0.01\n# units: m/s2\n" + "\n".join(f"{value:.6f}" for value in samples))
+    inspection = inspect(write("README.md", "").parent)
+    assert inspection.faults == []
+    copy, drift = inspection.notes
+    assert (Path(copy.file).name, copy.value) == (
+        "b.txt",
+        "the same record as a times 2 with its sign reversed",
+    )
+    assert Path(drift.file).name == "c.txt"
+    assert drift.value.startswith("velocity that ends at")
+
+
+def test_synthetic_suite_has_no_flaws() -> None:
+    copies = Copies()
+    for motion in load_motions("synthetic")[::5]:
+        assert list(find_flaws(motion.acceleration, motion.time_step)) == []
+        assert copies.find(motion.name, motion.acceleration, motion.time_step) is None

@@ -1,0 +1,91 @@
+"""A channel of a slower clock, whose values stand for several rows, is read at its own clock."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import reliab
+from reliab.errors import InputError
+from reliab.recordings import Rows, read_recording, rows_at_equal_steps
+from reliab.recordings.holds import find_hold
+
+RATE, SIZE, DELAY = 1024.0, 12288, 2e-3
+TIME = np.arange(SIZE) / RATE
+
+
+def motion(time):
+    begun = np.clip(time, 0.0, 1.0)
+    return 0.02 * np.sin(5.6 * time) * np.exp(-time / 9.0) * begun**3 * (10.0 - 15.0 * begun + 6.0 * begun**2)
+
+
+COMMAND, MEASURED = motion(TIME), motion(TIME - DELAY) + 1e-6 * np.random.default_rng(2).normal(size=SIZE)
+
+
+def held(values, rows):
+    return np.repeat(values[::rows], rows)[: values.size]
+
+
+def held_at(rate):
+    """Values that a slower computer made at its own instants, as a faster logger sees them."""
+    return motion(np.floor(TIME * rate + 1e-9) / rate)
+
+
+def frame(command, measured):
+    return pd.DataFrame({"time_s": TIME, "command_m": command, "measured_m": measured})
+
+
+@pytest.mark.parametrize("rows", [2, 3, 8, 40])
+def test_a_held_command_is_what_it_was_before(rows):
+    test = read_recording(frame(held(COMMAND, rows), MEASURED))
+    np.testing.assert_allclose(test.command, COMMAND, atol=2e-6)
+    np.testing.assert_array_equal(test.measured, MEASURED)
+    assert f"holds each value for {rows} samples" in test.channels[0].summary()["applied"][0]
+
+
+def test_a_rest_between_motions_stays_one():
+    command = np.concatenate([COMMAND[:4096], np.full(4096, COMMAND[4095]), COMMAND[4096:8192]])
+    test = read_recording(frame(held(command, 8), np.roll(command, 2)))
+    np.testing.assert_allclose(test.command[4200:8100], command[4200:8100], atol=1e-7)
+
+
+@pytest.mark.parametrize("rate", [150.0, 300.0])
+def test_values_of_a_clock_without_a_whole_ratio_are_put_where_they_were_made(rate):
+    test = read_recording(frame(held_at(rate), MEASURED))
+    late = np.linalg.lstsq(np.gradient(COMMAND, TIME)[:, np.newaxis], COMMAND - test.command)[0][0]
+    assert abs(late) < 0.1 / RATE
+
+
+def test_the_error_is_that_of_the_test_whose_command_was_not_held():
+    plain, slow = (
+        reliab.assess(frame(command, MEASURED), f=1.0, xi=0.05).to_dict()
+        for command in (COMMAND, held(COMMAND, 8))
+    )
+    assert slow["d_ms"] == pytest.approx(plain["d_ms"], abs=0.01)
+    assert slow["error"]["rms"]["value"] == pytest.approx(plain["error"]["rms"]["value"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        COMMAND,
+        COMMAND.round(4),
+        (1e4 * MEASURED).round() / 1e4,
+        held(COMMAND, 500),
+        np.where(np.arange(SIZE) % 50 == 0, np.roll(COMMAND, 1), COMMAND),
+        0.0 * COMMAND,
+    ],
+    ids=["every row", "rounded", "rounded noise", "steps of a test", "few repeats", "at rest"],
+)
+def test_what_is_new_in_each_row_is_no_hold(values):
+    assert find_hold(values, 1.0 / RATE) is None
+
+
+@pytest.mark.parametrize(("channel", "rows"), [("command", 8), ("measured", 4)])
+def test_a_followed_test_with_held_values_is_refused_with_its_line(channel, rows):
+    histories = {"command": COMMAND, "measured": MEASURED}
+    histories[channel] = held(histories[channel], rows)
+    part = Rows(time=TIME, **histories, lines=np.arange(SIZE) + 2, name="t.csv")
+    with pytest.raises(
+        InputError, match=rf"t\.csv, line 12289: .*a {channel} displacement that holds .* {rows} rows"
+    ):
+        list(rows_at_equal_steps(iter([part]), 1.0 / RATE))

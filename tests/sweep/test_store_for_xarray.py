@@ -1,0 +1,193 @@
+"""A store as people open it who use xarray and know nothing of this package."""
+
+import json
+import os
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reliab.errors import IncompleteError, InputError
+from reliab.sweep import ExplicitGrid, open_results, run_sweep, store as stores
+
+
+@pytest.fixture
+def opened(store):
+    """The store as xarray opens it by itself; a warning would fail the test."""
+    return xr.open_zarr(store)
+
+
+@pytest.fixture
+def old_store(own_store):
+    """A store as version 0.3.0 wrote it before: journal among the arrays, nothing gathered or stated."""
+    shutil.move(own_store / "journal/entries", own_store / "entries")
+    shutil.rmtree(own_store / "journal")
+    (own_store / "entries").rename(own_store / "journal")
+    for description in own_store.rglob("zarr.json"):
+        content = json.loads(description.read_text())
+        content.pop("consolidated_metadata", None)
+        attributes = content["attributes"]
+        for name in ("status", "coordinates", "comment"):
+            attributes.pop(name, None)
+        if "schema_version" in attributes:
+            attributes["schema_version"] = 1
+        description.write_text(json.dumps(content))
+    return own_store
+
+
+def test_plain_open_zarr_needs_no_option(store, opened):
+    assert opened.attrs["window"] == "record"
+    assert xr.open_zarr(store, group="window_arias").attrs["window"] == "arias"
+    assert xr.open_zarr(store, consolidated=True).identical(opened)
+
+
+def test_what_describes_motions_is_a_coordinate(opened, suite):
+    assert set(opened.coords) == {
+        *("motion", "f", "xi", "kp", "tau"),
+        *("event", "duration", "dt", "pga", "checksum"),
+    }
+    assert opened["rms"].mean("motion").sizes == {"f": 2, "xi": 2, "kp": 29, "tau": 47}
+    assert opened["event"].values.tolist() == list(suite.events)
+    groups = opened["rms"].isel(f=0, xi=0, kp=0, tau=0).load().groupby("event").mean()
+    assert groups.sizes == {"event": 3}
+
+
+def test_every_variable_is_a_number(opened):
+    for variable in opened.data_vars.values():
+        assert variable.dtype.kind in "fb"
+    stable = opened.where(opened["stable"])
+    assert float(stable["rms"].max()) < np.inf
+    assert opened.to_array().sizes["variable"] == len(opened.data_vars)
+
+
+def test_xarray_and_open_results_agree(store, opened):
+    ours = open_results(store)
+    for name in (*opened.data_vars, *opened.coords):
+        np.testing.assert_array_equal(np.asarray(opened[name]).astype(ours[name].dtype), ours[name])
+
+
+def test_scaled_gains_and_delays_say_so(opened, tmp_path, suite, request_):
+    assert "each xi" in opened["kp"].attrs["comment"]
+    assert "each f and xi" in opened["tau"].attrs["comment"]
+    same = replace(request_, grid=ExplicitGrid(), windows=request_.windows[:1])
+    explicit = xr.open_zarr(run_sweep(suite[:1], same, tmp_path / "explicit.zarr"))
+    assert not {"comment"} & (set(explicit["kp"].attrs) | set(explicit["tau"].attrs))
+    assert explicit.sel(kp=1.0, tau=0.0)["rms"].max() < 1e-6
+
+
+def test_unfinished_store_says_so_until_it_is_finished(tmp_path, suite, request_, monkeypatch):
+    path, write_chunk = tmp_path / "results.zarr", stores.write_chunk  # type: ignore[attr-defined]
+
+    def full(place, within, chunk):
+        if within.name.startswith("c.2."):
+            raise OSError(28, "No space left on device")
+        write_chunk(place, within, chunk)
+
+    monkeypatch.setattr(stores, "write_chunk", full)
+    with pytest.raises(IncompleteError):
+        run_sweep(suite, request_, path, workers=1)
+    monkeypatch.setattr(stores, "write_chunk", write_chunk)
+    for group in ("", "window_arias"):
+        unfinished = xr.open_zarr(path, group=group)
+        assert unfinished.attrs["status"].startswith("unfinished")
+        assert bool(unfinished["rms"].isel(motion=-1).isnull().all())
+    run_sweep(suite, request_, path, resume=True)
+    for group in ("", "window_arias"):
+        assert xr.open_zarr(path, group=group).attrs["status"] == "complete"
+
+
+def test_attributes_can_be_written_as_netcdf(opened, tmp_path):
+    opened.isel(motion=0, f=0, xi=0)[["rms", "mte"]].to_netcdf(tmp_path / "some.nc", engine="h5netcdf")
+    assert xr.load_dataset(tmp_path / "some.nc").attrs["status"] == "complete"
+
+
+def test_store_of_the_version_before_is_read_and_not_resumed(store, old_store, suite, request_):
+    new, old = open_results(store), open_results(old_store)
+    for dataset in (new, old):
+        for attributes in (dataset.attrs, *(variable.attrs for variable in dataset.variables.values())):
+            for name in ("status", "schema_version", "comment"):
+                attributes.pop(name, None)
+    assert new.identical(old)
+    with pytest.raises(InputError, match=r"schema version 2 can be resumed.*Simulate again to another store"):
+        run_sweep(suite, request_, old_store, resume=True)
+
+
+def test_gathered_descriptions_are_not_trusted(own_store):
+    """They are a second copy, which may say anything of arrays that stand beside it."""
+    content = json.loads((own_store / "zarr.json").read_text())
+    content["consolidated_metadata"]["metadata"]["rms"]["attributes"]["units"] = "m"
+    (own_store / "zarr.json").write_text(json.dumps(content))
+    assert open_results(own_store)["rms"].attrs["units"] == "1"
+
+
+@pytest.mark.parametrize(
+    "name", ["rms_at_rest/c.1.0.0", "window_arias/rms_at_rest/c.5.0.0", "journal/entries"]
+)
+def test_lost_chunk_of_any_array_of_the_window_is_named(own_store, name):
+    place = own_store / name
+    shutil.rmtree(place) if place.is_dir() else place.unlink()
+    if "journal" in name:
+        assert open_results(own_store).sizes["motion"] == 6  # of use to resume alone
+        return
+    window = "arias" if "arias" in name else "record"
+    with pytest.raises(InputError, match=r"1 of 6 chunks of rms_at_rest missing.*--resume"):
+        open_results(own_store, window=window)
+
+
+def test_a_chunk_of_another_name_replaces_none(own_store):
+    (own_store / "rms_at_rest/c.1.0.0").rename(own_store / "rms_at_rest/c.7.0.0")
+    with pytest.raises(InputError, match=r"1 of 6 chunks of rms_at_rest missing"):
+        open_results(own_store)
+
+
+def annex(store, repository):
+    """Put every chunk where git-annex does, with a link in its place."""
+    objects = repository / ".git/annex/objects"
+    for number, chunk in enumerate(sorted(path for path in store.rglob("*") if path.is_file())):
+        key = objects / f"k{number}" / f"SHA256-{number}"
+        key.parent.mkdir(parents=True)
+        shutil.move(chunk, key)
+        chunk.symlink_to(os.path.relpath(key, chunk.parent))
+    return objects
+
+
+def test_store_under_git_annex_is_read(own_store, store):
+    annex(own_store, own_store.parent)
+    assert open_results(own_store).identical(open_results(store))
+
+
+def test_content_that_is_not_fetched_is_named(own_store):
+    objects = annex(own_store, own_store.parent)
+    (own_store / "rms/c.3.0.0.0.0").resolve().unlink()
+    with pytest.raises(InputError, match=r"c\.3\.0\.0\.0\.0.*git annex get"):
+        open_results(own_store)
+    assert objects.is_dir()
+
+
+@pytest.mark.parametrize("is_linked", [False, True])
+def test_annex_of_another_repository_is_no_way_out(own_store, tmp_path, is_linked):
+    """Neither where the objects are elsewhere, nor where the annex is itself a link to anywhere."""
+    elsewhere = tmp_path / "elsewhere"
+    annex(own_store, elsewhere)
+    if is_linked:
+        (own_store.parent / ".git/annex").mkdir(parents=True)
+        (own_store.parent / ".git/annex/objects").symlink_to("/")
+    with pytest.raises(InputError, match="without links to others"):
+        open_results(own_store)
+
+
+def test_store_under_git_annex_is_not_written_to(own_store, suite, request_):
+    annex(own_store, own_store.parent)
+    with pytest.raises(InputError, match="without links to others"):
+        run_sweep(suite, request_, own_store, resume=True)
+
+
+def test_description_of_endless_chunks_is_refused_at_once(own_store):
+    description = own_store / "rms_at_rest/zarr.json"
+    content = json.loads(description.read_text())
+    content["shape"][0] = 10**12
+    description.write_text(json.dumps(content))
+    with pytest.raises(InputError):
+        open_results(own_store)
