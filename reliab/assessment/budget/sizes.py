@@ -28,10 +28,14 @@ _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budge
 
 
 _QUANTITIES: Mapping[str, str] = {
-    **dict.fromkeys(("f", "xi", "alpha", "scale", "hysteresis"), "relative standard deviation"),
+    **dict.fromkeys(
+        ("f", "xi", "alpha", "scale", "hysteresis", "ground_scale", "force_scale"),
+        "relative standard deviation",
+    ),
     **dict.fromkeys(("skew_ms", "filter_delay_ms", "feedback_lag_ms"), "time"),
     "skew_samples": "skew",
     "yielding": "probability",
+    "integration": "number",
 }
 
 
