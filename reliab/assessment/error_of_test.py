@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.assessment.budget import (
+    BudgetItem,
     Equipment,
     Size,
     Source,
@@ -38,6 +39,7 @@ from reliab.structures import Partition, Structure, whole_structure
 from reliab.vocabulary import MILLI, Metric
 
 if TYPE_CHECKING:
+    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen
     from reliab.simulation.frames import FrameUnderTest
     from reliab.simulation.hybrid_test import UpdatedModel
@@ -99,6 +101,11 @@ class Question:
         """Whether the specimen is stated as linear, neither modelled nor learned from its force."""
         return self.model is None and not self.measured_specimen
 
+    @property
+    def inferred(self) -> bool:
+        """Whether the error is inferred from all channels: of one mass, with equipment that is not exact."""
+        return self.linear and self.frame is None and self.equipment is not None
+
     def yielding(self, recording: Recording) -> float:
         """Probability that the specimen of a test yielded, of which nobody recorded the force [-]."""
         if self.equipment is None or not self.linear or self.linear_specimen or recording.force is not None:
@@ -134,6 +141,7 @@ class ErrorOfTest(ErrorWithThreshold):
     modelled: bool = False  # Whether a calibrated model says what the specimen does
     # Draws of the error with a linear specimen only, where others are among those of `rebuilt`
     if_linear: Spread | None = None
+    inferred: "InferredError | None" = None  # The posterior behind it, where there is one
 
     @property
     def displacements(self) -> tuple[RebuiltError]:
@@ -193,12 +201,19 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
+        if self.inferred is not None:
+            return self.inferred.widenings(self.metric)
         if self.if_linear is None:
             return (self.specimen or self.rebuilt).widenings(self.metric)
         own = replace(self.rebuilt, draws=self.if_linear).widenings(self.metric)
         share = self.sizes["yielding"].deviation
         yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
         return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
+
+    @cached_property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval, the largest contribution first."""
+        return super().budget if self.inferred is None else self.inferred.budget(self.metric)
 
     @property
     def _of_specimen(self) -> str:
@@ -228,6 +243,17 @@ def error_of_test(
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
+    if question.inferred and not specimen_damping:
+        inferred = _inferred(recording, measured, question, sizes, sensor_offset)
+        if inferred is not None:
+            return ErrorOfTest(
+                rebuilt=inferred.rebuilt,
+                metric=question.metric,
+                threshold=question.threshold,
+                damping_ratio=question.structure.damping_ratio,
+                sizes=sizes,
+                inferred=inferred,
+            )
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
     whole = question.whole
     specimen: MeasuredSpecimen | None = None
@@ -267,6 +293,35 @@ def error_of_test(
         modelled=question.model is not None,
     )
     return _that_may_have_yielded(error, question.yielding(recording))
+
+
+def _inferred(
+    recording: Recording,
+    measured: Array,
+    question: Question,
+    sizes: Mapping[str, Size],
+    sensor_offset: float | None,
+) -> "InferredError | None":
+    """Infer the error of a test from all of its channels; `measured` [m]."""
+    from reliab.assessment.inferred_error import infer_error
+
+    if question.equipment is None:
+        return None
+    of_equipment = question.sizes(recording.time_step)
+    return infer_error(
+        recording,
+        measured,
+        question.structure,
+        stated=question.stated,
+        equipment=question.equipment,
+        sizes=sizes,
+        left_by_faults={
+            name: size.deviation for name, size in sizes.items() if of_equipment.get(name) != size
+        },
+        sensor_offset=sensor_offset,
+        resolution=question.resolution,
+        seed=question.seed,
+    )
 
 
 def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:

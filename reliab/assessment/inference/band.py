@@ -131,6 +131,11 @@ class AnalysisBand:
         grown = np.exp(self.shift * self.time)
         return np.asarray(full[..., : self.samples] * grown)
 
+    def full_history(self, spectrum: Spectrum) -> Array:
+        """Return histories on the record's own grid, shape (…, n)."""
+        full = scipy.fft.irfft(spectrum, self.points)[..., : self.record_samples]
+        return np.asarray(full * np.exp(self.shift * self.record_step * np.arange(self.record_samples)))
+
 
 def highest_frequency(command: Array, time_step: float, lowest: float) -> float:
     """Highest frequency [Hz] that an analysis needs: what the commands hold, and well above the structure's.

@@ -29,7 +29,8 @@ class ChannelSpectra:
     band: AnalysisBand
     hop: int  # Coarse samples from one block of the lapped transform to the next
     command: Spectrum
-    tracked: Spectrum  # Measured displacement, its difference from the command freed of the sensor's noise
+    measured: Spectrum  # As the sensors read it
+    tracked: Spectrum  # The same, its difference from the command freed of the sensors' noise
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
@@ -71,13 +72,14 @@ class ChannelSpectra:
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
-        told = band.spectrum(command)
+        told, read = band.spectrum(command), band.spectrum(measured)
         offset, drift = slow_parts(command, measured, time_step)
         return cls(
             band=band,
             hop=hop,
             command=told,
-            tracked=_denoised(band, told, band.spectrum(measured), noise, hop),
+            measured=read,
+            tracked=_denoised(band, told, read, noise, hop),
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),

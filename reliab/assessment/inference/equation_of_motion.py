@@ -33,7 +33,7 @@ def residual(
     driven = command if ground is None else command + response.ground.T * ground
     force = experiment.force(channels) if by_force else None
     if force is None:
-        difference = command - experiment.late(experiment.displacement(channels), channels)
+        difference = command - experiment.late(experiment.reading(channels), channels)
         if experiment.integration:
             turned = (channels.band.s * channels.band.record_step) ** 2
             difference = difference - experiment.integration * turned * command

@@ -75,6 +75,7 @@ class ErrorsOfTest:
     error: ResponseBand  # x_m − x_I
     exact: ResponseBand  # x_I
     exact_spectrum: Spectrum  # Mean of x_I [m], shape (p, K)
+    error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
 
 
 def errors_of(posterior: TestPosterior, names: Sequence[str]) -> ErrorsOfTest:
@@ -84,14 +85,15 @@ def errors_of(posterior: TestPosterior, names: Sequence[str]) -> ErrorsOfTest:
     rms, mte = np.empty((draws, partition.degrees)), np.empty((draws, partition.degrees))
     shape = (2, partition.degrees, channels.band.samples)
     mean, square = np.zeros(shape), np.zeros(shape)
-    spectrum = np.zeros((partition.degrees, channels.band.bins), dtype=np.complex128)
+    spectra = np.zeros((2, partition.degrees, channels.band.bins), dtype=np.complex128)
     for row, experiment in enumerate(posterior.experiments()):
         rebuilt = rebuild(channels, partition, experiment)
-        histories = channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))
+        both = np.stack([rebuilt.error, rebuilt.exact])
+        histories = channels.band.history(both)
         rms[row], mte[row] = relative_errors(histories[0], histories[1])
         mean += weights[row] * histories
         square += weights[row] * histories**2
-        spectrum += weights[row] * rebuilt.exact
+        spectra += weights[row] * both
     deviation = np.sqrt(np.maximum(square - mean**2, 0.0))
     return ErrorsOfTest(
         displacements=tuple(
@@ -100,7 +102,8 @@ def errors_of(posterior: TestPosterior, names: Sequence[str]) -> ErrorsOfTest:
         ),
         error=ResponseBand(mean=mean[0], deviation=deviation[0]),
         exact=ResponseBand(mean=mean[1], deviation=deviation[1]),
-        exact_spectrum=spectrum,
+        exact_spectrum=spectra[1],
+        error_spectrum=spectra[0],
     )
 
 

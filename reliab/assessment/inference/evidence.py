@@ -50,7 +50,14 @@ class Evidence(ABC):
     def update(self, experiment: Experiment) -> None:
         """Estimate the variance of the residual anew."""
         cells = self.cells(experiment)
-        self._variance = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
+        found = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
+        self._variance = np.maximum(found, self.noise[:, np.newaxis, np.newaxis])
+
+    @property
+    def noise(self) -> Array:
+        """Variance of a coefficient that the displacement sensors' noise makes at least, shape (p,)."""
+        stiffness = self.partition.specimen_stiffness @ self.channels.to_interface
+        return np.asarray(stiffness**2 @ self.channels.noise * self.channels.band.noise_gain)
 
     def whitened(self, experiment: Experiment) -> Array:
         """Residual over its standard deviation, shape (m,)."""
@@ -172,5 +179,5 @@ class SpecimenForce(Evidence):
         if force is None:
             raise AssertionError  # evidence of a force needs one
         impedance = experiment.structure(self.partition).impedance(self.channels.band.s)
-        expected = np.einsum("kpq,qk->pk", impedance, experiment.displacement(self.channels))
+        expected = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
         return np.asarray(force - expected)

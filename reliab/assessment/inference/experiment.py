@@ -45,14 +45,21 @@ class Experiment:
         return changed.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
-        """True displacement of the interface [m], shape (p, K)."""
+        """True displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
+        return self._displacement(channels, channels.tracked)
+
+    def reading(self, channels: ChannelSpectra) -> Spectrum:
+        """Return the same with the sensors' noise, whose size a likelihood has to see."""
+        return self._displacement(channels, channels.measured)
+
+    def _displacement(self, channels: ChannelSpectra, read: Spectrum) -> Spectrum:
         added = (
             self.offset[:, np.newaxis] * channels.constant
             + self.drift[:, np.newaxis] * channels.ramp
             + self.hysteresis[:, np.newaxis] * channels.hysteresis
         )
         earlier = np.exp(self.skew[:, np.newaxis] * channels.band.s)
-        at_actuators = (channels.tracked - added) / self.scale[:, np.newaxis] * earlier
+        at_actuators = (read - added) / self.scale[:, np.newaxis] * earlier
         return np.asarray(channels.to_interface @ at_actuators)
 
     def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:

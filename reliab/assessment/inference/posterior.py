@@ -13,7 +13,7 @@ from reliab.assessment.inference.randomized_optimization import Draws, LeastSqua
 from reliab.assessment.quantities.quantity import Circumstances
 from reliab.assessment.quantities.registry import Unknown, unknowns_of
 
-DRAWS = 300
+DRAWS = 256
 """Draws of a posterior."""
 
 _CONCENTRATED = 0.6  # of the power in three neighbouring frequencies: not broad-band
@@ -112,6 +112,7 @@ def evidence_of(circumstances: Circumstances, *, by_force: bool) -> tuple[Eviden
 def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z: Array) -> Experiment:
     """Possible world at standard normal values z, shape (d,)."""
     experiment = Experiment.of_actuators(circumstances.partition.degrees)
+    experiment.feedback_lag = circumstances.feedback_lag
     for one, normal in zip(unknowns, z.tolist(), strict=True):
         one.quantity.apply(experiment, one.prior.value(normal), one.actuator)
     return experiment

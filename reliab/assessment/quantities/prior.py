@@ -6,6 +6,7 @@ from enum import StrEnum
 
 import scipy
 
+_STEEPNESS = 4.0  # of the step between nothing and the whole
 _FARTHEST = 8.0  # standard deviations, beyond which a half-normal quantile has no more digits
 
 
@@ -23,6 +24,7 @@ class Shape(StrEnum):
     NORMAL = "normal"  # deviation·z
     LOGNORMAL = "lognormal"  # the factor exp(deviation·z), less one
     POSITIVE = "positive"  # half-normal above zero
+    EITHER = "either"  # nothing or the whole, one as likely as the other, with little between them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,3 +50,5 @@ class Prior:
             case Shape.POSITIVE:
                 share = 0.5 + 0.5 * float(scipy.special.ndtr(min(z, _FARTHEST)))
                 return self.deviation * float(scipy.special.ndtri(share))
+            case Shape.EITHER:
+                return self.deviation * float(scipy.special.ndtr(_STEEPNESS * z))

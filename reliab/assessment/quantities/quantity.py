@@ -3,6 +3,7 @@
 A quantity is one file of this folder with a `QUANTITY`; nothing else names it.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -29,6 +30,9 @@ class Circumstances:
     learned: Mapping[str, Prior] = field(default_factory=dict)  # From earlier tests of the rig
     tolerances: Mapping[str, float] = field(default_factory=dict)  # Of parts of the structure, relative [-]
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
+    feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
+    # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
+    left_by_faults: Mapping[str, float] = field(default_factory=dict)
 
 
 class Quantity(ABC):
@@ -56,7 +60,8 @@ class Quantity(ABC):
             return Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape) if size else None
         if circumstances.equipment is None:
             return None
-        deviation = self.ordinary(circumstances, circumstances.equipment)
+        added = circumstances.left_by_faults.get(self.name, 0.0)
+        deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
 
     @abstractmethod

@@ -1,8 +1,10 @@
 """The scale of a displacement sensor."""
 
+import math
 from typing import TYPE_CHECKING
 
 from reliab.assessment.budget import Equipment
+from reliab.assessment.quantities.prior import Prior, Source
 from reliab.assessment.quantities.quantity import Circumstances, Quantity
 
 if TYPE_CHECKING:
@@ -21,6 +23,16 @@ class SensorScale(Quantity):
     per_actuator = True
     option = "scale"
     relative = True
+
+    def prior(self, circumstances: Circumstances) -> Prior | None:
+        """Prior of the scale, with the deviation that is stated of the command's scale."""
+        found = super().prior(circumstances)
+        of_command = circumstances.stated.get("command_scale")
+        if of_command is None or not of_command.deviation:
+            return found
+        of_sensor = found.deviation if found is not None and found.source is Source.STATED else 0.0
+        deviation = math.hypot(of_sensor, of_command.deviation / of_command.value)
+        return Prior(deviation=deviation, source=Source.STATED)
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
         """Return the standard deviation with ordinary equipment."""

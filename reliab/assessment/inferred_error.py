@@ -1,0 +1,218 @@
+"""The error of a test with one actuator, from the posterior of everything that is uncertain about it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reliab.arrays import Array
+from reliab.assessment.budget import BudgetItem, Equipment, Size, Source, tolerances_of
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of
+from reliab.assessment.inference.posterior import TestPosterior, infer
+from reliab.assessment.quantities import prior
+from reliab.assessment.quantities.quantity import Circumstances
+from reliab.assessment.quantities.registry import Unknown as UncertainQuantity
+from reliab.assessment.rebuilt_error import RebuiltError, Widening
+from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step
+from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.recordings import Recording
+from reliab.stated_value import StatedValue
+from reliab.structures import Partition, Structure, whole_structure
+from reliab.vocabulary import MILLI, Metric
+
+_FEWEST = 32.0  # effective draws, below which a posterior is not trusted
+_LONGEST = 1 << 15  # coarse samples, above which a posterior takes too long
+_NARROWED = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
+_HALF = 0.75  # of the variance, which has to go for half the width
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InferredError:
+    """The posterior of a test and what it says of the error."""
+
+    posterior: TestPosterior
+    errors: ErrorsOfTest
+    rebuilt: RebuiltError  # Histories and structure of the most probable world, errors of all draws
+
+    def exact(self) -> Iterator[tuple[Partition, Array]]:
+        """Structures, and responses without actuator errors at swept samples [m], shape (1, m), draw by draw."""
+        from reliab.assessment.inference.rebuilt import rebuild
+
+        channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
+        weights = self.posterior.draws.weights
+        chosen = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
+        for row in chosen:
+            world = self.posterior.experiment(self.posterior.draws.values[row])
+            exact = channels.band.full_history(rebuild(channels, partition, world).exact)
+            yield world.structure(partition), exact[:, :: self.rebuilt.every]
+
+    def widenings(self, metric: Metric) -> tuple[Widening, ...]:
+        """What widens the interval, the widest first: shares of the posterior variance of the error."""
+        draws = self.errors.displacements[0]
+        low, high = self.rebuilt.draws.interval(metric)
+        values, deviation = draws.of(metric), _deviation(draws.of(metric), draws.weights)
+        found = []
+        for unknown, z, spread in self._unknowns():
+            share = min(_correlation(z, values, draws.weights) ** 2, 1.0)
+            found.append(
+                Widening(
+                    name=unknown.name,
+                    deviation=unknown.prior.deviation * spread,
+                    contribution=deviation * float(np.sqrt(share)),
+                    width=high - low,
+                    width_without=(high - low) * float(np.sqrt(1.0 - share)),
+                    deviation_for_half=_for_half(share, spread, unknown.prior.deviation),
+                )
+            )
+        return tuple(sorted(found, key=lambda part: -part.contribution))
+
+    def _unknowns(self) -> Iterator[tuple[UncertainQuantity, Array, float]]:
+        """Quantities, their draws z, and standard deviations over those a priori."""
+        draws = self.posterior.draws
+        for unknown, z in zip(self.posterior.unknowns, draws.values.T, strict=True):
+            yield unknown, z, _deviation(z, draws.weights)
+
+    def budget(self, metric: Metric) -> tuple[BudgetItem, ...]:
+        """Quantities with what each contributes, the largest first."""
+        unknowns = {unknown.name: (unknown, spread) for unknown, _, spread in self._unknowns()}
+        return tuple(_item(*unknowns[part.name], part) for part in self.widenings(metric))
+
+
+_EXACT_DRAWS = 64
+
+
+def _deviation(values: Array, weights: Array) -> float:
+    return float(np.sqrt(weights @ (values - weights @ values) ** 2))
+
+
+def _correlation(one: Array, other: Array, weights: Array) -> float:
+    product = _deviation(one, weights) * _deviation(other, weights)
+    return float(weights @ ((one - weights @ one) * (other - weights @ other))) / product if product else 0.0
+
+
+def _for_half(share: float, spread: float, deviation: float) -> float | None:
+    """Standard deviation of a measurement that would halve the interval; None where none does."""
+    if share <= _HALF:
+        return None
+    left = 1.0 - _HALF / share  # of the quantity's variance
+    return deviation * spread * float(np.sqrt(left / (1.0 - left)))
+
+
+def _item(unknown: UncertainQuantity, spread: float, part: Widening) -> BudgetItem:
+    quantity = unknown.quantity
+    source = Source.STATED if unknown.prior.source is prior.Source.STATED else Source.DEFAULT
+    if spread < _NARROWED or not quantity.option:
+        source = Source.LEARNED
+    return BudgetItem(
+        name=unknown.name,
+        quantity=quantity.words,
+        size=quantity.factor * part.deviation if quantity.unit else None,
+        unit=quantity.unit,
+        source=source,
+        contribution=part.contribution,
+        remedy=quantity.remedy,
+    )
+
+
+def infer_error(
+    recording: Recording,
+    measured: Array,
+    structure: Structure,
+    *,
+    stated: Mapping[str, StatedValue],
+    equipment: Equipment,
+    sizes: Mapping[str, Size],
+    left_by_faults: Mapping[str, float],
+    sensor_offset: float | None,
+    resolution: float | None,
+    seed: int,
+) -> InferredError | None:
+    """Infer the error of a test; None where its channels do not determine a posterior.
+
+    `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
+    evidence. `sizes`: of all that is not known, by the names of the tolerances; `left_by_faults`: what faults
+    of the channels leave unknown [SI units]; `sensor_offset`, `resolution` [m].
+    """
+    step = recording.time_step
+    with_force = recording.force is not None and "mass" in stated
+    whole = whole_structure(structure)
+    command, measured = checked_histories(recording.command, measured, step, whole)
+    every_of_structure = samples_in_step_of_structure(whole, step)
+    require_fitting(command.size, every_of_structure, step)
+    noise = replace(estimate_noise(command, measured, step), resolution=resolution)
+    start = stated_start(command, measured, step, whole, noise, sensor_offset)
+    if start.standing:
+        return None
+    read = measured - start.offset
+    channels = ChannelSpectra.of_channels(
+        command[np.newaxis],
+        read[np.newaxis],
+        step,
+        whole,
+        ground=recording.ground,
+        force=recording.force[np.newaxis] / stated["mass"].value
+        if with_force and recording.force is not None
+        else None,
+    )
+    if channels.band.coarse_points > _LONGEST:
+        return None
+    channels = replace(
+        channels,
+        offset_size=np.array([start.offset_deviation]),
+        initial_size=0.0 if start.at_rest else channels.initial_size,
+    )
+    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+    circumstances = Circumstances(
+        partition=whole,
+        channels=channels,
+        stated=stated,
+        equipment=equipment,
+        specimen_force=with_force,
+        feedback_lag=lag,
+        left_by_faults=left_by_faults,
+    )
+    posterior = infer(circumstances, seed=seed)
+    if not posterior.draws.effective >= min(_FEWEST, len(posterior.draws.weights)):
+        return None
+    errors = errors_of(posterior, whole.names)
+    of_test = errors.displacements[0]
+    if not (np.isfinite(of_test.rms).all() and np.isfinite(of_test.mte).all()):
+        return None
+    band, mode = channels.band, posterior.mode
+    moved = mode.displacement(channels)
+    reference, error, displaced, late = band.full_history(
+        np.stack([errors.exact_spectrum, errors.error_spectrum, moved, mode.late(moved, channels)])
+    )[:, 0]
+    places = np.arange(command.size) * step
+    draws = Spread(
+        rms=of_test.rms,
+        mte=of_test.mte,
+        mean=error,
+        deviation=np.interp(places, band.time, errors.error.deviation[0]),
+        counts=of_test.weights * of_test.weights.size,
+    )
+    every = samples_in_step(every_of_structure, noise, command.size)
+    rebuilt = RebuiltError(
+        error=read - reference,
+        smooth_error=error,
+        reference=reference,
+        rms=Estimate(**of_test.estimate(Metric.RMS).to_dict()),
+        mte=Estimate(**of_test.estimate(Metric.MTE).to_dict()),
+        draws=draws,
+        time_step=step,
+        structure=mode.structure(whole),
+        noise=noise,
+        start=start,
+        unknown=Unknown(tolerances=tolerances_of(sizes), offset=start.offset_deviation, error_at_start=channels.initial_size),
+        histories=Histories(
+            command=command, measured=displaced, fed_back=command - late, time_step=step
+        ),
+        differences=(command - displaced)[np.newaxis, ::every],
+        every=every,
+        seed=seed,
+    )
+    return InferredError(posterior=posterior, errors=errors, rebuilt=rebuilt)
