@@ -314,7 +314,6 @@ def _inferred(
         question.structure,
         stated=question.stated,
         equipment=question.equipment,
-        sizes=sizes,
         left_by_faults={
             name: size.deviation for name, size in sizes.items() if of_equipment.get(name) != size
         },

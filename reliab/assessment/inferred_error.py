@@ -6,19 +6,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment.budget import BudgetItem, Equipment, Size, Source, tolerances_of
+from reliab.assessment.budget import BudgetItem, Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of
-from reliab.assessment.inference.posterior import TestPosterior, infer
+from reliab.assessment.inference.posterior import TestPosterior, infer, log_evidence_ratio
 from reliab.assessment.quantities import prior
 from reliab.assessment.quantities.quantity import Circumstances
 from reliab.assessment.quantities.registry import Unknown as UncertainQuantity
 from reliab.assessment.rebuilt_error import RebuiltError, Widening
 from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, samples_in_step
+from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
+from reliab.effects import SteppedEffect
 from reliab.recordings import Recording
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure, whole_structure
@@ -50,6 +52,13 @@ class InferredError:
             exact = channels.band.full_history(rebuild(channels, partition, world).exact)
             yield world.structure(partition), exact[:, :: self.rebuilt.every]
 
+    def log_evidence_ratio(self, specimen: SteppedEffect) -> float:
+        """Logarithm of how much likelier the channels are with another specimen than with a linear one."""
+        histories = self.rebuilt.histories
+        lost = -added_displacement(specimen, histories.measured, histories.time_step)
+        slip = self.posterior.circumstances.channels.band.spectrum(lost)
+        return log_evidence_ratio(self.posterior, slip[np.newaxis])
+
     def widenings(self, metric: Metric) -> tuple[Widening, ...]:
         """What widens the interval, the widest first: shares of the posterior variance of the error."""
         draws = self.errors.displacements[0]
@@ -57,7 +66,7 @@ class InferredError:
         values, deviation = draws.of(metric), _deviation(draws.of(metric), draws.weights)
         found = []
         for unknown, z, spread in self._unknowns():
-            share = min(_correlation(z, values, draws.weights) ** 2, 1.0)
+            share = _explained(values, z, draws.weights)
             found.append(
                 Widening(
                     name=unknown.name,
@@ -89,9 +98,13 @@ def _deviation(values: Array, weights: Array) -> float:
     return float(np.sqrt(weights @ (values - weights @ values) ** 2))
 
 
-def _correlation(one: Array, other: Array, weights: Array) -> float:
-    product = _deviation(one, weights) * _deviation(other, weights)
-    return float(weights @ ((one - weights @ one) * (other - weights @ other))) / product if product else 0.0
+def _explained(values: Array, z: Array, weights: Array) -> float:
+    """Share of the variance of values that a quantity explains: by a parabola, as errors are never negative."""
+    root = np.sqrt(weights)
+    basis = root * np.stack([np.ones_like(z), z, z**2])
+    left = root * values - np.linalg.lstsq(basis.T, root * values, rcond=None)[0] @ basis
+    variance = _deviation(values, weights) ** 2
+    return float(np.clip(1.0 - left @ left / variance, 0.0, 1.0)) if variance else 0.0
 
 
 def _for_half(share: float, spread: float, deviation: float) -> float | None:
@@ -125,7 +138,6 @@ def infer_error(
     *,
     stated: Mapping[str, StatedValue],
     equipment: Equipment,
-    sizes: Mapping[str, Size],
     left_by_faults: Mapping[str, float],
     sensor_offset: float | None,
     resolution: float | None,
@@ -134,8 +146,8 @@ def infer_error(
     """Infer the error of a test; None where its channels do not determine a posterior.
 
     `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
-    evidence. `sizes`: of all that is not known, by the names of the tolerances; `left_by_faults`: what faults
-    of the channels leave unknown [SI units]; `sensor_offset`, `resolution` [m].
+    evidence. `left_by_faults`: what faults of the channels leave unknown, by names of quantities [SI units];
+    `sensor_offset`, `resolution` [m].
     """
     step = recording.time_step
     with_force = recording.force is not None and "mass" in stated
@@ -207,7 +219,7 @@ def infer_error(
         structure=mode.structure(whole),
         noise=noise,
         start=start,
-        unknown=Unknown(tolerances=tolerances_of(sizes), offset=start.offset_deviation, error_at_start=channels.initial_size),
+        unknown=EXACT,
         histories=Histories(
             command=command, measured=displaced, fed_back=command - late, time_step=step
         ),

@@ -1,12 +1,13 @@
 """The posterior of a test: what its channels show of everything that is uncertain about it."""
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.evidence import EquationOfMotion, Evidence, ImpliedGroundMotion, SpecimenForce
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
@@ -42,6 +43,11 @@ class TestPosterior:
     def experiments(self) -> Iterator[Experiment]:
         """Possible worlds, draw by draw."""
         return (self.experiment(z) for z in self.draws.values)
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the probability of the channels, by Laplace's approximation, but for a constant."""
+        return sum(one.log_likelihood(self.mode) for one in self.evidence) + self.fit.log_volume
 
     @cached_property
     def values(self) -> Array:
@@ -96,6 +102,34 @@ def infer(
     return posterior
 
 
+def would_rather_have(posterior: TestPosterior, frequency: float) -> bool:
+    """Return whether the channels are likelier with other natural frequencies, by a factor of those stated."""
+    uncertain = next((one for one in posterior.unknowns if one.name == "frequency"), None)
+    if uncertain is None or not posterior.evidence:
+        return True
+    other = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
+    circumstances = replace(posterior.circumstances, learned={"frequency": other})
+    unknowns = unknowns_of(circumstances)
+    evidence = tuple(replace(one) for one in posterior.evidence)
+    return _inferred(circumstances, unknowns, evidence, 1, 0).log_evidence > posterior.log_evidence
+
+
+def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
+    """Logarithm of how much likelier the channels are if the specimen's spring lost a displacement.
+
+    `slip`: what it lost [m], shape (p, K).
+    """
+    circumstances = replace(posterior.circumstances, slip=slip)
+    evidence = tuple(replace(one) for one in posterior.evidence)
+    fit = _least_squares(circumstances, posterior.unknowns, evidence, posterior.fit.mode)
+    fit.fit(updates=_UPDATES_OF_RATIO, iterations=_STEPS_OF_RATIO)
+    other = experiment_at(circumstances, posterior.unknowns, fit.mode)
+    return sum(one.log_likelihood(other) for one in evidence) + fit.log_volume - posterior.log_evidence
+
+
+_UPDATES_OF_RATIO, _STEPS_OF_RATIO = 3, 2
+
+
 def evidence_of(circumstances: Circumstances, *, by_force: bool) -> tuple[Evidence, ...]:
     """Collect the evidence that the channels hold."""
     channels, partition = circumstances.channels, circumstances.partition
@@ -112,7 +146,7 @@ def evidence_of(circumstances: Circumstances, *, by_force: bool) -> tuple[Eviden
 def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z: Array) -> Experiment:
     """Possible world at standard normal values z, shape (d,)."""
     experiment = Experiment.of_actuators(circumstances.partition.degrees)
-    experiment.feedback_lag = circumstances.feedback_lag
+    experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
     for one, normal in zip(unknowns, z.tolist(), strict=True):
         one.quantity.apply(experiment, one.prior.value(normal), one.actuator)
     return experiment
@@ -125,6 +159,20 @@ def _inferred(
     draws: int,
     seed: int,
 ) -> TestPosterior:
+    fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
+    fit.fit()
+    return TestPosterior(
+        circumstances=circumstances,
+        unknowns=unknowns,
+        evidence=evidence,
+        fit=fit,
+        draws=fit.draw(draws, seed),
+    )
+
+
+def _least_squares(
+    circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...], start: Array
+) -> LeastSquares:
     def world(z: Array) -> Experiment:
         return experiment_at(circumstances, unknowns, z)
 
@@ -141,15 +189,7 @@ def _inferred(
         experiment = world(z)
         return sum(one.determinant(experiment) for one in evidence)
 
-    fit = LeastSquares(residuals=residuals, update=update, determinant=determinant, size=len(unknowns))
-    fit.fit()
-    return TestPosterior(
-        circumstances=circumstances,
-        unknowns=unknowns,
-        evidence=evidence,
-        fit=fit,
-        draws=fit.draw(draws, seed),
-    )
+    return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
 
 
 def _is_broad_band(posterior: TestPosterior, implied: ImpliedGroundMotion) -> bool:

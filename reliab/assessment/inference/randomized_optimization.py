@@ -22,7 +22,7 @@ _UPDATES = 4  # of the variances
 _CONVERGED = 0.02  # of a standard deviation a posteriori
 _CHORDS = 12
 _SOLVED = 0.05
-_ENOUGH = 0.4  # of the draws, that must count for Laplace's approximation to do
+_ENOUGH = 0.15  # of the draws, that must count for Laplace's approximation to do
 _LONGEST = 3.0  # standard deviations a priori in one step
 
 
@@ -46,7 +46,7 @@ class LeastSquares:
     residuals: Callable[[Array], Array]  # r(z), shape (m,)
     update: Callable[[Array], None]  # Estimate variances anew at z
     determinant: Callable[[Array], float]  # −log-likelihood beside ½|r|²
-    size: int
+    start: Array  # z from which the mode is searched, shape (d,)
     slope: Array = field(init=False)  # Of the determinant at the mode
     mode: Array = field(init=False)
     covariance: Array = field(init=False)
@@ -55,7 +55,12 @@ class LeastSquares:
 
     def __post_init__(self) -> None:
         self.slope = np.zeros(self.size)
-        self.mode = np.zeros(self.size)
+        self.mode = self.start
+
+    @property
+    def size(self) -> int:
+        """Number d of parameters."""
+        return self.start.size
 
     def stacked(self, z: Array) -> Array:
         """F(z): residuals and prior, shape (m + d,)."""
@@ -66,23 +71,25 @@ class LeastSquares:
         value = self.stacked(z)
         return np.stack([(self.stacked(z + step) - value) / _STEP for step in _STEP * np.eye(self.size)], axis=-1)
 
-    def fit(self) -> None:
-        """Find the mode, and the covariance there."""
+    def fit(self, *, updates: int = _UPDATES, iterations: int = _ITERATIONS) -> None:
+        """Find the mode, and the covariance there, in so many estimates of the variances and steps for each."""
         z = self.mode
         if self.size == 0:
             self.update(z)
             self.covariance = np.zeros((0, 0))
             return
-        for _ in range(_UPDATES):
+        for _ in range(updates):
             self.update(z)
-            z = self._descend(z)
+            z = self._descend(z, iterations)
         self.mode = z
-        self._q, self._r = np.linalg.qr(self.jacobian(z))
+        q, r = np.linalg.qr(self.jacobian(z))
+        signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)  # draws of several tests then move alike
+        self._q, self._r = q * signs, r * signs[:, np.newaxis]
         inverse = np.linalg.inv(self._r)
         self.covariance = inverse @ inverse.T
 
-    def _descend(self, z: Array) -> Array:
-        for _ in range(_ITERATIONS):
+    def _descend(self, z: Array, iterations: int) -> Array:
+        for _ in range(iterations):
             self.slope = self._slope(z)
             q, r = np.linalg.qr(self.jacobian(z))
             value = self.stacked(z)
@@ -132,6 +139,11 @@ class LeastSquares:
             weights[row] = -0.5 * (float(value @ value) - proposed)
         weights = np.exp(weights - weights.max())
         return Draws(values=values, weights=weights / weights.sum())
+
+    @property
+    def log_volume(self) -> float:
+        """Logarithm of the prior at the mode times the volume of the posterior, but for a constant."""
+        return -0.5 * float(self.mode @ self.mode) + 0.5 * float(np.linalg.slogdet(self.covariance)[1])
 
     def log_density(self, z: Array) -> float:
         """Logarithm of the posterior density, but for a constant."""

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
+from reliab.arrays import Spectrum
 from reliab.assessment.budget import Equipment
 from reliab.assessment.quantities.prior import Prior, Shape, Source
 from reliab.stated_value import StatedValue
@@ -31,6 +32,7 @@ class Circumstances:
     tolerances: Mapping[str, float] = field(default_factory=dict)  # Of parts of the structure, relative [-]
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
     feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
+    slip: Spectrum | None = None  # Displacement that a specimen's spring is taken to have lost [m], (p, K)
     # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
     left_by_faults: Mapping[str, float] = field(default_factory=dict)
 

@@ -31,6 +31,8 @@ class SensorHysteresis(Quantity):
         if stated is not None and stated.value:
             deviation = stated.deviation or _OF_STATED * stated.value
             return Prior(deviation=deviation, source=Source.STATED)
+        if stated is not None and not stated.deviation:
+            return None  # a calibration found none
         found = super().prior(circumstances)
         return None if found is None else replace(found, shape=Shape.POSITIVE)
 
