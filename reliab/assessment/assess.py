@@ -299,11 +299,18 @@ class _Judged:
 
 
 def _judged(
-    recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question, *, any_damping: bool
+    recording: Recording,
+    clean: Recording,
+    faults: tuple[Fault, ...],
+    question: Question,
+    *,
+    any_damping: bool,
 ) -> _Judged:
     """Error of the test; where the test contradicts the stated structure, with the identified one."""
     if question.inferred:
-        found = _inferred(recording, clean, faults, _with_broad_damping(question) if any_damping else question)
+        found = _inferred(
+            recording, clean, faults, _with_broad_damping(question) if any_damping else question
+        )
         if found is not None:
             return found
     error, effects = error_of_one_with_faults(recording, faults, question)
@@ -331,7 +338,9 @@ def _judged(
 
 def _shows_ratio(ratio: StatedValue) -> str:
     size = f"{significant(ratio.value, 2)} ± {significant(ratio.deviation, 1)}"
-    return f"No damping ratio was stated; the recording shows {size}, where any from 0.005 to 0.1 was possible."
+    return (
+        f"No damping ratio was stated; the recording shows {size}, where any from 0.005 to 0.1 was possible."
+    )
 
 
 def _with_broad_damping(question: Question) -> Question:
@@ -343,7 +352,7 @@ def _with_broad_damping(question: Question) -> Question:
 def _inferred(
     recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question
 ) -> _Judged | None:
-    """Error by the posterior of all that is uncertain, and what the channels show; None where there is none."""
+    """Error by the posterior of all that is uncertain, and what the channels show; None without one."""
     structure, stated = question.structure, question.stated
     mass = stated["mass"].value if "mass" in stated else None
     ground = examine_ground(clean, structure, mass=mass, feedback_lag=question.feedback_lag)

@@ -44,10 +44,13 @@ def _finding(
     factor = abs(base) if quantity.relative else quantity.factor
     unit = _UNITS.get(quantity.option, "") if quantity.relative else f" {quantity.unit}"
     shown = base + factor * posterior.means[unknown.name]
-    deviation, before = (factor * one for one in (posterior.deviations[unknown.name], unknown.prior.deviation))
+    deviation, before = (
+        factor * one for one in (posterior.deviations[unknown.name], unknown.prior.deviation)
+    )
     how = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
     return (
-        f"The recording shows a {quantity.words} of {significant(shown, 4)} ± {significant(deviation, 1)}{unit}; "
+        f"The recording shows a {quantity.words} of {significant(shown, 4)} ± "
+        f"{significant(deviation, 1)}{unit}; "
         f"{significant(base, 4)} ± {significant(before, 1)}{unit} was {how}."
     )
 

@@ -41,7 +41,7 @@ class InferredError:
     rebuilt: RebuiltError  # Histories and structure of the most probable world, errors of all draws
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
-        """Structures, and responses without actuator errors at swept samples [m], shape (1, m), draw by draw."""
+        """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
         from reliab.assessment.inference.rebuilt import rebuild
 
         channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
@@ -60,7 +60,7 @@ class InferredError:
         return log_evidence_ratio(self.posterior, slip[np.newaxis])
 
     def widenings(self, metric: Metric) -> tuple[Widening, ...]:
-        """What widens the interval, the widest first: shares of the posterior variance of the error."""
+        """Return what widens the interval, the widest first, by shares of the variance of the error."""
         draws = self.errors.displacements[0]
         low, high = self.rebuilt.draws.interval(metric)
         values, deviation = draws.of(metric), _deviation(draws.of(metric), draws.weights)
@@ -99,7 +99,7 @@ def _deviation(values: Array, weights: Array) -> float:
 
 
 def _explained(values: Array, z: Array, weights: Array) -> float:
-    """Share of the variance of values that a quantity explains: by a parabola, as errors are never negative."""
+    """Share of the variance of values that a quantity explains, by a parabola: errors are never negative."""
     root = np.sqrt(weights)
     basis = root * np.stack([np.ones_like(z), z, z**2])
     left = root * values - np.linalg.lstsq(basis.T, root * values, rcond=None)[0] @ basis
@@ -108,7 +108,7 @@ def _explained(values: Array, z: Array, weights: Array) -> float:
 
 
 def _for_half(share: float, spread: float, deviation: float) -> float | None:
-    """Standard deviation of a measurement that would halve the interval; None where none does."""
+    """Return the standard deviation of a measurement that would halve the interval; None where none does."""
     if share <= _HALF:
         return None
     left = 1.0 - _HALF / share  # of the quantity's variance
@@ -220,9 +220,7 @@ def infer_error(
         noise=noise,
         start=start,
         unknown=EXACT,
-        histories=Histories(
-            command=command, measured=displaced, fed_back=command - late, time_step=step
-        ),
+        histories=Histories(command=command, measured=displaced, fed_back=command - late, time_step=step),
         differences=(command - displaced)[np.newaxis, ::every],
         every=every,
         seed=seed,

@@ -248,7 +248,7 @@ def examine_equation(
 
 
 def looks_nonlinear(recording: Recording, structure: Structure) -> str:
-    """Say that the recorded force is that of a nonlinear specimen; empty where it is not, or there is none."""
+    """Say that the recorded force is that of a nonlinear specimen; empty where it is not."""
     if recording.force is None:
         return ""
     noise = estimate_noise(recording.command, recording.measured, recording.time_step)

@@ -51,7 +51,7 @@ class Turning:
     odds: float = np.inf
 
     def limit(self, verdict: Verdict, probability: float = 1.0) -> Verdict:
-        """Return a verdict that is not "reliable" where specimens that yielded or hardened make it too uncertain.
+        """Return a verdict that is not "reliable" where specimens that yielded or hardened may change it.
 
         `probability`: that the error stays below the threshold if the specimen is linear.
         """

@@ -38,7 +38,7 @@ def recording(yielded):
 
 @pytest.fixture(scope="module", autouse=True)
 def _without_posterior():
-    """Of frames, and where channels determine no posterior, draws of specimens that yield widen the interval."""
+    """Where no posterior is determined, draws of specimens that yield widen the interval."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reliab.assessment.inferred_error.infer_error", lambda *_, **__: None)
         yield

@@ -47,8 +47,8 @@ class AnalysisBand:
     ) -> "AnalysisBand":
         """Choose the band of a record.
 
-        `time_step` [s]; `lowest`: natural frequency of the structure, `highest` of the band [Hz]; `decay`: rate
-        ξω [1/s] at which its slowest vibration dies out.
+        `time_step` [s]; `lowest`: natural frequency of the structure, `highest` of the band [Hz]; `decay`:
+        rate ξω [1/s] at which its slowest vibration dies out.
         """
         fade = min(int(_FADE / (lowest * time_step)), samples)
         points = scipy.fft.next_fast_len(2 * (samples + fade), real=True)
@@ -101,7 +101,7 @@ class AnalysisBand:
 
     @property
     def noise_gain(self) -> float:
-        """Variance of a coarse lapped coefficient of white noise over the variance of a record's sample [-]."""
+        """Variance of a coarse lapped coefficient of white noise over that of a record's sample [-]."""
         return self.record_step / self.time_step
 
     def spectrum(self, values: Array) -> Spectrum:
@@ -115,7 +115,7 @@ class AnalysisBand:
         return np.asarray(spectrum * (self.points / self.coarse_points))
 
     def _transformed(self, values: Array, step: float, points: int, fade: int) -> Spectrum:
-        """Transform histories that are continued point-symmetrically beyond their end, and faded out there."""
+        """Transform histories that are continued point-symmetrically beyond their end and faded out."""
         size = values.shape[-1]
         full = np.zeros((*values.shape[:-1], points))
         full[..., :size] = values

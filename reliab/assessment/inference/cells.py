@@ -2,7 +2,8 @@
 
 A residual is transformed by an orthonormal lapped transform, so that noise that is stationary over a few
 periods gives independent coefficients ("cells"). Their variance is a sum of a stationary part a(f) and a part
-g(t) s(f) that follows the strength of the motion, both smooth in frequency, fitted by expectation-maximisation.
+g(t) s(f) that follows the strength of the motion, both smooth in frequency, fitted by
+expectation-maximisation.
 """
 
 import numpy as np
@@ -41,7 +42,9 @@ def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Arra
     if mean == 0.0:
         return np.full(power.shape, np.finfo(float).tiny), np.zeros(power.shape)
     rest = smooth_over_frequency(np.quantile(power, _QUIET, axis=0) / _quantile_of_square(_QUIET))
-    still = np.full(power.shape, floor) if floor is not None else np.tile(0.5 * rest, (power.shape[0], 1)) + least
+    still = (
+        np.full(power.shape, floor) if floor is not None else np.tile(0.5 * rest, (power.shape[0], 1)) + least
+    )
     strength = power.mean(axis=1) / mean + 1e-3
     shape = smooth_over_frequency(power.mean(axis=0))
     for _ in range(_ITERATIONS):
@@ -51,7 +54,9 @@ def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Arra
         expected = share**2 * power + share * still
         if floor is None:
             other = still / total
-            still = np.tile(smooth_over_frequency((other**2 * power + other * moved).mean(axis=0)), (power.shape[0], 1))
+            still = np.tile(
+                smooth_over_frequency((other**2 * power + other * moved).mean(axis=0)), (power.shape[0], 1)
+            )
         shape = smooth_over_frequency((expected / strength[:, np.newaxis]).mean(axis=0)) + least
         strength = smooth_over_time((expected / shape).mean(axis=1)) + _LEAST
     return still + least, strength[:, np.newaxis] * shape

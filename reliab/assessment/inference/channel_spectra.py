@@ -1,4 +1,4 @@
-"""Channels of a test in its analysis band: spectra, noise of the sensors, what faults of a sensor would add."""
+"""Channels of a test in its analysis band: spectra, noise of the sensors, what their faults would add."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -167,7 +167,7 @@ def _follow(command: Spectrum, measured: Spectrum, s: Spectrum) -> Spectrum:
 
 @compiled
 def _followed(values: Array, half: float) -> Array:
-    """Reading of a sensor with play of a half width, shape (n,)."""
+    """Read a motion by a sensor with play of a half width, shape (n,)."""
     read, answer = values[0], np.empty(values.size)
     for place in range(values.size):
         read = min(max(read, values[place] - half), values[place] + half)
@@ -179,7 +179,7 @@ _WIDTH = 3e-3  # of the span, at which the effect of hysteresis is taken
 
 
 def hysteresis_of_sensor(values: Array) -> Array:
-    """What hysteresis of width 1 (of the span of the motion) adds to a reading [m], shape (n,)."""
+    """Return what hysteresis of width 1 (of the span of the motion) adds to a reading [m], shape (n,)."""
     span = float(np.ptp(values))
     return np.asarray((_followed(values, 0.5 * _WIDTH * span) - values) / _WIDTH)
 
@@ -209,8 +209,8 @@ def slow_parts(command: Array, measured: Array, time_step: float) -> tuple[Array
 def initial_error(command: Array, measured: Array, time_step: float, lowest: float) -> float:
     """Size of the error [m] with which a record may begin; zero if it begins at rest.
 
-    `lowest`: natural frequency [Hz]. The error of a command in motion is as much of it as elsewhere in the test,
-    up to a resonance that amplifies the tracking error.
+    `lowest`: natural frequency [Hz]. The error of a command in motion is as much of it as elsewhere in the
+    test, up to a resonance that amplifies the tracking error.
     """
     angle = 2.0 * np.pi * lowest * time_step
     place = np.arange(min(_FIRST, command.shape[-1]), dtype=np.float64)

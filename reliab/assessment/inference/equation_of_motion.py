@@ -44,10 +44,11 @@ def residual(
         acting = _times(response.impedance, command) - force
     if partition.degrees == 1:
         return np.asarray(driven / response.compliance[:, 0].T - acting)
-    return np.linalg.solve(response.compliance, driven.T[..., np.newaxis])[..., 0].T - acting
+    moved = np.linalg.solve(response.compliance, driven.T[..., np.newaxis])[..., 0]
+    return np.asarray(moved.T - acting)
 
 
 def _times(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
     if impedance.shape[-1] == 1:
         return np.asarray(impedance[:, 0].T * displacement)
-    return np.einsum("kpq,qk->pk", impedance, displacement)
+    return np.asarray(np.einsum("kpq,qk->pk", impedance, displacement))

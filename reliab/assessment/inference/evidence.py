@@ -69,7 +69,7 @@ class Evidence(ABC):
         return -0.5 * self.weight * float(squares.sum()) - self.determinant(experiment)
 
     def determinant(self, experiment: Experiment) -> float:  # noqa: ARG002
-        """What the logarithm of the likelihood has to lose beside the squares of the residual."""
+        """Return what the logarithm of the likelihood loses beside the squares of the residual."""
         return 0.0
 
 
@@ -123,7 +123,12 @@ class ImpliedGroundMotion(Evidence):
         structure = experiment.structure(self.partition)
         mass, damping, stiffness, specimen = (
             float(matrix[0, 0])
-            for matrix in (structure.mass, structure.damping, structure.stiffness, structure.specimen_stiffness)
+            for matrix in (
+                structure.mass,
+                structure.damping,
+                structure.stiffness,
+                structure.specimen_stiffness,
+            )
         )
         blocks, columns = self._variance.shape[1:]
         hop = self.channels.hop * self.channels.band.time_step
@@ -132,7 +137,8 @@ class ImpliedGroundMotion(Evidence):
         lag = delay - float(experiment.skew[0]) + experiment.feedback_lag
         followed = gain / float(experiment.scale[0]) * np.exp(-1j * angular * lag)
         loop = -mass * angular**2 + 1j * damping * angular + stiffness - specimen + specimen * followed
-        return -self.weight * blocks * hop / np.pi * float(np.mean(np.log(np.abs(loop)))) * float(angular[-1])
+        of_frequencies = float(np.mean(np.log(np.abs(loop)))) * float(angular[-1])
+        return float(-self.weight * blocks * hop / np.pi * of_frequencies)
 
     def concentration(self, experiment: Experiment) -> float:
         """Share of the implied motion's power that three neighbouring frequencies hold, whitened [-]."""
@@ -174,7 +180,7 @@ class SpecimenForce(Evidence):
         return _REACH * max(float(self.partition.natural_frequencies[0]), main_frequency(self.channels))
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Recorded force less that of the specimen [N]."""
+        """Return the recorded force less that of the specimen [N]."""
         force = experiment.force(self.channels)
         if force is None:
             raise AssertionError  # evidence of a force needs one

@@ -1,4 +1,4 @@
-"""One possible world: the structure and the channels of a test with everything that is uncertain set to a value."""
+"""One possible world: structure and channels of a test with everything that is uncertain set to a value."""
 
 from dataclasses import dataclass, field
 
@@ -36,8 +36,8 @@ class Experiment:
     @classmethod
     def of_actuators(cls, actuators: int) -> "Experiment":
         """Start from values that leave everything as stated."""
-        zeros = {name: np.zeros(actuators) for name in ("skew", "hysteresis", "offset", "drift")}
-        return cls(scale=np.ones(actuators), **zeros)
+        skew, hysteresis, offset, drift = np.zeros((4, actuators))
+        return cls(scale=np.ones(actuators), skew=skew, hysteresis=hysteresis, offset=offset, drift=drift)
 
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
@@ -45,7 +45,7 @@ class Experiment:
         return changed.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
-        """True displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
+        """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
         return self._displacement(channels, channels.tracked)
 
     def reading(self, channels: ChannelSpectra) -> Spectrum:
@@ -64,16 +64,18 @@ class Experiment:
 
     def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:
         """Displacement whose force the loop received [m], shape (p, K)."""
-        return displacement * np.exp(-self.feedback_lag * channels.band.s) if self.feedback_lag else displacement
+        return (
+            displacement * np.exp(-self.feedback_lag * channels.band.s) if self.feedback_lag else displacement
+        )
 
     def ground(self, channels: ChannelSpectra) -> Spectrum | None:
-        """True ground acceleration [m/s²], shape (K,); None where it was not recorded."""
+        """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""
         if channels.ground is None:
             return None
         return np.asarray(channels.ground / self.ground_scale * np.exp(self.ground_skew * channels.band.s))
 
     def force(self, channels: ChannelSpectra) -> Spectrum | None:
-        """True force of the specimen [N], shape (p, K); None where it was not recorded."""
+        """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""
         if channels.force is None:
             return None
         return np.asarray(channels.force / self.force_scale * np.exp(self.force_skew * channels.band.s))

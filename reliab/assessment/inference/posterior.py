@@ -8,7 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from reliab.arrays import Array, Spectrum
-from reliab.assessment.inference.evidence import EquationOfMotion, Evidence, ImpliedGroundMotion, SpecimenForce
+from reliab.assessment.inference.evidence import (
+    EquationOfMotion,
+    Evidence,
+    ImpliedGroundMotion,
+    SpecimenForce,
+)
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
 from reliab.assessment.quantities.quantity import Circumstances
@@ -53,7 +58,10 @@ class TestPosterior:
     def values(self) -> Array:
         """Differences of the quantities from their stated values, shape (draws, d)."""
         return np.array(
-            [[one.prior.value(float(z)) for one, z in zip(self.unknowns, row, strict=True)] for row in self.draws.values]
+            [
+                [one.prior.value(float(z)) for one, z in zip(self.unknowns, row, strict=True)]
+                for row in self.draws.values
+            ]
         )
 
     @cached_property
@@ -103,7 +111,7 @@ def infer(
 
 
 def would_rather_have(posterior: TestPosterior, frequency: float) -> bool:
-    """Return whether the channels are likelier with other natural frequencies, by a factor of those stated."""
+    """Return whether the channels are likelier with natural frequencies that are a factor of those stated."""
     uncertain = next((one for one in posterior.unknowns if one.name == "frequency"), None)
     if uncertain is None or not posterior.evidence:
         return True
@@ -193,7 +201,7 @@ def _least_squares(
 
 
 def _is_broad_band(posterior: TestPosterior, implied: ImpliedGroundMotion) -> bool:
-    """Return whether the implied ground motion is that of an earthquake, by which a frequency can be learned."""
+    """Return whether the implied ground motion is that of an earthquake, which shows a frequency."""
     for one, z in zip(posterior.unknowns, posterior.fit.mode, strict=True):
         if one.name == "frequency" and abs(z) > _FAR:
             return False

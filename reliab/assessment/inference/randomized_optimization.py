@@ -1,8 +1,8 @@
 """The posterior of everything that is uncertain about a test, by randomised optimisation.
 
 Parameters are standard normal a priori. With the whitened residuals r(z) of all evidence, the mode minimises
-|r(z)|² + |z|² (Gauss–Newton). Draws follow "randomize-then-optimize" (Bardsley, Solonen, Haario and Laine 2014,
-SIAM Journal on Scientific Computing 36, A1895): with F(z) = (r(z), z), J its Jacobian at the mode and J = QR,
+|r(z)|² + |z|² (Gauss–Newton). Draws follow "randomize-then-optimize" (Bardsley, Solonen, Haario and Laine
+2014, SIAM Journal on Scientific Computing 36, A1895): with F(z) = (r(z), z), J its Jacobian at the mode and J = QR,
 each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
 exp(−½|F|² + ½|QᵀF|²) |det R|/|det QᵀJ(z)|, whose last factor is close to one and left out. One step of each
 solution is Laplace's approximation, with the weight exp(−½|F|² + ½|ξ|²); it is enough where most draws count.
@@ -67,12 +67,14 @@ class LeastSquares:
         return np.concatenate([self.residuals(z), z + self.slope])
 
     def jacobian(self, z: Array) -> Array:
-        """Derivative of F, shape (m + d, d)."""
+        """Return the derivative of F, shape (m + d, d)."""
         value = self.stacked(z)
-        return np.stack([(self.stacked(z + step) - value) / _STEP for step in _STEP * np.eye(self.size)], axis=-1)
+        return np.stack(
+            [(self.stacked(z + step) - value) / _STEP for step in _STEP * np.eye(self.size)], axis=-1
+        )
 
     def fit(self, *, updates: int = _UPDATES, iterations: int = _ITERATIONS) -> None:
-        """Find the mode, and the covariance there, in so many estimates of the variances and steps for each."""
+        """Find the mode, and the covariance there, in so many estimates of variances with steps for each."""
         z = self.mode
         if self.size == 0:
             self.update(z)

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array, Spectrum
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import StructureResponse, respond
-from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.structures import Partition
 
 
@@ -52,7 +52,8 @@ def _moved(response: StructureResponse, difference: Spectrum) -> Spectrum:
     """H Z (x_c − x_f), shape (p, K)."""
     if response.impedance.shape[-1] == 1:
         return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
-    return np.einsum("kpq,kqr,rk->pk", response.compliance, response.impedance, difference, optimize=True)
+    moved = np.einsum("kpq,kqr,rk->pk", response.compliance, response.impedance, difference, optimize=True)
+    return np.asarray(moved)
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:

@@ -33,7 +33,9 @@ def respond(partition: Partition, s: Spectrum, *, floors: bool = False) -> Struc
     """Evaluate the transfer functions at complex frequencies s [rad/s], shape (K,)."""
     impedance = partition.impedance(s)
     if partition.size == 1 and not floors:
-        mass, damping, stiffness = (float(m[0, 0]) for m in (partition.mass, partition.damping, partition.stiffness))
+        mass, damping, stiffness = (
+            float(m[0, 0]) for m in (partition.mass, partition.damping, partition.stiffness)
+        )
         gamma = float(partition.interface[0, 0])
         dynamic = 1.0 / (mass * s**2 + damping * s + stiffness)
         return StructureResponse(
@@ -59,11 +61,17 @@ def _by_poles(whole: Partition, s: Spectrum, outputs: Array, inputs: Array) -> S
     """Return outputs (M s² + C s + K)⁻¹ inputs, shape (K, outputs, inputs)."""
     size = whole.size
     inverse = np.linalg.inv(whole.mass)
-    system = np.block([[np.zeros((size, size)), np.eye(size)], [-inverse @ whole.stiffness, -inverse @ whole.damping]])
+    system = np.block(
+        [[np.zeros((size, size)), np.eye(size)], [-inverse @ whole.stiffness, -inverse @ whole.damping]]
+    )
     poles, shapes = scipy.linalg.eig(system)
     if np.linalg.cond(shapes) > _WORST_CONDITION:
         at = s[:, np.newaxis, np.newaxis]
-        return np.asarray(outputs @ np.linalg.solve(at**2 * whole.mass + at * whole.damping + whole.stiffness, inputs))
+        return np.asarray(
+            outputs @ np.linalg.solve(at**2 * whole.mass + at * whole.damping + whole.stiffness, inputs)
+        )
     driven = np.linalg.solve(shapes, np.vstack([np.zeros_like(inputs), inverse @ inputs]))
     seen = outputs @ shapes[:size]
-    return np.asarray(np.einsum("om,km,mi->koi", seen, 1.0 / (s[:, np.newaxis] - poles), driven, optimize=True))
+    return np.asarray(
+        np.einsum("om,km,mi->koi", seen, 1.0 / (s[:, np.newaxis] - poles), driven, optimize=True)
+    )

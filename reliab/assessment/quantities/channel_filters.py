@@ -26,7 +26,7 @@ class ChannelFilters(Quantity):
         """Return the standard deviation with ordinary equipment."""
         return equipment.filter_delay_ms / 1000.0
 
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""
         experiment.skew[actuator] += value
 

@@ -22,11 +22,11 @@ class ChannelSkew(Quantity):
     option = "skew"
     option_unit = 1000.0
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return equipment.skew(circumstances.channels.band.record_step)
 
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""
         experiment.skew[actuator] += value
 

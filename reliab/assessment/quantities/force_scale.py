@@ -21,7 +21,7 @@ class ForceScale(Quantity):
     option = "mass"
     relative = True
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return equipment.force_scale if circumstances.specimen_force else 0.0
 

@@ -23,11 +23,15 @@ class ForceSkew(Quantity):
     option = "force_lag"
     option_unit = 1000.0
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         if not circumstances.specimen_force:
             return 0.0
-        return float(np.hypot(equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0))
+        return float(
+            np.hypot(
+                equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0
+            )
+        )
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

@@ -19,7 +19,7 @@ class GroundScale(Quantity):
     remedy = "Record the ground acceleration that the computer applied."
     attainable = 0.0005
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return equipment.ground_scale if circumstances.channels.ground is not None else 0.0
 

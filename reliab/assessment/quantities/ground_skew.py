@@ -21,11 +21,15 @@ class GroundSkew(Quantity):
     remedy = "Record the ground acceleration at the same instants as the command."
     attainable = 2e-5
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         if circumstances.channels.ground is None:
             return 0.0
-        return float(np.hypot(equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0))
+        return float(
+            np.hypot(
+                equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0
+            )
+        )
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

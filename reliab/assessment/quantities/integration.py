@@ -19,7 +19,7 @@ class Integration(Quantity):
     remedy = "Compute the numerical part in smaller steps."
     attainable = 0.02
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return equipment.integration if circumstances.channels.ground is not None else 0.0
 

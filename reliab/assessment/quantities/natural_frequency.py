@@ -23,7 +23,7 @@ class NaturalFrequency(Quantity):
     option = "f"
     relative = True
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return 0.0 if circumstances.tolerances else equipment.f
 

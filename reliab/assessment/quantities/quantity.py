@@ -59,7 +59,11 @@ class Quantity(ABC):
         stated = circumstances.stated.get(self.option)
         if stated is not None and stated.deviation:
             size = abs(stated.value) if self.relative else self.option_unit
-            return Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape) if size else None
+            return (
+                Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape)
+                if size
+                else None
+            )
         if circumstances.equipment is None:
             return None
         added = circumstances.left_by_faults.get(self.name, 0.0)

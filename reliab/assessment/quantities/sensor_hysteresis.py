@@ -40,7 +40,7 @@ class SensorHysteresis(Quantity):
         """Return the standard deviation with ordinary equipment."""
         return equipment.hysteresis
 
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""
         experiment.hysteresis[actuator] += value
 

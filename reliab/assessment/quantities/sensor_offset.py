@@ -24,7 +24,7 @@ class SensorOffset(Quantity):
         """Return the standard deviation with ordinary equipment."""
         return float(circumstances.channels.offset_size.max())
 
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""
         experiment.offset[actuator] += value
 

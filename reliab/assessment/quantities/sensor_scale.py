@@ -38,7 +38,7 @@ class SensorScale(Quantity):
         """Return the standard deviation with ordinary equipment."""
         return equipment.scale
 
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""
         experiment.scale[actuator] *= 1.0 + value
 

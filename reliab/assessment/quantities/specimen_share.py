@@ -23,7 +23,7 @@ class SpecimenShare(Quantity):
     option = "alpha"
     relative = True
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
         return equipment.alpha if _is_shared(circumstances) else 0.0
 
@@ -35,7 +35,9 @@ class SpecimenShare(Quantity):
 def _is_shared(circumstances: Circumstances) -> bool:
     """Return whether part of the stiffness is computed, so that the specimen's share can be wrong."""
     partition = circumstances.partition
-    return not circumstances.tolerances and bool(abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max())
+    return not circumstances.tolerances and bool(
+        abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max()
+    )
 
 
 QUANTITY = SpecimenShare()

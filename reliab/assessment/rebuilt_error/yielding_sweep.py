@@ -102,7 +102,7 @@ class YieldingDraws:
 
 
 def added_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:
-    """What the force of a specimen adds to k_e x under a motion [m], over k_e [m], shape (n,)."""
+    """Return what the force of a specimen adds to k_e x under a motion [m], over k_e [m], shape (n,)."""
     answer = np.empty(motion.size)
     setting = Setting(step=time_step)
     _added(specimen.kernel.address, specimen.coefficients(setting), motion, answer)

@@ -23,7 +23,7 @@ class SimulatedTest:
 def simulate(
     *, frequency, damping_ratio, share=1.0, gain=1.0, delay=0.0, ground, time_step, fine=8, noise=0.0, seed=0
 ):
-    """Simulate a linear specimen behind an actuator with a gain and a delay [s] (a multiple of the fine step).
+    """Simulate a linear specimen behind an actuator with a gain and a delay [s] (of fine steps).
 
     Central differences at `time_step/fine`; the exact response is stepped by the same rule.
     """

@@ -20,9 +20,7 @@ STEP = 1.0 / 256.0
 
 
 def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, stated=None):
-    partition = Partition.of_structure(
-        Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
-    )
+    partition = Partition.of_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=share))
     channels = ChannelSpectra.of_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],
@@ -134,13 +132,21 @@ def _rank(seed):
         "skew": StatedValue(0.0, 0.5),
     }
     channels_test = type(test)(**{**vars(test), "measured": read})
-    posterior = infer(circumstances_of(channels_test, f=1.0, xi=0.03, ground=bool(seed % 2), stated=shown), draws=100)
+    posterior = infer(
+        circumstances_of(channels_test, f=1.0, xi=0.03, ground=bool(seed % 2), stated=shown), draws=100
+    )
     truths = {
-        "frequency": f - 1.0, "damping_ratio": xi / 0.03 - 1.0, "sensor_scale": 0.003 * z[2], "time_shift": 0.0005 * z[3]
+        "frequency": f - 1.0,
+        "damping_ratio": xi / 0.03 - 1.0,
+        "sensor_scale": 0.003 * z[2],
+        "time_shift": 0.0005 * z[3],
     }
     names = [one.name for one in posterior.unknowns]
     weights = posterior.draws.weights
-    ranks = {name: float(weights @ (posterior.values[:, names.index(name)] < truth)) for name, truth in truths.items()}
+    ranks = {
+        name: float(weights @ (posterior.values[:, names.index(name)] < truth))
+        for name, truth in truths.items()
+    }
     ranks["error"] = float(weights @ (errors_of(posterior, ["1"]).displacements[0].rms < test.rms))
     return ranks
 
