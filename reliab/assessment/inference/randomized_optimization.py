@@ -2,8 +2,8 @@
 
 Parameters are standard normal a priori. With the whitened residuals r(z) of all evidence, the mode minimises
 |r(z)|² + |z|² (Gauss–Newton). Draws follow "randomize-then-optimize" (Bardsley, Solonen, Haario and Laine
-2014, SIAM Journal on Scientific Computing 36, A1895): with F(z) = (r(z), z), J its Jacobian at the mode and J = QR,
-each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
+2014, SIAM Journal on Scientific Computing 36, A1895): with F(z) = (r(z), z), J its Jacobian at the mode and
+J = QR, each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
 exp(−½|F|² + ½|QᵀF|²) |det R|/|det QᵀJ(z)|, whose last factor is close to one and left out. One step of each
 solution is Laplace's approximation, with the weight exp(−½|F|² + ½|ξ|²); it is enough where most draws count.
 """
