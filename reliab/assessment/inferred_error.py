@@ -8,7 +8,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.budget import BudgetItem, Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of
+from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise
 from reliab.assessment.inference.posterior import TestPosterior, infer, log_evidence_ratio
 from reliab.assessment.quantities import prior
 from reliab.assessment.quantities.quantity import Circumstances
@@ -77,7 +77,22 @@ class InferredError:
                     deviation_for_half=_for_half(share, spread, unknown.prior.deviation),
                 )
             )
+        found.append(self._of_noise(metric, deviation, high - low))
         return tuple(sorted(found, key=lambda part: -part.contribution))
+
+    def _of_noise(self, metric: Metric, deviation: float, width: float) -> Widening:
+        """Contribution of the sensor's noise."""
+        rms, mte = errors_of_noise(self.posterior, _DRAWS_OF_NOISE)
+        alone = float(np.std(rms if metric is Metric.RMS else mte))
+        left = max(1.0 - (alone / deviation) ** 2, 0.0) if deviation else 0.0
+        return Widening(
+            name=_NOISE,
+            deviation=0.0,
+            contribution=alone,
+            width=width,
+            width_without=width * float(np.sqrt(left)),
+            deviation_for_half=None,
+        )
 
     def _unknowns(self) -> Iterator[tuple[UncertainQuantity, Array, float]]:
         """Quantities, their draws z, and standard deviations over those a priori."""
@@ -88,9 +103,25 @@ class InferredError:
     def budget(self, metric: Metric) -> tuple[BudgetItem, ...]:
         """Quantities with what each contributes, the largest first."""
         unknowns = {unknown.name: (unknown, spread) for unknown, _, spread in self._unknowns()}
-        return tuple(_item(*unknowns[part.name], part) for part in self.widenings(metric))
+        return tuple(
+            _of_noise(part) if part.name == _NOISE else _item(*unknowns[part.name], part)
+            for part in self.widenings(metric)
+        )
 
 
+def _of_noise(part: Widening) -> BudgetItem:
+    return BudgetItem(
+        name=part.name,
+        quantity="noise of the displacement sensor",
+        size=None,
+        unit="",
+        source=Source.LEARNED,
+        contribution=part.contribution,
+        remedy="Use a displacement sensor with less noise.",
+    )
+
+
+_NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32
 _EXACT_DRAWS = 64
 
 

@@ -31,6 +31,8 @@ class ChannelSpectra:
     command: Spectrum
     measured: Spectrum  # As the sensors read it
     tracked: Spectrum  # The same, its difference from the command freed of the sensors' noise
+    # Standard deviation of the noise that is left in `tracked`, over time and frequency, shape (p, J, hop)
+    noise_left: Array
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
@@ -73,13 +75,15 @@ class ChannelSpectra:
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         told, read = band.spectrum(command), band.spectrum(measured)
+        tracked, noise_left = _denoised(band, told, read, noise, hop)
         offset, drift = slow_parts(command, measured, time_step)
         return cls(
             band=band,
             hop=hop,
             command=told,
             measured=read,
-            tracked=_denoised(band, told, read, noise, hop),
+            tracked=tracked,
+            noise_left=noise_left,
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
@@ -91,6 +95,11 @@ class ChannelSpectra:
             ground=None if ground is None else band.spectrum(ground),
             force=None if force is None else band.spectrum(force),
         )
+
+    def draw_noise(self, generator: np.random.Generator) -> Spectrum:
+        """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
+        cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
+        return self.band.coarse_spectrum(synthesise(cells, self.band.samples))
 
     @cached_property
     def columns(self) -> int:
@@ -130,14 +139,18 @@ def white_noise(values: Array, time_step: float, edge: float, corner: float | No
     return float(np.median(tail) / np.log(2.0))
 
 
-def _denoised(band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: Array, hop: int) -> Spectrum:
+def _denoised(
+    band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: Array, hop: int
+) -> tuple[Spectrum, Array]:
     """Free measured displacements of the sensors' noise.
 
     What follows the command by a constant gain, delay and curvature is kept whole: it is coherent with the
     command, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
     filter over time and frequency.
+    Returns also the standard deviation of the noise that is left, shape (p, J, hop).
     """
     answer = np.empty_like(measured)
+    left = np.zeros((len(measured), *analyse(np.zeros(band.samples), hop).shape))
     columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
     for row, variance in enumerate(noise):
         level = variance * band.noise_gain
@@ -151,9 +164,10 @@ def _denoised(band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: 
         gain = np.zeros_like(cells)
         least = np.finfo(float).tiny
         gain[:, :columns] = np.where(power > _CLEAR * level, 1.0 - level / np.maximum(power, least), 0.0)
+        left[row] = np.sqrt(gain * level)
         kept = synthesise((cells * gain)[np.newaxis], history.size)[0]
         answer[row] = follows + band.coarse_spectrum(kept)
-    return answer
+    return answer, left
 
 
 def _follow(command: Spectrum, measured: Spectrum, s: Spectrum) -> Spectrum:

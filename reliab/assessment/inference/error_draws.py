@@ -78,15 +78,20 @@ class ErrorsOfTest:
     error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
 
 
-def errors_of(posterior: TestPosterior, names: Sequence[str]) -> ErrorsOfTest:
-    """Rebuild the error in every draw of a posterior; `names` of the interface displacements."""
+def errors_of(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> ErrorsOfTest:
+    """Rebuild the error in every draw of a posterior; `names` of the interface displacements.
+
+    `seed`: of the noise of the sensors.
+    """
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
     draws, weights = posterior.draws.values.shape[0], posterior.draws.weights
     rms, mte = np.empty((draws, partition.degrees)), np.empty((draws, partition.degrees))
     shape = (2, partition.degrees, channels.band.samples)
     mean, square = np.zeros(shape), np.zeros(shape)
     spectra = np.zeros((2, partition.degrees, channels.band.bins), dtype=np.complex128)
+    generator = np.random.default_rng(seed)
     for row, experiment in enumerate(posterior.experiments()):
+        experiment.noise = channels.draw_noise(generator)
         rebuilt = rebuild(channels, partition, experiment)
         both = np.stack([rebuilt.error, rebuilt.exact])
         histories = channels.band.history(both)
@@ -105,6 +110,19 @@ def errors_of(posterior: TestPosterior, names: Sequence[str]) -> ErrorsOfTest:
         exact_spectrum=spectra[1],
         error_spectrum=spectra[0],
     )
+
+
+def errors_of_noise(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:
+    """RMS^R and MTE^R in the most probable world, with the sensors' noise as it may be, each (draws, p)."""
+    channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
+    generator, found = np.random.default_rng(seed), []
+    for _ in range(draws):
+        experiment = posterior.mode
+        experiment.noise = channels.draw_noise(generator)
+        rebuilt = rebuild(channels, partition, experiment)
+        found.append(relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))))
+    rms, mte = np.moveaxis(np.array(found), 1, 0)
+    return rms, mte
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> list[float]:

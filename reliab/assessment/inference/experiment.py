@@ -31,6 +31,7 @@ class Experiment:
     initial_velocity: float = 0.0  # Its rate over the lowest natural frequency [m]
     integration: float = 0.0  # Error of the numerical integration over (ω·step)² of the specimen's force [-]
 
+    noise: Spectrum | float = 0.0  # Noise that is left in the denoised readings [m], shape (p, K)
     slip: Spectrum | None = None  # Displacement that a yielding specimen's spring has lost [m], shape (p, K)
 
     @classmethod
@@ -46,7 +47,7 @@ class Experiment:
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
         """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
-        return self._displacement(channels, channels.tracked)
+        return self._displacement(channels, channels.tracked + self.noise)
 
     def reading(self, channels: ChannelSpectra) -> Spectrum:
         """Return the same with the sensors' noise, whose size a likelihood has to see."""

@@ -103,7 +103,7 @@ def test_the_budget_names_sizes_sources_and_remedies_largest_first(judged):
     by_name = {item["name"]: item for item in budget}
     assert by_name["damping_ratio"]["size"] == pytest.approx(100.0 * ordinary_equipment().xi, rel=0.1)
     assert (by_name["time_shift"]["unit"], by_name["time_shift"]["source"]) == ("ms", "default")
-    assert by_name["sensor_offset"]["source"] == "learned from this test"
+    assert by_name["sensor_noise"]["source"] == "learned from this test"
     assert all(item["remedy"].endswith(".") for item in budget)
 
 
