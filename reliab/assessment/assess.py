@@ -23,7 +23,7 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.inference.posterior import would_rather_have
+from reliab.assessment.inference.posterior import TestPosterior, would_rather_have
 from reliab.assessment.own_equation import (
     Explanation,
     OwnEquation,
@@ -179,11 +179,11 @@ def _examined(
     said: tuple[tuple[str, ...], tuple[str, ...]],
     taper: str,
 ) -> Assessment:
-    (assumed, learned), structure = said, question.structure
+    assumed, learned = said
     faults, tracking = faults_of_channel(
         recording,
         threshold=question.threshold,
-        experimental_fraction=structure.experimental_fraction,
+        experimental_fraction=question.structure.experimental_fraction,
         window=taper,
         seed=question.seed,
     )
@@ -192,16 +192,10 @@ def _examined(
         tracking = track(clean, window=taper, seed=question.seed)
     judged = _judged(recording, clean, faults, question, any_damping=bool(assumed))
     if assumed and judged.error.inferred is not None:
-        ratio = shown_ratio(judged.error.inferred.posterior, structure)
-        structure = replace(structure, damping_ratio=ratio.value)
-        question = replace(question, structure=structure, stated={**question.stated, "xi": ratio})
-        assumed = (_shows_ratio(ratio),)
+        question, assumed = _with_shown_damping(question, judged.error.inferred.posterior)
+    structure, by_any_damping = question.structure, assumed and not question.damping_shown
     turning = examine_turning(judged.error, recording, question)
-    verdict = judged.verdict(
-        _with_any_damping(clean, question)
-        if assumed and not question.damping_shown and judged.error.inferred is None
-        else ()
-    )
+    verdict = judged.verdict(_with_any_damping(clean, question) if by_any_damping else ())
     verdict = doubted_by_rest(verdict, judged.error, clean)
     assessment = Assessment(
         recording=recording,
@@ -334,6 +328,14 @@ def _judged(
         equation=equation,
         otherwise=(*otherwise, *explained),
     )
+
+
+def _with_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
+    """Take the damping ratio that the channels show, of which nothing was stated, and say so."""
+    ratio = shown_ratio(posterior, question.structure)
+    structure = replace(question.structure, damping_ratio=ratio.value)
+    stated = {**question.stated, "xi": ratio}
+    return replace(question, structure=structure, stated=stated, damping_shown=True), (_shows_ratio(ratio),)
 
 
 def _shows_ratio(ratio: StatedValue) -> str:

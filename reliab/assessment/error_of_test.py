@@ -243,19 +243,11 @@ def error_of_test(
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
-    if question.inferred and not specimen_damping:
-        inferred = _inferred(recording, measured, question, sizes, sensor_offset)
-        if inferred is not None:
-            return ErrorOfTest(
-                rebuilt=inferred.rebuilt,
-                metric=question.metric,
-                threshold=question.threshold,
-                damping_ratio=question.structure.damping_ratio,
-                sizes=sizes,
-                inferred=inferred,
-            )
+    inferred = _inferred(recording, measured, question, sizes, sensor_offset)
+    if inferred is not None and not specimen_damping:
+        return inferred
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
-    whole = question.whole
+    whole, stiffness = question.whole, question.whole.specimen_stiffness
     specimen: MeasuredSpecimen | None = None
     if question.measured_specimen:
         specimen = _learned(recording, measured, question, rest)
@@ -276,9 +268,7 @@ def error_of_test(
             recording.command,
             measured,
             recording.time_step,
-            whole.changed(
-                specimen_damping=whole.specimen_damping + specimen_damping * whole.specimen_stiffness
-            ),
+            whole.changed(specimen_damping=whole.specimen_damping + specimen_damping * stiffness),
             feedback_lag=question.feedback_lag,
             resolution=question.resolution,
             **rest,
@@ -301,14 +291,17 @@ def _inferred(
     question: Question,
     sizes: Mapping[str, Size],
     sensor_offset: float | None,
-) -> "InferredError | None":
-    """Infer the error of a test from all of its channels; `measured` [m]."""
+) -> ErrorOfTest | None:
+    """Infer the error of a test from all of its channels; None where they determine no posterior.
+
+    `measured`, `sensor_offset` [m].
+    """
     from reliab.assessment.inferred_error import infer_error
 
-    if question.equipment is None:
+    if question.equipment is None or not question.inferred:
         return None
     of_equipment = question.sizes(recording.time_step)
-    return infer_error(
+    inferred = infer_error(
         recording,
         measured,
         question.structure,
@@ -320,6 +313,16 @@ def _inferred(
         sensor_offset=sensor_offset,
         resolution=question.resolution,
         seed=question.seed,
+    )
+    if inferred is None:
+        return None
+    return ErrorOfTest(
+        rebuilt=inferred.rebuilt,
+        metric=question.metric,
+        threshold=question.threshold,
+        damping_ratio=question.structure.damping_ratio,
+        sizes=sizes,
+        inferred=inferred,
     )
 
 

@@ -10,13 +10,13 @@ from reliab.assessment.budget import BudgetItem, Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise
 from reliab.assessment.inference.posterior import TestPosterior, infer, log_evidence_ratio
-from reliab.assessment.quantities import prior
-from reliab.assessment.quantities.quantity import Circumstances
-from reliab.assessment.quantities.registry import Unknown as UncertainQuantity
+from reliab.assessment.inference.quantities import prior
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.quantities.registry import Unknown as UncertainQuantity
 from reliab.assessment.rebuilt_error import RebuiltError, Widening
-from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
-from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
@@ -63,7 +63,8 @@ class InferredError:
         """Return what widens the interval, the widest first, by shares of the variance of the error."""
         draws = self.errors.displacements[0]
         low, high = self.rebuilt.draws.interval(metric)
-        values, deviation = draws.of(metric), _deviation(draws.of(metric), draws.weights)
+        values = draws.errors(metric)
+        deviation = _deviation(values, draws.weights)
         found = []
         for unknown, z, spread in self._unknowns():
             share = _explained(values, z, draws.weights)
@@ -180,80 +181,117 @@ def infer_error(
     evidence. `left_by_faults`: what faults of the channels leave unknown, by names of quantities [SI units];
     `sensor_offset`, `resolution` [m].
     """
-    step = recording.time_step
-    with_force = recording.force is not None and "mass" in stated
     whole = whole_structure(structure)
-    command, measured = checked_histories(recording.command, measured, step, whole)
-    every_of_structure = samples_in_step_of_structure(whole, step)
-    require_fitting(command.size, every_of_structure, step)
-    noise = replace(estimate_noise(command, measured, step), resolution=resolution)
-    start = stated_start(command, measured, step, whole, noise, sensor_offset)
-    if start.standing:
+    readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
+    if readings.start.standing or readings.channels.band.coarse_points > _LONGEST:
         return None
-    read = measured - start.offset
-    channels = ChannelSpectra.of_channels(
-        command[np.newaxis],
-        read[np.newaxis],
-        step,
-        whole,
-        ground=recording.ground,
-        force=recording.force[np.newaxis] / stated["mass"].value
-        if with_force and recording.force is not None
-        else None,
-    )
-    if channels.band.coarse_points > _LONGEST:
-        return None
-    channels = replace(
-        channels,
-        offset_size=np.array([start.offset_deviation]),
-        initial_size=0.0 if start.at_rest else channels.initial_size,
-    )
-    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
     circumstances = Circumstances(
         partition=whole,
-        channels=channels,
+        channels=readings.channels,
         stated=stated,
         equipment=equipment,
-        specimen_force=with_force,
-        feedback_lag=lag,
+        specimen_force=readings.channels.force is not None,
+        feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
         left_by_faults=left_by_faults,
     )
     posterior = infer(circumstances, seed=seed)
-    if not posterior.draws.effective >= min(_FEWEST, len(posterior.draws.weights)):
+    if not posterior.draws.effective >= min(_FEWEST, posterior.draws.weights.size):
         return None
     errors = errors_of(posterior, whole.names)
     of_test = errors.displacements[0]
     if not (np.isfinite(of_test.rms).all() and np.isfinite(of_test.mte).all()):
         return None
-    band, mode = channels.band, posterior.mode
-    moved = mode.displacement(channels)
-    reference, error, displaced, late = band.full_history(
-        np.stack([errors.exact_spectrum, errors.error_spectrum, moved, mode.late(moved, channels)])
-    )[:, 0]
-    places = np.arange(command.size) * step
-    draws = Spread(
-        rms=of_test.rms,
-        mte=of_test.mte,
-        mean=error,
-        deviation=np.interp(places, band.time, errors.error.deviation[0]),
-        counts=of_test.weights * of_test.weights.size,
+    return InferredError(
+        posterior=posterior, errors=errors, rebuilt=readings.rebuilt(posterior, errors, seed)
     )
-    every = samples_in_step(every_of_structure, noise, command.size)
-    rebuilt = RebuiltError(
-        error=read - reference,
-        smooth_error=error,
-        reference=reference,
-        rms=Estimate(**of_test.estimate(Metric.RMS).to_dict()),
-        mte=Estimate(**of_test.estimate(Metric.MTE).to_dict()),
-        draws=draws,
-        time_step=step,
-        structure=mode.structure(whole),
-        noise=noise,
-        start=start,
-        unknown=EXACT,
-        histories=Histories(command=command, measured=displaced, fed_back=command - late, time_step=step),
-        differences=(command - displaced)[np.newaxis, ::every],
-        every=every,
-        seed=seed,
-    )
-    return InferredError(posterior=posterior, errors=errors, rebuilt=rebuilt)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Readings:
+    """Channels of a test, and how they begin."""
+
+    command: Array  # [m], shape (n,)
+    read: Array  # Measured displacement without the offset that rest shows [m], shape (n,)
+    time_step: float  # [s]
+    noise: SensorNoise
+    start: Start
+    every_of_structure: int  # Samples of which one resolves the structure's modes
+    channels: ChannelSpectra
+
+    @classmethod
+    def of_test(
+        cls,
+        recording: Recording,
+        measured: Array,
+        whole: Partition,
+        stated: Mapping[str, StatedValue],
+        sensor_offset: float | None,
+        resolution: float | None,
+    ) -> "_Readings":
+        """Check the channels, and transform them; arguments as of `infer_error`."""
+        step, force = recording.time_step, recording.force
+        command, measured = checked_histories(recording.command, measured, step, whole)
+        every = samples_in_step_of_structure(whole, step)
+        require_fitting(command.size, every, step)
+        noise = replace(estimate_noise(command, measured, step), resolution=resolution)
+        start = stated_start(command, measured, step, whole, noise, sensor_offset)
+        read = measured - start.offset
+        channels = ChannelSpectra.of_channels(
+            command[np.newaxis],
+            read[np.newaxis],
+            step,
+            whole,
+            ground=recording.ground,
+            force=None if force is None or "mass" not in stated else force[np.newaxis] / stated["mass"].value,
+        )
+        channels = replace(
+            channels,
+            offset_size=np.array([start.offset_deviation]),
+            initial_size=0.0 if start.at_rest else channels.initial_size,
+        )
+        return cls(
+            command=command,
+            read=read,
+            time_step=step,
+            noise=noise,
+            start=start,
+            every_of_structure=every,
+            channels=channels,
+        )
+
+    def rebuilt(self, posterior: TestPosterior, errors: ErrorsOfTest, seed: int) -> RebuiltError:
+        """Put the posterior into the form of a rebuilt error, on the samples of the record."""
+        band, mode, of_test = self.channels.band, posterior.mode, errors.displacements[0]
+        moved = mode.displacement(self.channels)
+        spectra = [errors.exact_spectrum, errors.error_spectrum, moved, mode.late(moved, self.channels)]
+        reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
+        places = np.arange(self.command.size) * self.time_step
+        every = samples_in_step(self.every_of_structure, self.noise, self.command.size)
+        return RebuiltError(
+            error=self.read - reference,
+            smooth_error=error,
+            reference=reference,
+            rms=Estimate(**of_test.estimate(Metric.RMS).to_dict()),
+            mte=Estimate(**of_test.estimate(Metric.MTE).to_dict()),
+            draws=Spread(
+                rms=of_test.rms,
+                mte=of_test.mte,
+                mean=error,
+                deviation=np.interp(places, band.time, errors.error.deviation[0]),
+                counts=of_test.weights * of_test.weights.size,
+            ),
+            time_step=self.time_step,
+            structure=mode.structure(posterior.circumstances.partition),
+            noise=self.noise,
+            start=self.start,
+            unknown=EXACT,
+            histories=Histories(
+                command=self.command,
+                measured=displaced,
+                fed_back=self.command - late,
+                time_step=self.time_step,
+            ),
+            differences=(self.command - displaced)[np.newaxis, ::every],
+            every=every,
+            seed=seed,
+        )

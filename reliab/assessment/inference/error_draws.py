@@ -38,19 +38,19 @@ class ErrorDraws:
     mte: Array  # MTE^R [-], shape (draws,)
     weights: Array  # Of the draws, sum one, shape (draws,)
 
-    def of(self, metric: Metric) -> Array:
-        """Errors [-], shape (draws,)."""
+    def errors(self, metric: Metric) -> Array:
+        """Return the errors [-], shape (draws,)."""
         return self.rms if metric is Metric.RMS else self.mte
 
     def estimate(self, metric: Metric) -> Estimate:
-        """Median and 90 % interval."""
-        value, low, high = weighted_quantiles(self.of(metric), self.weights, (0.5, 0.05, 0.95))
+        """Return the median and the 90 % interval."""
+        value, low, high = weighted_quantiles(self.errors(metric), self.weights, (0.5, 0.05, 0.95))
         return Estimate(value=value, low=low, high=high)
 
     def probability(self, threshold: float, metric: Metric) -> float:
-        """Probability that the error is below a threshold: never zero or one, as so few draws cannot tell."""
+        """Return the probability that the error is below a threshold; few draws never tell zero or one."""
         effective = 1.0 / float(np.sum(self.weights**2))
-        below = float(self.weights @ (self.of(metric) < threshold))
+        below = float(self.weights @ (self.errors(metric) < threshold))
         return (below * effective + 0.5) / (effective + 1.0)
 
 

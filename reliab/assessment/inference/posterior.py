@@ -15,9 +15,9 @@ from reliab.assessment.inference.evidence import (
     SpecimenForce,
 )
 from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.quantities.registry import Unknown, unknowns_of
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
-from reliab.assessment.quantities.quantity import Circumstances
-from reliab.assessment.quantities.registry import Unknown, unknowns_of
 
 DRAWS = 256
 """Draws of a posterior."""

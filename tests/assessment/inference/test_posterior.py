@@ -10,8 +10,8 @@ from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import errors_of
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
+from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
-from reliab.assessment.quantities.quantity import Circumstances
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition, Structure
 from reliab.vocabulary import Metric

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from reliab.assessment.budget import Equipment
-from reliab.assessment.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from reliab.assessment.budget import Equipment
-from reliab.assessment.quantities.prior import Shape
-from reliab.assessment.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.prior import Shape
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment

@@ -4,8 +4,8 @@ import math
 from typing import TYPE_CHECKING
 
 from reliab.assessment.budget import Equipment
-from reliab.assessment.quantities.prior import Prior, Source
-from reliab.assessment.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.prior import Prior, Source
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment

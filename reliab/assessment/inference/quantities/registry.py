@@ -5,10 +5,10 @@ import pkgutil
 from dataclasses import dataclass
 from functools import cache
 
-from reliab.assessment.quantities import quantity as base
-from reliab.assessment.quantities.prior import Prior
-from reliab.assessment.quantities.quantity import Circumstances, Quantity
-from reliab.assessment.quantities.structure_part import StructurePart
+from reliab.assessment.inference.quantities import quantity as base
+from reliab.assessment.inference.quantities.prior import Prior
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.structure_part import StructurePart
 
 _FOLDER = base.__name__.rpartition(".")[0]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from reliab.arrays import Spectrum
 from reliab.assessment.budget import Equipment
-from reliab.assessment.quantities.prior import Prior, Shape, Source
+from reliab.assessment.inference.quantities.prior import Prior, Shape, Source
 from reliab.stated_value import StatedValue
 from reliab.structures import Partition
 
