@@ -8,7 +8,7 @@ import numpy as np
 from reliab.arrays import Array
 from reliab.assessment.budget import BudgetItem, Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise
+from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise, typical_world
 from reliab.assessment.inference.posterior import TestPosterior, infer, log_evidence_ratio
 from reliab.assessment.inference.quantities import prior
 from reliab.assessment.inference.quantities.quantity import Circumstances
@@ -38,7 +38,7 @@ class InferredError:
 
     posterior: TestPosterior
     errors: ErrorsOfTest
-    rebuilt: RebuiltError  # Histories and structure of the most probable world, errors of all draws
+    rebuilt: RebuiltError  # Histories and structure of a typical world, errors of all draws
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
@@ -261,9 +261,10 @@ class _Readings:
 
     def rebuilt(self, posterior: TestPosterior, errors: ErrorsOfTest, seed: int) -> RebuiltError:
         """Put the posterior into the form of a rebuilt error, on the samples of the record."""
-        band, mode, of_test = self.channels.band, posterior.mode, errors.displacements[0]
-        moved = mode.displacement(self.channels)
-        spectra = [errors.exact_spectrum, errors.error_spectrum, moved, mode.late(moved, self.channels)]
+        band, of_test = self.channels.band, errors.displacements[0]
+        world = typical_world(posterior, errors)
+        moved = world.displacement(self.channels)
+        spectra = [errors.exact_spectrum, errors.error_spectrum, moved, world.late(moved, self.channels)]
         reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
         places = np.arange(self.command.size) * self.time_step
         every = samples_in_step(self.every_of_structure, self.noise, self.command.size)
@@ -281,7 +282,7 @@ class _Readings:
                 counts=of_test.weights * of_test.weights.size,
             ),
             time_step=self.time_step,
-            structure=mode.structure(posterior.circumstances.partition),
+            structure=world.structure(posterior.circumstances.partition),
             noise=self.noise,
             start=self.start,
             unknown=EXACT,

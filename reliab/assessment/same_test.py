@@ -141,7 +141,7 @@ class _Extrapolated:
     def of_runs(cls, found: Sequence[Assessment], seed: int) -> "_Extrapolated":
         size = min(one.error.reference.size for one in found)
         rebuilt = np.array([one.error.reference[:size] for one in found])
-        measured = np.array([one.error.rebuilt.histories.measured[:size] for one in found])
+        measured = np.array([_moved(one, size) for one in found])
         places = np.array([_tracking(one, size) for one in found])
         curves = _curves(places)
         candidates = [*(curve.intercept(rebuilt) for curve in curves), curves[-1].intercept(measured)]
@@ -231,10 +231,16 @@ def _curves(places: Array) -> list[_Curve]:
     return [line, _Curve(design=np.column_stack([one, along, along**2]), directions=turned)]
 
 
+def _moved(found: Assessment, size: int) -> Array:
+    """Displacement of the specimen without the sensor's noise [m], shape (size,)."""
+    rebuilt = found.error.rebuilt
+    return np.asarray((rebuilt.reference + rebuilt.smooth_error)[:size])
+
+
 def _tracking(found: Assessment, size: int) -> Array:
     """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
     command = found.recording.command[:size]
-    measured = found.error.rebuilt.histories.measured[:size]
+    measured = _moved(found, size)
     gain, delay, _ = follow(command, measured, found.recording.time_step)
     return np.array([gain - 1.0, delay * found.structure.circular_frequency])
 

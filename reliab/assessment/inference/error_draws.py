@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.arrays import Array, Spectrum
+from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
 from reliab.vocabulary import Metric
@@ -110,6 +111,28 @@ def errors_of(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> 
         exact_spectrum=spectra[1],
         error_spectrum=spectra[0],
     )
+
+
+def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
+    """Return a probable world with the median error, on the line from the mode along which errors change."""
+    channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
+    draws, values, rms = posterior.draws, posterior.draws.values, errors.displacements[0].rms
+    apart = rms - draws.weights @ rms
+    deviation = float(np.sqrt(draws.weights @ apart**2))
+    if not deviation > 0.0:
+        return posterior.mode
+    slope = (draws.weights * apart) @ (values - draws.weights @ values) / deviation
+    median = errors.displacements[0].estimate(Metric.RMS).value
+
+    def missed(place: float) -> float:
+        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + place * slope))
+        found = relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact])))
+        return abs(float(found[0][0]) - median)
+
+    return posterior.experiment(posterior.fit.mode + min(_PLACES, key=missed) * slope)
+
+
+_PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard deviations of the error
 
 
 def errors_of_noise(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:

@@ -22,7 +22,8 @@ _UPDATES = 4  # of the variances
 _CONVERGED = 0.02  # of a standard deviation a posteriori
 _CHORDS = 12
 _SOLVED = 0.05
-_ENOUGH = 0.15  # of the draws, that must count for Laplace's approximation to do
+_ENOUGH = 0.9  # of the draws, that must count for Laplace's approximation to do
+_FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
 _LONGEST = 3.0  # standard deviations a priori in one step
 
 
@@ -120,7 +121,7 @@ class LeastSquares:
         normals = normal_points(self.size, 1 << (count - 1).bit_length(), seed).T[:count]
         draws = self._draw(normals, chords=0)
         if draws.effective < _ENOUGH * count:
-            return self._draw(normals, chords=_CHORDS)
+            return self._draw(normals[: max(count // _FEWER, 1)], chords=_CHORDS)
         return draws
 
     def _draw(self, normals: Array, *, chords: int) -> Draws:

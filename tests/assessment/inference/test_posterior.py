@@ -90,7 +90,7 @@ def test_draws_agree_with_a_sampler(late_test):
     emcee = pytest.importorskip("emcee")
     stated = {"f": StatedValue(1.01, 0.01), "xi": StatedValue(0.03, 0.006), "skew": StatedValue(0.0, 1.0)}
     circumstances = circumstances_of(late_test, f=1.01, xi=0.03, ground=True, stated=stated)
-    posterior = infer(circumstances, draws=400)
+    posterior = infer(circumstances, draws=800)
     size = len(posterior.unknowns)
     generator = np.random.default_rng(3)
     spread = np.linalg.cholesky(posterior.fit.covariance)
