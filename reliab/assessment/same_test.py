@@ -232,9 +232,10 @@ def _curves(places: Array) -> list[_Curve]:
 
 
 def _moved(found: Assessment, size: int) -> Array:
-    """Displacement of the specimen without the sensor's noise [m], shape (size,)."""
-    rebuilt = found.error.rebuilt
-    return np.asarray((rebuilt.reference + rebuilt.smooth_error)[:size])
+    """Measured displacement without the sensor's noise, as it was read [m], shape (size,)."""
+    rebuilt, command = found.error.rebuilt, found.recording.command
+    read = rebuilt.error + rebuilt.reference
+    return np.asarray((command - rebuilt.noise.smooth(command - read))[:size])
 
 
 def _tracking(found: Assessment, size: int) -> Array:
