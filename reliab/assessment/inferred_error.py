@@ -9,10 +9,16 @@ from reliab.arrays import Array
 from reliab.assessment.budget import BudgetItem, Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise, typical_world
-from reliab.assessment.inference.posterior import TestPosterior, infer, log_evidence_ratio
+from reliab.assessment.inference.posterior import (
+    TestPosterior,
+    experiment_at,
+    infer,
+    log_evidence_ratio,
+)
 from reliab.assessment.inference.quantities import prior
 from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.quantities.registry import Unknown as UncertainQuantity
+from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.rebuilt_error import RebuiltError, Widening
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
@@ -42,8 +48,6 @@ class InferredError:
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
-        from reliab.assessment.inference.rebuilt import rebuild
-
         channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
         weights = self.posterior.draws.weights
         chosen = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
@@ -51,6 +55,13 @@ class InferredError:
             world = self.posterior.experiment(self.posterior.draws.values[row])
             exact = channels.band.full_history(rebuild(channels, partition, world).exact)
             yield world.structure(partition), exact[:, :: self.rebuilt.every]
+
+    def exact_as_stated(self) -> Array:
+        """Return the response without actuator errors with everything as stated [m], shape (n,)."""
+        circumstances = self.posterior.circumstances
+        world = experiment_at(circumstances, (), np.zeros(0))
+        exact = rebuild(circumstances.channels, circumstances.partition, world).exact
+        return circumstances.channels.band.full_history(exact)[0]
 
     def log_evidence_ratio(self, specimen: SteppedEffect) -> float:
         """Logarithm of how much likelier the channels are with another specimen than with a linear one."""

@@ -140,7 +140,7 @@ class _Extrapolated:
     @classmethod
     def of_runs(cls, found: Sequence[Assessment], seed: int) -> "_Extrapolated":
         size = min(one.error.reference.size for one in found)
-        rebuilt = np.array([one.error.reference[:size] for one in found])
+        rebuilt = np.array([_exact(one)[:size] for one in found])
         measured = np.array([_moved(one, size) for one in found])
         places = np.array([_tracking(one, size) for one in found])
         curves = _curves(places)
@@ -229,6 +229,12 @@ def _curves(places: Array) -> list[_Curve]:
         return [line]
     turned = np.column_stack([direction, np.zeros(2)])
     return [line, _Curve(design=np.column_stack([one, along, along**2]), directions=turned)]
+
+
+def _exact(found: Assessment) -> Array:
+    """Response without actuator errors with everything as stated, in common to all runs [m]."""
+    inferred = found.error.inferred
+    return found.error.reference if inferred is None else inferred.exact_as_stated()
 
 
 def _moved(found: Assessment, size: int) -> Array:
