@@ -61,7 +61,7 @@ class InferredError:
         circumstances = self.posterior.circumstances
         world = experiment_at(circumstances, (), np.zeros(0))
         exact = rebuild(circumstances.channels, circumstances.partition, world).exact
-        return circumstances.channels.band.full_history(exact)[0]
+        return np.asarray(circumstances.channels.band.full_history(exact)[0])
 
     def log_evidence_ratio(self, specimen: SteppedEffect) -> float:
         """Logarithm of how much likelier the channels are with another specimen than with a linear one."""

@@ -143,7 +143,8 @@ def simulate(generator, motions, kind, *, yielding):
     exact = held(np.array([[0.0, 1.0], [-(omega**2), -2.0 * ratio * omega]]), np.array([0.0, 1.0]), step)
     nothing = np.zeros(time.size)
     still = (np.eye(2), np.zeros(2), np.zeros(2))
-    response = loop(*exact, *still, ground, nothing, np.zeros(2), 1.0, 0, (0.0, 1.0, 0.0))[0]
+    perfect = (*exact, *still, ground, nothing, np.zeros(2), 1.0, 0, (0.0, 1.0, 0.0))
+    response = loop(*perfect)[0]
     scale = PEAK / np.abs(response).max()
     ground, response = ground * scale, response * scale
     stiffness = share * omega**2
@@ -156,7 +157,8 @@ def simulate(generator, motions, kind, *, yielding):
     )
     noise = generator.normal(size=time.size) * stiffness * PEAK * 10.0 ** (-generator.uniform(50, 65) / 20.0)
     gain = 1.0 + generator.uniform(-0.02, 0.02)
-    command, moved, force = loop(*numerical, *actuator, ground, noise, inverse, gain, dead, law)
+    tested = (*numerical, *actuator, ground, noise, inverse, gain, dead, law)
+    command, moved, force = loop(*tested)
     if not np.abs(command).max() < 10.0 * PEAK:
         return None
     if yielding:
