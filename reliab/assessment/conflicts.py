@@ -7,9 +7,9 @@ from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities.prior import Shape, Source
 from reliab.assessment.inference.quantities.registry import Unknown
 from reliab.assessment.rebuilt_error.identification import Identification, Identified
-from reliab.significant import significant
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.core.significant_digits import significant
+from reliab.core.stated_value import StatedValue
+from reliab.structures.structure import Structure
 
 _FAR = 3.0  # standard deviations of what the prior lets expect
 _OF_STRUCTURE = ("f", "xi", "alpha")

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.budget import BudgetItem, Equipment, Source
+from reliab.assessment.budget.budget import BudgetItem
+from reliab.assessment.budget.sizes import Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise, typical_world
 from reliab.assessment.inference.posterior import (
@@ -19,18 +19,21 @@ from reliab.assessment.inference.quantities import prior
 from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.quantities.registry import Unknown as UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
-from reliab.assessment.rebuilt_error import RebuiltError, Widening
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
-from reliab.effects import SteppedEffect
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Structure, whole_structure
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.arrays import Array
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.effects.effect import SteppedEffect
+from reliab.recordings.recording import Recording
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
 
 _FEWEST = 32.0  # effective draws, below which a posterior is not trusted
 _LONGEST = 1 << 15  # coarse samples, above which a posterior takes too long

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from selenium.webdriver import Chrome
 
-from reliab.cli import run
-from reliab.shipped import shipped
+from reliab.app.cli import run
+from reliab.core.shipped import shipped
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

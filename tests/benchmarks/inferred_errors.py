@@ -17,8 +17,8 @@ import scipy
 from numba import njit
 
 from reliab import assess, load_motions
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.recording import Recording
 
 PEAK = 0.02  # m, of the exact response
 MASS = 1000.0  # kg

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 from headless_browser import PATIENCE, programs, start
 
-from reliab.assessment import assess
-from reliab.explore import write_page
-from reliab.recordings import read_recording
-from reliab.shipped import shipped
+from reliab.assessment.assess import assess
+from reliab.core.shipped import shipped
+from reliab.explore.page import write_page
+from reliab.recordings.reading import read_recording
 from reliab.structures.structure import Structure
 
 selenium = pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")

@@ -9,18 +9,20 @@ from scipy.interpolate import CubicSpline
 from scipy.special import ndtr, ndtri, owens_t
 from scipy.stats import t as student
 
-from reliab.assessment import assess
+from reliab.app.cli import run
+from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
-from reliab.boundary import ellipse_of_response
-from reliab.cli import run
-from reliab.criterion import ResponseMeasures, compare_with_scope, published_criterion
-from reliab.errors import InputError
-from reliab.recordings import read_recording
-from reliab.shipped import shipped
-from reliab.stated_value import StatedValue
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Side
+from reliab.criterion.published import published_criterion
+from reliab.criterion.response_measures import ResponseMeasures
+from reliab.criterion.scope import compare_with_scope
+from reliab.recordings.reading import read_recording
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Side
+from reliab.tracking.boundary.first_order import ellipse_of_response
 
 ROUNDED = 3e-4
 """Limits that protect every length are carried, and the page keeps eleven binary digits of what it stores."""

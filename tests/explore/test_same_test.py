@@ -4,7 +4,7 @@ import layouts
 import pytest
 
 import reliab
-from reliab.cli import run
+from reliab.app.cli import run
 
 FIRST = (layouts.mts_793, layouts.tdms)
 EACH = [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS]

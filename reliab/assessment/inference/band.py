@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 
 _WRAP_AROUND = 1e-5  # of a response, that may return to the beginning of the record
 _ROLL_OFF = 0.85  # of the band: above, the transform falls to zero, so that its edge does not ring

@@ -8,7 +8,7 @@ expectation-maximisation.
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 _ITERATIONS = 20
 _OCTAVE = 0.5  # octaves over which variances are smoothed

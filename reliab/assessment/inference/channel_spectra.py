@@ -6,11 +6,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.band import AnalysisBand, highest_frequency
 from reliab.assessment.inference.lapped_transform import analyse, synthesise
-from reliab.compiled import compiled
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
+from reliab.structures.partition import Partition
 
 _BLOCK = 1.0  # periods of the structure in a hop of the lapped transform
 _SMALLEST_HOP = 4

@@ -13,11 +13,11 @@ with that innovation; its determinant is the second term of `ImpliedGroundMotion
 
 import numpy as np
 
-from reliab.arrays import Spectrum
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import respond
-from reliab.structures import Partition
+from reliab.core.arrays import Spectrum
+from reliab.structures.partition import Partition
 
 
 def residual(

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Metric
 
 LEVEL = 0.9
 """Level of the interval of an error."""

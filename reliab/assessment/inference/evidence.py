@@ -11,12 +11,12 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.cells import fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.equation_of_motion import residual
 from reliab.assessment.inference.experiment import Experiment
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
 
 _MAIN_POWER = 0.9  # of a command's power, that lies below its main frequencies
 _REACH = 2.0  # times the main frequencies, up to which the equation of motion is weighed

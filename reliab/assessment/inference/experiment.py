@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
 
 
 @dataclass(kw_only=True, eq=False)

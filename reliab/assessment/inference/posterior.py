@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.evidence import (
     EquationOfMotion,
     Evidence,
@@ -18,6 +17,7 @@ from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.quantities.registry import Unknown, unknowns_of
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
+from reliab.core.arrays import Array, Spectrum
 
 DRAWS = 256
 """Draws of a posterior."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.sobol import normal_points
+from reliab.core.arrays import Array
 
 _STEP = 1e-2  # of a standard deviation a priori, for derivatives
 _ITERATIONS = 30

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import StructureResponse, respond
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

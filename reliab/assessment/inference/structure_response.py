@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
 
 _WORST_CONDITION = 1e10  # of the eigenvectors, beyond which poles are too close together to be told apart
 

@@ -5,7 +5,7 @@ import pytest
 from assessment.inference.simulated_loop import earthquake, simulate
 
 import reliab
-from reliab.recordings import Recording
+from reliab.recordings.recording import Recording
 
 STEP = 1.0 / 256.0
 MASS = 500.0

@@ -5,16 +5,17 @@ import pytest
 from assessment.inference.simulated_loop import earthquake, simulate
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import errors_of
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
 from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Structure
-from reliab.vocabulary import Metric
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reliab.assessment.budget import Equipment
+from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 
 if TYPE_CHECKING:

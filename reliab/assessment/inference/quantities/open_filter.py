@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from reliab.assessment.budget import Equipment
+from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.quantities.prior import Shape
 from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from reliab.arrays import Spectrum
-from reliab.assessment.budget import Equipment
+from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.quantities.prior import Prior, Shape, Source
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition
+from reliab.core.arrays import Spectrum
+from reliab.core.stated_value import StatedValue
+from reliab.structures.partition import Partition
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.channel_spectra import ChannelSpectra

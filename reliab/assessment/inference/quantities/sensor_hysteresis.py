@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from reliab.assessment.budget import Equipment
+from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.quantities.prior import Prior, Shape, Source
 from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
 
