@@ -8,6 +8,7 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown
+from reliab.assessment.conflicts import find_conflicts, identify_structure, shown_ratio
 from reliab.assessment.contradictions import (
     limited,
     of_columns,
@@ -22,11 +23,13 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
+from reliab.assessment.inference.posterior import TestPosterior, would_rather_have
 from reliab.assessment.own_equation import (
     Explanation,
     OwnEquation,
     error_under,
     examine_equation,
+    looks_nonlinear,
     ratio_per_second,
 )
 from reliab.assessment.placement import place
@@ -53,7 +56,12 @@ if TYPE_CHECKING:
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
 _LEAST_RATIO, _LARGEST_RATIO = 0.001, 0.5  # of a structure, where an equation of motion shows it
+_LEARNED = (
+    "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
+    "`specimen` measured. State it as linear if it was."
+)
 _LIKE_DAMPING = ("time_shift", "filter_delay", "feedback_lag")  # what looks like a damping ratio
+_ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
 _DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
 
 
@@ -133,14 +141,20 @@ def assess(
         If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
+    learned: tuple[str, ...] = ()
+    if equipment is not None and not (measured_specimen or linear_specimen or model is not None):
+        nonlinear = "mass" in (stated or {}) and looks_nonlinear(without_spikes(recording)[0], structure)
+        measured_specimen = bool(nonlinear)
+        learned = (_LEARNED,) if nonlinear else ()
     linear = model is None and not measured_specimen
     _require_judgeable(recording, structure, stated or {}, linear=linear)
     stated = dict(stated or {})
-    shown = _shown_damping(recording, structure, stated, equipment) if assumed and linear else None
+    shown = None
+    if assumed and linear and equipment is None:
+        shown = _shown_damping(recording, structure, stated, equipment)
     if shown is not None:
         structure, stated = replace(structure, damping_ratio=shown.value), {**stated, "xi": shown}
-        ratio = f"{significant(shown.value, 2)} ± {significant(shown.deviation, 1)}"
-        assumed = (f"No damping ratio was stated; the recorded ground acceleration shows {ratio}.",)
+        assumed = (_shows_ratio(shown),)
     named = structure.frequency, structure.damping_ratio, threshold, confidence
     chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
     question = Question(
@@ -156,7 +170,7 @@ def assess(
         force_channel=force_channel,
         seed=seed,
     )
-    return _examined(recording, question, chosen, motion, assumed, taper)
+    return _examined(recording, question, chosen, motion, (assumed, learned), taper)
 
 
 def _examined(
@@ -164,25 +178,26 @@ def _examined(
     question: Question,
     chosen: Criterion,
     motion: "Motion | None",
-    assumed: tuple[str, ...],
+    said: tuple[tuple[str, ...], tuple[str, ...]],
     taper: str,
 ) -> Assessment:
-    structure = question.structure
+    assumed, learned = said
     faults, tracking = faults_of_channel(
         recording,
         threshold=question.threshold,
-        experimental_fraction=structure.experimental_fraction,
+        experimental_fraction=question.structure.experimental_fraction,
         window=taper,
         seed=question.seed,
     )
     clean = repaired(recording, faults)
     if faults:
         tracking = track(clean, window=taper, seed=question.seed)
-    judged = _judged(recording, clean, faults, question)
+    judged = _judged(recording, clean, faults, question, any_damping=bool(assumed))
+    if assumed and judged.error.inferred is not None:
+        question, assumed = _with_shown_damping(question, judged.error.inferred.posterior)
+    structure, by_any_damping = question.structure, assumed and not question.damping_shown
     turning = examine_turning(judged.error, recording, question)
-    verdict = judged.verdict(
-        _with_any_damping(clean, question) if assumed and not question.damping_shown else ()
-    )
+    verdict = judged.verdict(_with_any_damping(clean, question) if by_any_damping else ())
     verdict = doubted_by_rest(verdict, judged.error, clean)
     assessment = Assessment(
         recording=recording,
@@ -200,9 +215,9 @@ def _examined(
         faults=judged.effects,
         equation=judged.equation,
         otherwise_stated=judged.otherwise,
-        verdict=turning.limit(verdict),
+        verdict=turning.limit(verdict, judged.error.probability),
         turning=turning,
-        assumed=assumed,
+        assumed=(*assumed, *learned),
         column_doubts=tuple(of_columns(recording, tracking)),
     )
     return _with_contradictions(assessment, clean, question)
@@ -222,12 +237,9 @@ def _require_judgeable(
 
 def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
     """Add where the recording contradicts what is stated, which limits the verdict."""
+    of_stated = of_frequency(clean, assessment.tracking, [question.structure.frequency])
     contradictions = (
-        *(
-            of_frequency(clean, assessment.tracking, [question.structure.frequency])
-            if question.linear
-            else ()
-        ),
+        *(doubt for doubt in of_stated if question.linear and not _accepts_frequency(assessment)),
         *of_stability(assessment.stability_margin),
         *of_motion(assessment.placement),
         *assessment.equation.doubts,
@@ -237,6 +249,15 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
     return replace(
         assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
     )
+
+
+def _accepts_frequency(assessment: Assessment) -> bool:
+    """Whether the channels are no likelier with a structure that resonates where the command mainly moves."""
+    inferred = assessment.error.inferred
+    if inferred is None:
+        return False
+    moves = assessment.tracking.plain.equivalent_frequency
+    return not would_rather_have(inferred.posterior, moves / assessment.structure.frequency)
 
 
 def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:
@@ -273,8 +294,21 @@ class _Judged:
         return verdict_of_error(self.error, self.effects, self.equation, self.otherwise, with_any_damping)
 
 
-def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
+def _judged(
+    recording: Recording,
+    clean: Recording,
+    faults: tuple[Fault, ...],
+    question: Question,
+    *,
+    any_damping: bool,
+) -> _Judged:
     """Error of the test; where the test contradicts the stated structure, with the identified one."""
+    if question.inferred:
+        found = _inferred(
+            recording, clean, faults, _with_broad_damping(question) if any_damping else question
+        )
+        if found is not None:
+            return found
     error, effects = error_of_one_with_faults(recording, faults, question)
     if not question.linear:
         return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
@@ -296,6 +330,57 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
         equation=equation,
         otherwise=(*otherwise, *explained),
     )
+
+
+def _with_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
+    """Take the damping ratio that the channels show, of which nothing was stated, and say so."""
+    ratio = shown_ratio(posterior, question.structure)
+    structure = replace(question.structure, damping_ratio=ratio.value)
+    stated = {**question.stated, "xi": ratio}
+    return replace(question, structure=structure, stated=stated, damping_shown=True), (_shows_ratio(ratio),)
+
+
+def _shows_ratio(ratio: StatedValue) -> str:
+    size = f"{significant(ratio.value, 2)} ± {significant(ratio.deviation, 1)}"
+    return (
+        f"No damping ratio was stated; the recording shows {size}, where any from 0.005 to 0.1 was possible."
+    )
+
+
+def _with_broad_damping(question: Question) -> Question:
+    """Take a damping ratio that nobody stated as one that lies anywhere from 0.5 to 10 %."""
+    ratio = question.structure.damping_ratio
+    return replace(question, stated={**question.stated, "xi": StatedValue(ratio, _ANY_RATIO * ratio)})
+
+
+def _inferred(
+    recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question
+) -> _Judged | None:
+    """Error by the posterior of all that is uncertain, and what the channels show; None without one."""
+    structure, stated = question.structure, question.stated
+    mass = stated["mass"].value if "mass" in stated else None
+    ground = examine_ground(clean, structure, mass=mass, feedback_lag=question.feedback_lag)
+    nonlinear = looks_nonlinear(clean, structure)
+    evidence = replace(
+        recording,
+        ground=ground.evidence(recording.ground),
+        force=None if nonlinear else recording.force,
+    )
+    error, effects = error_of_one_with_faults(evidence, faults, question)
+    if error.inferred is None:
+        return None
+    posterior = error.inferred.posterior
+    conflicts = tuple(find_conflicts(posterior, structure, stated))
+    equation = OwnEquation(
+        identified=None
+        if ground.identified is None
+        else identify_structure(posterior, structure, question.feedback_lag, ground.identified.misfit),
+        contradictions=tuple(conflict.finding for conflict in conflicts),
+        nonlinear=nonlinear,
+        notes=ground.notes,
+        doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
+    )
+    return _Judged(error=error, effects=effects, equation=equation, otherwise=())
 
 
 def _shown_damping(

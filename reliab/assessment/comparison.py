@@ -182,7 +182,10 @@ def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -
 
 def _have_in_common(error: ErrorOfTest, first: ErrorOfTest) -> bool:
     """Whether the same quantities are unknown in both, so that draws of them can be paired."""
-    unknown = [list(test.rebuilt.unknown.deviations()) for test in (error, first)]
+    unknown = [
+        list(test.rebuilt.unknown.deviations() if test.inferred is None else test.inferred.posterior.means)
+        for test in (error, first)
+    ]
     return unknown[0] == unknown[1] and error.rebuilt.seed == first.rebuilt.seed
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import numpy as np
 
+from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
@@ -35,6 +36,7 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
+    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -97,6 +99,11 @@ class Question:
         """Whether the specimen is stated as linear, neither modelled nor learned from its force."""
         return self.model is None and not self.measured_specimen
 
+    @property
+    def inferred(self) -> bool:
+        """Whether the error is inferred from all channels: of one mass, with equipment that is not exact."""
+        return self.linear and self.frame is None and self.equipment is not None
+
     def yielding(self, recording: Recording) -> float:
         """Probability that the specimen of a test yielded, of which nobody recorded the force [-]."""
         if self.equipment is None or not self.linear or self.linear_specimen or recording.force is not None:
@@ -132,6 +139,7 @@ class ErrorOfTest(ErrorWithThreshold):
     modelled: bool = False  # Whether a calibrated model says what the specimen does
     # Draws of the error with a linear specimen only, where others are among those of `rebuilt`
     if_linear: Spread | None = None
+    inferred: "InferredError | None" = None  # The posterior behind it, where there is one
 
     @property
     def displacements(self) -> tuple[RebuiltError]:
@@ -191,12 +199,19 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
+        if self.inferred is not None:
+            return self.inferred.widenings(self.metric)
         if self.if_linear is None:
             return (self.specimen or self.rebuilt).widenings(self.metric)
         own = replace(self.rebuilt, draws=self.if_linear).widenings(self.metric)
         share = self.sizes["yielding"].deviation
         yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
         return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
+
+    @cached_property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval, the largest contribution first."""
+        return super().budget if self.inferred is None else self.inferred.budget(self.metric)
 
     @property
     def _of_specimen(self) -> str:
@@ -226,8 +241,11 @@ def error_of_test(
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
+    inferred = _inferred(recording, measured, question, sizes, sensor_offset)
+    if inferred is not None and not specimen_damping:
+        return inferred
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
-    whole = question.whole
+    whole, stiffness = question.whole, question.whole.specimen_stiffness
     specimen: MeasuredSpecimen | None = None
     if question.measured_specimen:
         specimen = _learned(recording, measured, question, rest)
@@ -248,9 +266,7 @@ def error_of_test(
             recording.command,
             measured,
             recording.time_step,
-            whole.changed(
-                specimen_damping=whole.specimen_damping + specimen_damping * whole.specimen_stiffness
-            ),
+            whole.changed(specimen_damping=whole.specimen_damping + specimen_damping * stiffness),
             feedback_lag=question.feedback_lag,
             resolution=question.resolution,
             **rest,
@@ -265,6 +281,47 @@ def error_of_test(
         modelled=question.model is not None,
     )
     return _that_may_have_yielded(error, question.yielding(recording))
+
+
+def _inferred(
+    recording: Recording,
+    measured: Array,
+    question: Question,
+    sizes: Mapping[str, Size],
+    sensor_offset: float | None,
+) -> ErrorOfTest | None:
+    """Infer the error of a test from all of its channels; None where they determine no posterior.
+
+    `measured`, `sensor_offset` [m].
+    """
+    from reliab.assessment.inferred_error import infer_error
+
+    if question.equipment is None or not question.inferred:
+        return None
+    of_equipment = question.sizes(recording.time_step)
+    inferred = infer_error(
+        recording,
+        measured,
+        question.structure,
+        stated=question.stated,
+        equipment=question.equipment,
+        left_by_faults={
+            name: size.deviation for name, size in sizes.items() if of_equipment.get(name) != size
+        },
+        sensor_offset=sensor_offset,
+        resolution=question.resolution,
+        seed=question.seed,
+    )
+    if inferred is None:
+        return None
+    return ErrorOfTest(
+        rebuilt=inferred.rebuilt,
+        metric=question.metric,
+        threshold=question.threshold,
+        damping_ratio=question.structure.damping_ratio,
+        sizes=sizes,
+        inferred=inferred,
+    )
 
 
 def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:

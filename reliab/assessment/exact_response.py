@@ -86,7 +86,8 @@ def exact_test(
             of_draws = specimen.test.exact_of_draws(single.differences[:_DRAWS], single.unknown, single.seed)
             yield from (_of_force(*response) for response in of_draws)
             return
-        for structure, response in rebuilt.exact():
+        inferred = error.inferred if isinstance(error, ErrorOfTest) else None
+        for structure, response in (inferred or rebuilt).exact():
             yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
 
     return ExactTest(

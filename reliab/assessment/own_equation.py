@@ -17,6 +17,7 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.rebuilt_error.identification import Identification, Identified, fit_spring
 from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import examine_ground
 from reliab.core.arrays import Array
@@ -244,6 +245,14 @@ def examine_equation(
         nonlinear=nonlinear,
         notes=ground.notes,
     )
+
+
+def looks_nonlinear(recording: Recording, structure: Structure) -> str:
+    """Say that the recorded force is that of a nonlinear specimen; empty where it is not."""
+    if recording.force is None:
+        return ""
+    noise = estimate_noise(recording.command, recording.measured, recording.time_step)
+    return _nonlinear(recording, structure, noise.smooth(recording.measured))
 
 
 def _term_of_force(recording: Recording, structure: Structure, lag: StatedValue) -> VelocityTerm | None:

@@ -14,6 +14,7 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.rebuilt_error.identification import Identification, identify
 from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 from reliab.assessment.recorded_force import other_unit_of_force, unit_like
+from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
@@ -56,6 +57,11 @@ class ShownGround:
     identified: Identification | None = None  # The structure; None where the channel does not show it
     notes: tuple[str, ...] = ()  # What was found about the channel, in sentences
     doubts: tuple[Contradiction, ...] = ()  # Where it contradicts the test
+    sign: float = 1.0  # −1 where the channel has the opposite sign
+
+    def evidence(self, ground: Array | None) -> Array | None:
+        """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
+        return None if ground is None or self.identified is None else self.sign * ground
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +103,7 @@ def examine_ground(
     found = {reading: read(reading) for reading in signs}
     best = min(found, key=lambda reading: found[reading].misfit)
     if _is_explained(found[best], structure):
-        return ShownGround(identified=found[best], notes=signs[best])
+        return ShownGround(identified=found[best], notes=signs[best], sign=best.factor)
     others = {reading: read(reading) for reading in _other_readings()}
     explained = [reading for reading in others if _is_explained(others[reading], structure)]
     if not explained:

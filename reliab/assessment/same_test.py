@@ -140,8 +140,8 @@ class _Extrapolated:
     @classmethod
     def of_runs(cls, found: Sequence[Assessment], seed: int) -> "_Extrapolated":
         size = min(one.error.reference.size for one in found)
-        rebuilt = np.array([one.error.reference[:size] for one in found])
-        measured = np.array([one.error.rebuilt.histories.measured[:size] for one in found])
+        rebuilt = np.array([_exact(one)[:size] for one in found])
+        measured = np.array([_moved(one, size) for one in found])
         places = np.array([_tracking(one, size) for one in found])
         curves = _curves(places)
         candidates = [*(curve.intercept(rebuilt) for curve in curves), curves[-1].intercept(measured)]
@@ -231,10 +231,23 @@ def _curves(places: Array) -> list[_Curve]:
     return [line, _Curve(design=np.column_stack([one, along, along**2]), directions=turned)]
 
 
+def _exact(found: Assessment) -> Array:
+    """Response without actuator errors with everything as stated, in common to all runs [m]."""
+    inferred = found.error.inferred
+    return found.error.reference if inferred is None else inferred.exact_as_stated()
+
+
+def _moved(found: Assessment, size: int) -> Array:
+    """Measured displacement without the sensor's noise, as it was read [m], shape (size,)."""
+    rebuilt, command = found.error.rebuilt, found.recording.command
+    read = rebuilt.error + rebuilt.reference
+    return np.asarray((command - rebuilt.noise.smooth(command - read))[:size])
+
+
 def _tracking(found: Assessment, size: int) -> Array:
     """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
     command = found.recording.command[:size]
-    measured = found.error.rebuilt.histories.measured[:size]
+    measured = _moved(found, size)
     gain, delay, _ = follow(command, measured, found.recording.time_step)
     return np.array([gain - 1.0, delay * found.structure.circular_frequency])
 

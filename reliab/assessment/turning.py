@@ -10,12 +10,15 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.verdict import Verdict, Word, word_of_probability
+from reliab.assessment.verdict import CERTAIN, Verdict, Word, word_of_probability
 from reliab.assessment.yielding import (
     DUCTILITIES,
     HARDENINGS,
     errors_of_ductilities,
     errors_of_hardenings,
+    hardened,
+    largest_displacement,
+    yielded,
 )
 from reliab.core.significant_digits import percent, significant
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -45,15 +48,16 @@ class Turning:
     highest_filter: float | None = None
     # What is assumed of the skew of a slow recording; empty where it was stated
     doubt_of_skew: str = ""
+    # Odds of specimens that yielded or hardened so that the verdict would turn, over that of a linear one
+    odds: float = np.inf
 
-    def limit(self, verdict: Verdict) -> Verdict:
-        """Return a verdict that is not "reliable" where a specimen that yielded or hardened would not be.
+    def limit(self, verdict: Verdict, probability: float = 1.0) -> Verdict:
+        """Return a verdict that is not "reliable" where specimens that yielded or hardened may change it.
 
-        Two displacements do not tell how far a specimen yielded: of 23 bad simulated tests with bilinear
-        specimens two would be called reliable otherwise. Nor do they tell how far it hardened.
+        `probability`: that the error stays below the threshold if the specimen is linear.
         """
         nothing_turns = self.smallest_ductility is None and self.smallest_hardening is None
-        if nothing_turns or verdict.word is not Word.RELIABLE:
+        if nothing_turns or verdict.word is not Word.RELIABLE or probability / (1.0 + self.odds) >= CERTAIN:
             return verdict
         return verdict.doubted(self._of_specimen, [_YIELDING])
 
@@ -138,7 +142,31 @@ def examine_turning(
         error_if_hardening=None if settled else (min(hardening.values()), max(hardening.values())),
         highest_filter=_first(filters, error),
         doubt_of_skew=doubt_of_skew,
+        odds=_odds(error, yielding, hardening, question.equipment.yielding),
     )
+
+
+def _odds(
+    error: ErrorOfTest, yielding: Mapping[float, float], hardening: Mapping[float, float], share: float
+) -> float:
+    """Odds of specimens that yielded or hardened so that a reliable test is not, over that of a linear one.
+
+    Each of them has the same part of the probability a priori that the specimen was not linear; the channels
+    say how much likelier they are with it.
+    """
+    if error.inferred is None or word_of_probability(error.probability) is not Word.RELIABLE:
+        return np.inf
+    peak = largest_displacement(error.rebuilt)
+    specimens = [
+        *(yielded(peak, ductility) for ductility, size in yielding.items() if size >= error.threshold),
+        *(hardened(peak, part) for part, size in hardening.items() if size >= error.threshold),
+    ]
+    each = share / (1.0 - share) / max(len(yielding) + len(hardening), 1) if share < 1.0 else np.inf
+    ratios = [error.inferred.log_evidence_ratio(specimen) for specimen in specimens]
+    return float(each * np.sum(np.exp(np.minimum(ratios, _LARGEST_LOGARITHM)))) if ratios else 0.0
+
+
+_LARGEST_LOGARITHM = 50.0
 
 
 def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:

@@ -46,7 +46,7 @@ def errors_of_ductilities(
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, with all else as stated."""
     peak = _largest(_thinned(rebuilt))
-    specimens = [yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS) for ductility in ductilities]
+    specimens = [yielded(peak, ductility) for ductility in ductilities]
     return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
 
 
@@ -55,8 +55,23 @@ def errors_of_hardenings(
 ) -> dict[float, float]:
     """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
     peak = _largest(_thinned(rebuilt))
-    specimens = [CubicStiffness(cubic_n_per_m3=hardening / peak**2) for hardening in hardenings]
+    specimens = [hardened(peak, hardening) for hardening in hardenings]
     return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
+
+
+def yielded(peak: float, ductility: float) -> SteppedEffect:
+    """Return a specimen that yields at a largest displacement [m] over a ductility."""
+    return yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS)
+
+
+def hardened(peak: float, hardening: float) -> SteppedEffect:
+    """Return a specimen whose force at a largest displacement [m] exceeds the linear one by a share of it."""
+    return CubicStiffness(cubic_n_per_m3=hardening / peak**2)
+
+
+def largest_displacement(rebuilt: RebuiltError) -> float:
+    """Largest measured displacement of a test [m]."""
+    return _largest(_thinned(rebuilt))
 
 
 def _thinned(rebuilt: RebuiltError) -> Histories:

@@ -97,6 +97,7 @@ def errors_drawn(rows, values):
         unknown = SimpleNamespace(deviations=dict)
         made[file] = SimpleNamespace(
             rebuilt=SimpleNamespace(draws=draws, unknown=unknown, seed=0),
+            inferred=None,
             estimate=lambda _metric, file=file: Estimate(value=values[file], low=0.0, high=1.0),
         )
     return made

@@ -63,9 +63,9 @@ def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(judged, assumed)
     said = ("No damping ratio was stated.",)
     test, found = judged(damping_ratio=assumed, assumed=said, equipment=ordinary_equipment())
     stated = found.stated["xi"]
-    assert stated.value == pytest.approx(0.02, rel=0.02)
+    assert stated.value == pytest.approx(0.02, rel=0.06)
     assert 0.001 < stated.deviation < 0.01
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.1)
     assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in found.warnings)
     of_ratio = next(item for item in found.error.budget if item.name == "damping_ratio")
     assert of_ratio.source == "learned from this test"

@@ -148,7 +148,7 @@ def test_assess_states_what_would_turn_its_verdict(linear):
     assert any("No force was recorded" in warning for warning in content["warnings"])
 
 
-def test_no_test_is_reliable_that_a_specimen_that_yielded_would_turn():
+def test_a_specimen_that_yielded_turns_a_verdict_by_its_odds():
     lab = Lab(0.6, 0.05, 1.0, DELAY, (0.98, 0.0, 0.0, 0.0))
     outcome = run(lab, synthetic_ground(5, 15.0))
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=STEP)
@@ -158,8 +158,10 @@ def test_no_test_is_reliable_that_a_specimen_that_yielded_would_turn():
     found = assess(recording, structure, equipment=known, threshold=0.026)
     assert found.turning.smallest_ductility is not None
     assert found.probability > 0.95
-    assert any("if it yielded, up to a ductility of 6" in reason for reason in found.verdict.reasons)
-    assert not any("yielded" in warning for warning in found.warnings)  # the reason says it
+    likely = found.probability / (1.0 + found.turning.odds) >= 0.95
+    said = found.warnings if likely else found.verdict.reasons
+    assert any("if it yielded, up to a ductility of 6" in sentence for sentence in said)
+    assert found.reliable == likely
     linear = assess(recording, structure, equipment=known, threshold=0.026, linear_specimen=True)
     assert not any("yielded" in reason for reason in linear.verdict.reasons)
 
@@ -171,6 +173,8 @@ def test_only_a_reliable_verdict_is_limited_by_yielding(word):
     turning = Turning(smallest_ductility=2.0, error_if_yielding=(0.01, 0.07), **hardening)
     expected = Word.UNDECIDED if word is Word.RELIABLE else word
     assert turning.limit(verdict).word is expected
+    assert replace(turning, odds=0.01).limit(verdict, 0.99) is verdict
+    assert replace(turning, odds=0.1).limit(verdict, 0.99).word is expected
     assert Turning(error_if_yielding=(0.01, 0.02), **hardening).limit(verdict) is verdict
     hardened = Turning(
         smallest_hardening=0.4, error_if_yielding=(0.01, 0.02), error_if_hardening=(0.02, 0.07)

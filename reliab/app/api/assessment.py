@@ -44,8 +44,8 @@ _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
 _ASSUMED_DAMPING = StatedValue(0.02)
 _ASSUMED = (
-    "No damping ratio was stated; 0.02 was assumed. The test is undecided unless seven ratios from 0.005 "
-    "to 0.1 all give the same verdict."
+    "No damping ratio was stated; 0.02 was assumed. The test is undecided where another from 0.005 to 0.1 "
+    "would change the verdict."
 )
 
 _NOT_FOR_FRAMES = {

@@ -29,10 +29,14 @@ _REMEDY = "Write for example xi = 0.1, with the names of reliab/assessment/budge
 
 
 _QUANTITIES: Mapping[str, str] = {
-    **dict.fromkeys(("f", "xi", "alpha", "scale", "hysteresis"), "relative standard deviation"),
+    **dict.fromkeys(
+        ("f", "xi", "alpha", "scale", "hysteresis", "ground_scale", "force_scale"),
+        "relative standard deviation",
+    ),
     **dict.fromkeys(("skew_ms", "filter_delay_ms", "feedback_lag_ms"), "time"),
     "skew_samples": "skew",
     "yielding": "probability",
+    "integration": "number",
 }
 
 
@@ -61,6 +65,11 @@ class Equipment:
     # Probability that a specimen yielded whose force was not recorded and of which nothing is stated [-]
     yielding: float
     skew_ms: float | None = None
+    # ground_scale, force_scale: Of the recorded ground acceleration, and of the recorded force over the mass,
+    # relative [-]
+    ground_scale: float = 0.003
+    force_scale: float = 0.01
+    integration: float = 0.3  # Of the error of a time step, over (ω·step)² of the specimen's force [-]
 
     def __post_init__(self) -> None:
         for size in fields(self):

@@ -25,7 +25,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
+from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled

@@ -103,6 +103,24 @@ class YieldingDraws:
             yield changed, (measured - strayed[0])[np.newaxis]
 
 
+def added_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:
+    """Return what the force of a specimen adds to k_e x under a motion [m], over k_e [m], shape (n,)."""
+    answer = np.empty(motion.size)
+    setting = Setting(step=time_step)
+    _added(specimen.kernel.address, specimen.coefficients(setting), motion, answer)
+    return answer
+
+
+@compiled
+def _added(address: int, coefficients: Array, motion: Array, answer: Array) -> None:
+    moved, state = np.zeros(3), np.zeros(4)
+    for i in range(motion.size):
+        moved[0] = motion[i]
+        answer[i] = call_kernel(
+            address, pointer_to(moved, 0), 0.0, 1.0, pointer_to(coefficients, 0), pointer_to(state, 0)
+        )
+
+
 def errors_with_specimens(
     specimens: Sequence[SteppedEffect], histories: Histories, structure: Partition
 ) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy
 
+from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.difference_draws import (
     _FACTORS,
     _LEVELS,
@@ -24,7 +25,6 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     draw_differences,
     sample_backwards,
 )
-from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 
 STEP = 1.0 / 256.0

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import scipy
 
+from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.kernel import Kernel
-from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
 from reliab.core.errors import InputError

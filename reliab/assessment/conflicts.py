@@ -1,0 +1,99 @@
+"""Stated values that the channels of a test contradict: those far from their posterior."""
+
+from collections.abc import Iterator, Mapping
+
+from reliab.assessment.contradictions import Contradiction
+from reliab.assessment.inference.posterior import TestPosterior
+from reliab.assessment.inference.quantities.prior import Shape, Source
+from reliab.assessment.inference.quantities.registry import Unknown
+from reliab.assessment.rebuilt_error.identification import Identification, Identified
+from reliab.core.significant_digits import significant
+from reliab.core.stated_value import StatedValue
+from reliab.structures.structure import Structure
+
+_FAR = 3.0  # standard deviations of what the prior lets expect
+_OF_STRUCTURE = ("f", "xi", "alpha")
+_BEHIND_ERROR = (*_OF_STRUCTURE, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
+_UNITS = {"f": " Hz", "mass": " kg"}
+
+
+def find_conflicts(
+    posterior: TestPosterior, structure: Structure, stated: Mapping[str, StatedValue]
+) -> Iterator[Contradiction]:
+    """Say which stated or assumed values lie far from what the channels show.
+
+    Those of other channels than command and measured displacement have no remedy: their values as shown were
+    used, and the error does not rest on them.
+    """
+    for unknown in posterior.unknowns:
+        far = posterior.conflicts[unknown.name]
+        two_sided = unknown.prior.shape in (Shape.NORMAL, Shape.LOGNORMAL)
+        if far > _FAR or (two_sided and far < -_FAR):
+            yield Contradiction(
+                finding=_finding(unknown, posterior, structure, stated),
+                remedy=unknown.quantity.remedy if unknown.quantity.option in _BEHIND_ERROR else "",
+                of_structure=unknown.quantity.option in _OF_STRUCTURE,
+            )
+
+
+def _finding(
+    unknown: Unknown, posterior: TestPosterior, structure: Structure, stated: Mapping[str, StatedValue]
+) -> str:
+    quantity = unknown.quantity
+    base = _stated_value(unknown, structure, stated)
+    factor = abs(base) if quantity.relative else quantity.factor
+    unit = _UNITS.get(quantity.option, "") if quantity.relative else f" {quantity.unit}"
+    shown = base + factor * posterior.means[unknown.name]
+    deviation, before = (
+        factor * one for one in (posterior.deviations[unknown.name], unknown.prior.deviation)
+    )
+    how = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
+    return (
+        f"The recording shows a {quantity.words} of {significant(shown, 4)} ± "
+        f"{significant(deviation, 1)}{unit}; "
+        f"{significant(base, 4)} ± {significant(before, 1)}{unit} was {how}."
+    )
+
+
+def _stated_value(unknown: Unknown, structure: Structure, stated: Mapping[str, StatedValue]) -> float:
+    """Return the value that was stated, in the unit in which it is told."""
+    option = unknown.quantity.option
+    of_structure = {
+        "f": structure.frequency,
+        "xi": structure.damping_ratio,
+        "alpha": structure.experimental_fraction,
+    }
+    if option in of_structure:
+        return of_structure[option]
+    nothing = StatedValue(1.0 if unknown.quantity.relative else 0.0)
+    return stated.get(option, nothing).value
+
+
+def identify_structure(
+    posterior: TestPosterior, structure: Structure, feedback_lag: float, misfit: float
+) -> Identification:
+    """Put what the channels show of the structure into an identification; `feedback_lag` [s]."""
+
+    def identified(name: str, stated: float, size: float) -> Identified | None:
+        if name not in posterior.means:
+            return None
+        value = stated + size * posterior.means[name]
+        return Identified(value=value, deviation=size * posterior.deviations[name], stated=stated)
+
+    f, ratio = structure.frequency, structure.damping_ratio
+    share = structure.experimental_fraction
+    return Identification(
+        frequency=identified("frequency", f, f) or Identified(value=f, deviation=0.0, stated=f),
+        damping_ratio=identified("damping_ratio", ratio, ratio)
+        or Identified(value=ratio, deviation=0.0, stated=ratio),
+        experimental_fraction=identified("experimental_fraction", share, share),
+        feedback_lag=identified("feedback_lag", feedback_lag, 1.0),
+        misfit=misfit,
+    )
+
+
+def shown_ratio(posterior: TestPosterior, structure: Structure) -> StatedValue:
+    """Damping ratio that the channels show, of which nothing was stated."""
+    ratio = structure.damping_ratio
+    value = ratio * (1.0 + posterior.means["damping_ratio"])
+    return StatedValue(value, ratio * posterior.deviations["damping_ratio"])

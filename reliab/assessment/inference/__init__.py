@@ -1,0 +1,1 @@
+"""The posterior of a test: its channels in a band of frequencies, evidence, and draws."""

@@ -1,0 +1,239 @@
+"""Channels of a test in its analysis band: spectra, noise of the sensors, what their faults would add."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from reliab.assessment.inference.band import AnalysisBand, highest_frequency
+from reliab.assessment.inference.lapped_transform import analyse, synthesise
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
+from reliab.structures.partition import Partition
+
+_BLOCK = 1.0  # periods of the structure in a hop of the lapped transform
+_SMALLEST_HOP = 4
+_TAIL = (1.25, 0.95)  # of the band's edge and of the Nyquist frequency: between them noise is read
+_FEWEST_BINS = 16
+_CLEAR = 2.0  # power of a tracking error over the sensor's noise, below which it cannot be told from noise
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ChannelSpectra:
+    """Channels of a test with p actuators on the frequencies of its band, shape (p, K).
+
+    Sensors stand at the actuators; `to_interface` turns their displacements into those of the interface.
+    """
+
+    band: AnalysisBand
+    hop: int  # Coarse samples from one block of the lapped transform to the next
+    command: Spectrum
+    measured: Spectrum  # As the sensors read it
+    tracked: Spectrum  # The same, its difference from the command freed of the sensors' noise
+    # Standard deviation of the noise that is left in `tracked`, over time and frequency, shape (p, J, hop)
+    noise_left: Array
+    noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
+    constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
+    ramp: Spectrum  # Of one that rises from −½ to ½ over the record
+    hysteresis: Spectrum  # What a sensor's hysteresis of width 1 (of its span) adds [m]
+    to_interface: Array  # Interface displacements of unit displacements at the actuators [-], shape (p, p)
+    offset_size: Array  # Size of the constant part of measured minus command [m], shape (p,)
+    drift_size: Array  # Size of its rise over the test [m], shape (p,)
+    initial_size: float  # Size of the error with which a record that begins in motion may begin [m]
+    ground: Spectrum | None = None  # Ground acceleration [m/s²], shape (K,)
+    force: Spectrum | None = None  # Recorded force [N]
+
+    @classmethod
+    def of_channels(
+        cls,
+        command: Array,
+        measured: Array,
+        time_step: float,
+        partition: Partition,
+        *,
+        ground: Array | None = None,
+        force: Array | None = None,
+        to_interface: Array | None = None,
+        corner: float | None = None,
+    ) -> "ChannelSpectra":
+        """Transform channels [m, m/s², N] on the record's grid, shape (p, n).
+
+        `to_interface`: the identity by default; `corner`: of the lowest filter of the measured channels [Hz],
+        above which no noise is left to be read.
+        """
+        frequencies, ratios, _ = partition.modes
+        lowest = float(frequencies[0])
+        band = AnalysisBand.of_record(
+            samples=command.shape[-1],
+            time_step=time_step,
+            lowest=lowest,
+            highest=highest_frequency(command, time_step, lowest),
+            decay=float(np.min(2.0 * np.pi * frequencies * ratios)),
+        )
+        hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
+        noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured])
+        places = np.linspace(-0.5, 0.5, command.shape[-1])
+        told, read = band.spectrum(command), band.spectrum(measured)
+        tracked, noise_left = _denoised(band, told, read, noise, hop)
+        offset, drift = slow_parts(command, measured, time_step)
+        return cls(
+            band=band,
+            hop=hop,
+            command=told,
+            measured=read,
+            tracked=tracked,
+            noise_left=noise_left,
+            noise=noise,
+            constant=band.spectrum(np.ones(command.shape[-1])),
+            ramp=band.spectrum(places),
+            hysteresis=band.spectrum(np.stack([hysteresis_of_sensor(row) for row in measured])),
+            to_interface=np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface),
+            offset_size=np.abs(offset) + _MEANS * np.sqrt(noise / command.shape[-1]),
+            drift_size=np.abs(drift) + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
+            initial_size=initial_error(command, measured, time_step, lowest),
+            ground=None if ground is None else band.spectrum(ground),
+            force=None if force is None else band.spectrum(force),
+        )
+
+    def draw_noise(self, generator: np.random.Generator) -> Spectrum:
+        """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
+        cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
+        return self.band.coarse_spectrum(synthesise(cells, self.band.samples))
+
+    @cached_property
+    def columns(self) -> int:
+        """Number of frequencies of the lapped transform within the band."""
+        return max(int(2.0 * self.hop * self.band.time_step * self.band.flat), 2)
+
+    @cached_property
+    def at_interface(self) -> Spectrum:
+        """Commands of the interface displacements [m]."""
+        return np.asarray(self.to_interface @ self.command)
+
+    def cells(self, spectra: Spectrum, highest: float | None = None) -> Array:
+        """Coefficients over time and frequency of histories, shape (p, J, k), without the record's ends.
+
+        `highest`: frequency [Hz] above which none are wanted.
+        """
+        columns = self.columns
+        if highest is not None:
+            columns = min(columns, max(round(2.0 * self.hop * self.band.time_step * highest), 2))
+        rows = [analyse(row, self.hop)[1:-2, :columns] for row in self.band.history(spectra)]
+        return np.stack(rows)
+
+
+def white_noise(values: Array, time_step: float, edge: float, corner: float | None) -> float:
+    """Variance of a sample of white noise, read above the motion.
+
+    `edge`: frequency [Hz] above which there is no motion; `corner`: as of `ChannelSpectra.of_channels`.
+    """
+    taper = np.hanning(values.size)
+    power = np.abs(scipy.fft.rfft((values - values.mean()) * taper)) ** 2 / np.sum(taper**2)
+    nyquist = 0.5 / time_step
+    begin, end = _TAIL[0] * edge, min(_TAIL[1] * nyquist, corner or np.inf)
+    frequency = np.arange(power.size) / (values.size * time_step)
+    tail = power[(frequency > begin) & (frequency < end)]
+    if tail.size < _FEWEST_BINS:
+        tail = power[frequency > 0.8 * nyquist]
+    return float(np.median(tail) / np.log(2.0))
+
+
+def _denoised(
+    band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: Array, hop: int
+) -> tuple[Spectrum, Array]:
+    """Free measured displacements of the sensors' noise.
+
+    What follows the command by a constant gain, delay and curvature is kept whole: it is coherent with the
+    command, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
+    filter over time and frequency.
+    Returns also the standard deviation of the noise that is left, shape (p, J, hop).
+    """
+    answer = np.empty_like(measured)
+    left = np.zeros((len(measured), *analyse(np.zeros(band.samples), hop).shape))
+    columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
+    for row, variance in enumerate(noise):
+        level = variance * band.noise_gain
+        if level == 0.0:
+            answer[row] = measured[row]
+            continue
+        follows = _follow(command[row], measured[row], band.s)
+        history = band.history(measured[row] - follows)
+        cells = analyse(history, hop)
+        power = scipy.ndimage.gaussian_filter(cells[:, :columns] ** 2, (1.5, 0.8), mode="nearest")
+        gain = np.zeros_like(cells)
+        least = np.finfo(float).tiny
+        gain[:, :columns] = np.where(power > _CLEAR * level, 1.0 - level / np.maximum(power, least), 0.0)
+        left[row] = np.sqrt(gain * level)
+        kept = synthesise((cells * gain)[np.newaxis], history.size)[0]
+        answer[row] = follows + band.coarse_spectrum(kept)
+    return answer, left
+
+
+def _follow(command: Spectrum, measured: Spectrum, s: Spectrum) -> Spectrum:
+    """Least squares of a measured displacement on the command and its first two derivatives."""
+    scale = np.sqrt(np.sum(np.abs(s * command) ** 2) / np.sum(np.abs(command) ** 2))
+    basis = np.stack([command, s / scale * command, (s / scale) ** 2 * command])
+    normal, right = (basis @ basis.conj().T).real, (basis.conj() @ measured).real
+    fitted = np.linalg.lstsq(normal, right, rcond=1e-12)[0]
+    return np.asarray(fitted @ basis)
+
+
+@compiled
+def _followed(values: Array, half: float) -> Array:
+    """Read a motion by a sensor with play of a half width, shape (n,)."""
+    read, answer = values[0], np.empty(values.size)
+    for place in range(values.size):
+        read = min(max(read, values[place] - half), values[place] + half)
+        answer[place] = read
+    return answer
+
+
+_WIDTH = 3e-3  # of the span, at which the effect of hysteresis is taken
+
+
+def hysteresis_of_sensor(values: Array) -> Array:
+    """Return what hysteresis of width 1 (of the span of the motion) adds to a reading [m], shape (n,)."""
+    span = float(np.ptp(values))
+    return np.asarray((_followed(values, 0.5 * _WIDTH * span) - values) / _WIDTH)
+
+
+_FIRST = 8  # samples that show how a record begins
+_AT_REST = 2e-3  # of the largest displacement, up to which a record begins at rest
+_RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
+_MEANS = 3.0  # standard errors
+
+
+def slow_parts(command: Array, measured: Array, time_step: float) -> tuple[Array, Array]:
+    """Constant part and rise over the test [m] of measured minus command, each shape (p,).
+
+    A gain and a delay of each actuator are fitted beside them.
+    """
+    offset, drift = np.zeros(len(command)), np.zeros(len(command))
+    place = np.linspace(-0.5, 0.5, command.shape[-1])
+    for row, (told, read) in enumerate(zip(command, measured, strict=True)):
+        basis = np.stack([told, np.gradient(told, time_step), np.ones_like(place), place])
+        size = np.abs(basis).max(axis=1, keepdims=True) + np.finfo(float).tiny
+        scaled = basis / size
+        fitted = np.linalg.lstsq(scaled @ scaled.T, scaled @ (read - told), rcond=1e-12)[0] / size[:, 0]
+        offset[row], drift[row] = fitted[2], fitted[3]
+    return offset, drift
+
+
+def initial_error(command: Array, measured: Array, time_step: float, lowest: float) -> float:
+    """Size of the error [m] with which a record may begin; zero if it begins at rest.
+
+    `lowest`: natural frequency [Hz]. The error of a command in motion is as much of it as elsewhere in the
+    test, up to a resonance that amplifies the tracking error.
+    """
+    angle = 2.0 * np.pi * lowest * time_step
+    place = np.arange(min(_FIRST, command.shape[-1]), dtype=np.float64)
+    largest = float(np.abs(command).max())
+    amplitude = 0.0
+    for row in command:
+        _, slope, begin = np.polyfit(place, row[: place.size], 2)
+        amplitude = max(amplitude, float(np.hypot(begin, slope / angle)))
+    if amplitude <= _AT_REST * largest:
+        return 0.0
+    tracking = float(np.sqrt(np.mean((measured - command) ** 2) / np.mean(command**2)))
+    return amplitude * min(_RESONANT * tracking, 1.0)

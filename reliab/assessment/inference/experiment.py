@@ -1,0 +1,82 @@
+"""One possible world: structure and channels of a test with everything that is uncertain set to a value."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
+
+
+@dataclass(kw_only=True, eq=False)
+class Experiment:
+    """Values of everything that is uncertain; quantities change them one after another."""
+
+    frequency: float = 1.0  # Factor of all natural frequencies [-]
+    damping_ratio: float = 1.0  # Factor of all damping ratios [-]
+    share: float = 1.0  # Factor of the specimen's matrices [-]
+    parts: dict[str, float] = field(default_factory=dict)  # Relative changes of parts of the structure [-]
+    scale: Array = None  # type: ignore[assignment]  # Readings of the displacement sensors over the motion [-], (p,)
+    skew: Array = None  # type: ignore[assignment]  # Time by which they were recorded late [s], (p,)
+    hysteresis: Array = None  # type: ignore[assignment]  # Width of their hysteresis over the span [-], (p,)
+    offset: Array = None  # type: ignore[assignment]  # Constant part of their readings [m], (p,)
+    drift: Array = None  # type: ignore[assignment]  # Rise of their readings over the test [m], (p,)
+    feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
+    ground_scale: float = 1.0  # Recorded ground acceleration over the true one [-]
+    ground_skew: float = 0.0  # Time by which it was recorded late [s]
+    force_scale: float = 1.0  # Recorded force over the true one [-]
+    force_skew: float = 0.0  # Time by which it was recorded late [s]
+    initial_displacement: float = 0.0  # Error of the command at the first sample [m]
+    initial_velocity: float = 0.0  # Its rate over the lowest natural frequency [m]
+    integration: float = 0.0  # Error of the numerical integration over (ω·step)² of the specimen's force [-]
+
+    noise: Spectrum | float = 0.0  # Noise that is left in the denoised readings [m], shape (p, K)
+    slip: Spectrum | None = None  # Displacement that a yielding specimen's spring has lost [m], shape (p, K)
+
+    @classmethod
+    def of_actuators(cls, actuators: int) -> "Experiment":
+        """Start from values that leave everything as stated."""
+        skew, hysteresis, offset, drift = np.zeros((4, actuators))
+        return cls(scale=np.ones(actuators), skew=skew, hysteresis=hysteresis, offset=offset, drift=drift)
+
+    def structure(self, partition: Partition) -> Partition:
+        """Structure of this world."""
+        changed = partition.with_parts(self.parts) if self.parts else partition
+        return changed.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
+
+    def displacement(self, channels: ChannelSpectra) -> Spectrum:
+        """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
+        return self._displacement(channels, channels.tracked + self.noise)
+
+    def reading(self, channels: ChannelSpectra) -> Spectrum:
+        """Return the same with the sensors' noise, whose size a likelihood has to see."""
+        return self._displacement(channels, channels.measured)
+
+    def _displacement(self, channels: ChannelSpectra, read: Spectrum) -> Spectrum:
+        added = (
+            self.offset[:, np.newaxis] * channels.constant
+            + self.drift[:, np.newaxis] * channels.ramp
+            + self.hysteresis[:, np.newaxis] * channels.hysteresis
+        )
+        earlier = np.exp(self.skew[:, np.newaxis] * channels.band.s)
+        at_actuators = (read - added) / self.scale[:, np.newaxis] * earlier
+        return np.asarray(channels.to_interface @ at_actuators)
+
+    def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:
+        """Displacement whose force the loop received [m], shape (p, K)."""
+        return (
+            displacement * np.exp(-self.feedback_lag * channels.band.s) if self.feedback_lag else displacement
+        )
+
+    def ground(self, channels: ChannelSpectra) -> Spectrum | None:
+        """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""
+        if channels.ground is None:
+            return None
+        return np.asarray(channels.ground / self.ground_scale * np.exp(self.ground_skew * channels.band.s))
+
+    def force(self, channels: ChannelSpectra) -> Spectrum | None:
+        """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""
+        if channels.force is None:
+            return None
+        return np.asarray(channels.force / self.force_scale * np.exp(self.force_skew * channels.band.s))

@@ -1,0 +1,208 @@
+"""The posterior of a test: what its channels show of everything that is uncertain about it."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from reliab.assessment.inference.evidence import (
+    EquationOfMotion,
+    Evidence,
+    ImpliedGroundMotion,
+    SpecimenForce,
+)
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.quantities.registry import Unknown, unknowns_of
+from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
+from reliab.core.arrays import Array, Spectrum
+
+DRAWS = 256
+"""Draws of a posterior."""
+
+_CONCENTRATED = 0.6  # of the power in three neighbouring frequencies: not broad-band
+_FAR = 3.0  # standard deviations of the stated frequency: no ground motion that nobody recorded shows so much
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TestPosterior:
+    """What the channels of a test show of everything that is uncertain."""
+
+    circumstances: Circumstances
+    unknowns: tuple[Unknown, ...]
+    evidence: tuple[Evidence, ...]
+    fit: LeastSquares
+    draws: Draws
+
+    def experiment(self, z: Array) -> Experiment:
+        """Possible world at standard normal values z, shape (d,)."""
+        return experiment_at(self.circumstances, self.unknowns, z)
+
+    @property
+    def mode(self) -> Experiment:
+        """Most probable world."""
+        return self.experiment(self.fit.mode)
+
+    def experiments(self) -> Iterator[Experiment]:
+        """Possible worlds, draw by draw."""
+        return (self.experiment(z) for z in self.draws.values)
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the probability of the channels, by Laplace's approximation, but for a constant."""
+        return sum(one.log_likelihood(self.mode) for one in self.evidence) + self.fit.log_volume
+
+    @cached_property
+    def values(self) -> Array:
+        """Differences of the quantities from their stated values, shape (draws, d)."""
+        return np.array(
+            [
+                [one.prior.value(float(z)) for one, z in zip(self.unknowns, row, strict=True)]
+                for row in self.draws.values
+            ]
+        )
+
+    @cached_property
+    def means(self) -> dict[str, float]:
+        """Mean difference of each quantity from its stated value."""
+        mean = self.draws.weights @ self.values
+        return dict(zip((one.name for one in self.unknowns), mean.tolist(), strict=True))
+
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviation of each quantity."""
+        spread = self.values - self.draws.weights @ self.values
+        deviation = np.sqrt(self.draws.weights @ spread**2)
+        return dict(zip((one.name for one in self.unknowns), deviation.tolist(), strict=True))
+
+    @cached_property
+    def conflicts(self) -> dict[str, float]:
+        """How far the channels move each quantity from its prior, over what the prior predictive allows.
+
+        The mode has the variance 1 − C a priori, with C the covariance a posteriori of the standard normal
+        variables. A quantity of which the channels show nothing has no conflict.
+        """
+        shrunk = 1.0 - np.diag(self.fit.covariance)
+        informed = shrunk > _INFORMED
+        score = np.where(informed, self.fit.mode / np.sqrt(np.where(informed, shrunk, 1.0)), 0.0)
+        return dict(zip((one.name for one in self.unknowns), score.tolist(), strict=True))
+
+
+_INFORMED = 0.02  # of the variance a priori, that the channels take away
+
+
+def infer(
+    circumstances: Circumstances, *, by_force: bool = False, draws: int = DRAWS, seed: int = 0
+) -> TestPosterior:
+    """Infer what is uncertain about a test from all of its channels.
+
+    `by_force`: whether the specimen is known by its recorded force only.
+    """
+    unknowns = unknowns_of(circumstances)
+    evidence = evidence_of(circumstances, by_force=by_force)
+    posterior = _inferred(circumstances, unknowns, evidence, draws, seed)
+    implied = next((one for one in evidence if isinstance(one, ImpliedGroundMotion)), None)
+    if implied is not None and not _is_broad_band(posterior, implied):
+        others = tuple(one for one in evidence if one is not implied)
+        posterior = _inferred(circumstances, unknowns, others, draws, seed)
+    return posterior
+
+
+def would_rather_have(posterior: TestPosterior, frequency: float) -> bool:
+    """Return whether the channels are likelier with natural frequencies that are a factor of those stated."""
+    uncertain = next((one for one in posterior.unknowns if one.name == "frequency"), None)
+    if uncertain is None or not posterior.evidence:
+        return True
+    other = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
+    circumstances = replace(posterior.circumstances, learned={"frequency": other})
+    unknowns = unknowns_of(circumstances)
+    evidence = tuple(replace(one) for one in posterior.evidence)
+    return _inferred(circumstances, unknowns, evidence, 1, 0).log_evidence > posterior.log_evidence
+
+
+def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
+    """Logarithm of how much likelier the channels are if the specimen's spring lost a displacement.
+
+    `slip`: what it lost [m], shape (p, K).
+    """
+    circumstances = replace(posterior.circumstances, slip=slip)
+    evidence = tuple(replace(one) for one in posterior.evidence)
+    fit = _least_squares(circumstances, posterior.unknowns, evidence, posterior.fit.mode)
+    fit.fit(updates=_UPDATES_OF_RATIO, iterations=_STEPS_OF_RATIO)
+    other = experiment_at(circumstances, posterior.unknowns, fit.mode)
+    return sum(one.log_likelihood(other) for one in evidence) + fit.log_volume - posterior.log_evidence
+
+
+_UPDATES_OF_RATIO, _STEPS_OF_RATIO = 3, 2
+
+
+def evidence_of(circumstances: Circumstances, *, by_force: bool) -> tuple[Evidence, ...]:
+    """Collect the evidence that the channels hold."""
+    channels, partition = circumstances.channels, circumstances.partition
+    found: list[Evidence] = []
+    if channels.ground is not None:
+        found.append(EquationOfMotion(channels=channels, partition=partition, by_force=by_force))
+    elif partition.size == 1:
+        found.append(ImpliedGroundMotion(channels=channels, partition=partition, by_force=by_force))
+    if circumstances.specimen_force:
+        found.append(SpecimenForce(channels=channels, partition=partition))
+    return tuple(found)
+
+
+def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z: Array) -> Experiment:
+    """Possible world at standard normal values z, shape (d,)."""
+    experiment = Experiment.of_actuators(circumstances.partition.degrees)
+    experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
+    for one, normal in zip(unknowns, z.tolist(), strict=True):
+        one.quantity.apply(experiment, one.prior.value(normal), one.actuator)
+    return experiment
+
+
+def _inferred(
+    circumstances: Circumstances,
+    unknowns: tuple[Unknown, ...],
+    evidence: tuple[Evidence, ...],
+    draws: int,
+    seed: int,
+) -> TestPosterior:
+    fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
+    fit.fit()
+    return TestPosterior(
+        circumstances=circumstances,
+        unknowns=unknowns,
+        evidence=evidence,
+        fit=fit,
+        draws=fit.draw(draws, seed),
+    )
+
+
+def _least_squares(
+    circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...], start: Array
+) -> LeastSquares:
+    def world(z: Array) -> Experiment:
+        return experiment_at(circumstances, unknowns, z)
+
+    def residuals(z: Array) -> Array:
+        experiment = world(z)
+        return np.concatenate([np.zeros(0), *(one.whitened(experiment) for one in evidence)])
+
+    def update(z: Array) -> None:
+        experiment = world(z)
+        for one in evidence:
+            one.update(experiment)
+
+    def determinant(z: Array) -> float:
+        experiment = world(z)
+        return sum(one.determinant(experiment) for one in evidence)
+
+    return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
+
+
+def _is_broad_band(posterior: TestPosterior, implied: ImpliedGroundMotion) -> bool:
+    """Return whether the implied ground motion is that of an earthquake, which shows a frequency."""
+    for one, z in zip(posterior.unknowns, posterior.fit.mode, strict=True):
+        if one.name == "frequency" and abs(z) > _FAR:
+            return False
+    return implied.concentration(posterior.mode) < _CONCENTRATED

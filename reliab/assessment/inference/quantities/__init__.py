@@ -1,0 +1,1 @@
+"""Uncertain quantities of a test, one in each file."""

@@ -1,0 +1,35 @@
+"""The damping ratios of the structure."""
+
+from typing import TYPE_CHECKING
+
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.inference.quantities.prior import Shape
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+
+if TYPE_CHECKING:
+    from reliab.assessment.inference.experiment import Experiment
+
+
+class DampingRatio(Quantity):
+    """Common factor of all damping ratios."""
+
+    name = "damping_ratio"
+    words = "damping ratio"
+    unit = "%"
+    factor = 100.0
+    remedy = "Measure the damping ratio by a free vibration, and state its deviation."
+    attainable = 0.03
+    shape = Shape.LOGNORMAL
+    option = "xi"
+    relative = True
+
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
+        """Return the standard deviation with ordinary equipment."""
+        return 0.0 if circumstances.tolerances else equipment.xi
+
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
+        """Change an experiment."""
+        experiment.damping_ratio *= 1.0 + value
+
+
+QUANTITY = DampingRatio()

@@ -1,0 +1,79 @@
+"""What every uncertain quantity of a test declares: its words, its prior, and how it enters the test.
+
+A quantity is one file of this folder with a `QUANTITY`; nothing else names it.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.inference.quantities.prior import Prior, Shape, Source
+from reliab.core.arrays import Spectrum
+from reliab.core.stated_value import StatedValue
+from reliab.structures.partition import Partition
+
+if TYPE_CHECKING:
+    from reliab.assessment.inference.channel_spectra import ChannelSpectra
+    from reliab.assessment.inference.experiment import Experiment
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Circumstances:
+    """What is known of a test before its channels are weighed."""
+
+    partition: Partition  # The structure as stated
+    channels: "ChannelSpectra"
+    stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
+    equipment: Equipment | None = None  # None if everything that is not stated as uncertain is exact
+    learned: Mapping[str, Prior] = field(default_factory=dict)  # From earlier tests of the rig
+    tolerances: Mapping[str, float] = field(default_factory=dict)  # Of parts of the structure, relative [-]
+    specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
+    feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
+    slip: Spectrum | None = None  # Displacement that a specimen's spring is taken to have lost [m], (p, K)
+    # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
+    left_by_faults: Mapping[str, float] = field(default_factory=dict)
+
+
+class Quantity(ABC):
+    """An uncertain quantity."""
+
+    name: ClassVar[str]  # Key in JSON
+    words: ClassVar[str]  # The quantity in words
+    unit: ClassVar[str]  # In which its size is shown
+    factor: ClassVar[float]  # From the unit in which it is drawn to `unit`
+    remedy: ClassVar[str]  # What would reduce its uncertainty, a sentence
+    attainable: ClassVar[float]  # Standard deviation that this leaves, in the unit in which it is drawn
+    per_actuator: ClassVar[bool] = False  # Whether every actuator has its own
+    shape: ClassVar[Shape] = Shape.NORMAL
+    option: ClassVar[str] = ""  # Name under which a user states it
+    relative: ClassVar[bool] = False  # Whether its deviation is relative to the stated value
+    option_unit: ClassVar[float] = 1.0  # What an option is divided by to give the SI unit
+
+    def prior(self, circumstances: Circumstances) -> Prior | None:
+        """Prior of the quantity; None if it is exact, or plays no part in the test."""
+        if self.name in circumstances.learned:
+            return circumstances.learned[self.name]
+        stated = circumstances.stated.get(self.option)
+        if stated is not None and stated.deviation:
+            size = abs(stated.value) if self.relative else self.option_unit
+            return (
+                Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape)
+                if size
+                else None
+            )
+        if circumstances.equipment is None:
+            return None
+        added = circumstances.left_by_faults.get(self.name, 0.0)
+        deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
+        return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
+
+    @abstractmethod
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
+        """Return its standard deviation with ordinary equipment; zero if it plays no part."""
+
+    @abstractmethod
+    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
+        """Change an experiment by the difference of the quantity from its stated value."""

@@ -1,0 +1,72 @@
+"""The error of a test in one possible world.
+
+Subtracting the equation of motion of the undisturbed structure from that of the test leaves, for a linear
+structure and any actuator, with H, h and Z of `structure_response` ::
+
+    e = H Z (x_c − x_f)        error of the command
+    x_I = x_c − e              response without actuator errors
+    x_m − x_I = e − (x_c − x_m)
+
+with x_f the displacement whose force the loop received. The ground acceleration a gives the same response by
+another way, x_I = −h a; the difference of the two is what `equation_of_motion` weighs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.structure_response import StructureResponse, respond
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RebuiltResponse:
+    """Responses of the interface in one possible world, shape (p, K)."""
+
+    exact: Spectrum  # x_I [m]
+    displacement: Spectrum  # x_m [m]
+    response: StructureResponse
+
+    @property
+    def error(self) -> Spectrum:
+        """x_m − x_I [m]."""
+        return np.asarray(self.displacement - self.exact)
+
+
+def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> RebuiltResponse:
+    """Rebuild the response that the test would have had without actuator errors."""
+    structure = experiment.structure(partition)
+    response = respond(structure, channels.band.s)
+    displacement = experiment.displacement(channels)
+    difference = channels.at_interface - experiment.late(displacement, channels)
+    error = _moved(response, difference)
+    if experiment.initial_displacement or experiment.initial_velocity:
+        error = error + _free_vibration(structure, experiment, channels.band.s)
+    return RebuiltResponse(exact=channels.at_interface - error, displacement=displacement, response=response)
+
+
+def _moved(response: StructureResponse, difference: Spectrum) -> Spectrum:
+    """H Z (x_c − x_f), shape (p, K)."""
+    if response.impedance.shape[-1] == 1:
+        return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
+    moved = np.einsum("kpq,kqr,rk->pk", response.compliance, response.impedance, difference, optimize=True)
+    return np.asarray(moved)
+
+
+def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:
+    """Error of the command [m], shape (p, K), that dies out from the first sample in the lowest mode."""
+    frequencies, ratios, moved = structure.modes
+    omega, ratio = 2.0 * np.pi * float(frequencies[0]), float(ratios[0])
+    begin, rate = experiment.initial_displacement, omega * experiment.initial_velocity
+    decaying = ((s + 2.0 * ratio * omega) * begin + rate) / (s**2 + 2.0 * ratio * omega * s + omega**2)
+    shape = moved[:, 0] / np.abs(moved[:, 0]).max()
+    return np.asarray(shape[:, np.newaxis] * decaying)
+
+
+def relative_errors(error: Array, exact: Array) -> tuple[Array, Array]:
+    """RMS^R and MTE^R [-] of histories of x_m − x_I and x_I [m], shape (…, m); each shape (…)."""
+    peak = np.abs(exact).max(axis=-1)
+    return np.sqrt((error**2).mean(axis=-1)) / peak, np.abs(error).max(axis=-1) / peak

@@ -1,0 +1,77 @@
+"""Transfer functions of a structure between its interface, its specimen and the ground.
+
+With M, C, K of the whole structure, Γ of its interface and Z = K_e + C_e s + M_e s² of its specimen ::
+
+    H = Γᵀ (M s² + C s + K)⁻¹ Γ        interface displacements by forces there
+    h = Γᵀ (M s² + C s + K)⁻¹ M ι      interface displacements by −(ground acceleration)
+
+Both are sums over the structure's poles, which costs less than a system of equations at every frequency.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
+
+_WORST_CONDITION = 1e10  # of the eigenvectors, beyond which poles are too close together to be told apart
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureResponse:
+    """Transfer functions at complex frequencies."""
+
+    compliance: Spectrum  # H [m/N], shape (K, p, p)
+    ground: Spectrum  # h [s²], shape (K, p)
+    impedance: Spectrum  # Z [N/m], shape (K, p, p)
+    floors: Spectrum | None = None  # displacements of all degrees of freedom by interface forces, (K, n, p)
+
+
+def respond(partition: Partition, s: Spectrum, *, floors: bool = False) -> StructureResponse:
+    """Evaluate the transfer functions at complex frequencies s [rad/s], shape (K,)."""
+    impedance = partition.impedance(s)
+    if partition.size == 1 and not floors:
+        mass, damping, stiffness = (
+            float(m[0, 0]) for m in (partition.mass, partition.damping, partition.stiffness)
+        )
+        gamma = float(partition.interface[0, 0])
+        dynamic = 1.0 / (mass * s**2 + damping * s + stiffness)
+        return StructureResponse(
+            compliance=(gamma**2 * dynamic)[:, np.newaxis, np.newaxis],
+            ground=(gamma * mass * float(partition.influence[0]) * dynamic)[:, np.newaxis],
+            impedance=impedance,
+        )
+    whole = partition.with_masses
+    outputs = np.eye(whole.size) if floors else whole.interface.T
+    inputs = np.column_stack([whole.interface, whole.mass @ whole.influence])
+    answers = _by_poles(whole, s, outputs, inputs)
+    degrees = partition.degrees
+    at_interface = np.einsum("np,knq->kpq", whole.interface, answers) if floors else answers
+    return StructureResponse(
+        compliance=at_interface[..., :degrees],
+        ground=at_interface[..., degrees],
+        impedance=impedance,
+        floors=answers[..., :degrees] if floors else None,
+    )
+
+
+def _by_poles(whole: Partition, s: Spectrum, outputs: Array, inputs: Array) -> Spectrum:
+    """Return outputs (M s² + C s + K)⁻¹ inputs, shape (K, outputs, inputs)."""
+    size = whole.size
+    inverse = np.linalg.inv(whole.mass)
+    system = np.block(
+        [[np.zeros((size, size)), np.eye(size)], [-inverse @ whole.stiffness, -inverse @ whole.damping]]
+    )
+    poles, shapes = scipy.linalg.eig(system)
+    if np.linalg.cond(shapes) > _WORST_CONDITION:
+        at = s[:, np.newaxis, np.newaxis]
+        return np.asarray(
+            outputs @ np.linalg.solve(at**2 * whole.mass + at * whole.damping + whole.stiffness, inputs)
+        )
+    driven = np.linalg.solve(shapes, np.vstack([np.zeros_like(inputs), inverse @ inputs]))
+    seen = outputs @ shapes[:size]
+    return np.asarray(
+        np.einsum("om,km,mi->koi", seen, 1.0 / (s[:, np.newaxis] - poles), driven, optimize=True)
+    )

@@ -1,0 +1,312 @@
+"""The error of a test with one actuator, from the posterior of everything that is uncertain about it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reliab.assessment.budget.budget import BudgetItem
+from reliab.assessment.budget.sizes import Equipment, Source
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise, typical_world
+from reliab.assessment.inference.posterior import (
+    TestPosterior,
+    experiment_at,
+    infer,
+    log_evidence_ratio,
+)
+from reliab.assessment.inference.quantities import prior
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.quantities.registry import Unknown as UncertainQuantity
+from reliab.assessment.inference.rebuilt import rebuild
+from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
+from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
+from reliab.core.arrays import Array
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.effects.effect import SteppedEffect
+from reliab.recordings.recording import Recording
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
+
+_FEWEST = 32.0  # effective draws, below which a posterior is not trusted
+_LONGEST = 1 << 15  # coarse samples, above which a posterior takes too long
+_NARROWED = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
+_HALF = 0.75  # of the variance, which has to go for half the width
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InferredError:
+    """The posterior of a test and what it says of the error."""
+
+    posterior: TestPosterior
+    errors: ErrorsOfTest
+    rebuilt: RebuiltError  # Histories and structure of a typical world, errors of all draws
+
+    def exact(self) -> Iterator[tuple[Partition, Array]]:
+        """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
+        channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
+        weights = self.posterior.draws.weights
+        chosen = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
+        for row in chosen:
+            world = self.posterior.experiment(self.posterior.draws.values[row])
+            exact = channels.band.full_history(rebuild(channels, partition, world).exact)
+            yield world.structure(partition), exact[:, :: self.rebuilt.every]
+
+    def exact_as_stated(self) -> Array:
+        """Return the response without actuator errors with everything as stated [m], shape (n,)."""
+        circumstances = self.posterior.circumstances
+        world = experiment_at(circumstances, (), np.zeros(0))
+        exact = rebuild(circumstances.channels, circumstances.partition, world).exact
+        return np.asarray(circumstances.channels.band.full_history(exact)[0])
+
+    def log_evidence_ratio(self, specimen: SteppedEffect) -> float:
+        """Logarithm of how much likelier the channels are with another specimen than with a linear one."""
+        histories = self.rebuilt.histories
+        lost = -added_displacement(specimen, histories.measured, histories.time_step)
+        slip = self.posterior.circumstances.channels.band.spectrum(lost)
+        return log_evidence_ratio(self.posterior, slip[np.newaxis])
+
+    def widenings(self, metric: Metric) -> tuple[Widening, ...]:
+        """Return what widens the interval, the widest first, by shares of the variance of the error."""
+        draws = self.errors.displacements[0]
+        low, high = self.rebuilt.draws.interval(metric)
+        values = draws.errors(metric)
+        deviation = _deviation(values, draws.weights)
+        found = []
+        for unknown, z, spread in self._unknowns():
+            share = _explained(values, z, draws.weights)
+            found.append(
+                Widening(
+                    name=unknown.name,
+                    deviation=unknown.prior.deviation * spread,
+                    contribution=deviation * float(np.sqrt(share)),
+                    width=high - low,
+                    width_without=(high - low) * float(np.sqrt(1.0 - share)),
+                    deviation_for_half=_for_half(share, spread, unknown.prior.deviation),
+                )
+            )
+        found.append(self._of_noise(metric, deviation, high - low))
+        return tuple(sorted(found, key=lambda part: -part.contribution))
+
+    def _of_noise(self, metric: Metric, deviation: float, width: float) -> Widening:
+        """Contribution of the sensor's noise."""
+        rms, mte = errors_of_noise(self.posterior, _DRAWS_OF_NOISE)
+        alone = float(np.std(rms if metric is Metric.RMS else mte))
+        left = max(1.0 - (alone / deviation) ** 2, 0.0) if deviation else 0.0
+        return Widening(
+            name=_NOISE,
+            deviation=0.0,
+            contribution=alone,
+            width=width,
+            width_without=width * float(np.sqrt(left)),
+            deviation_for_half=None,
+        )
+
+    def _unknowns(self) -> Iterator[tuple[UncertainQuantity, Array, float]]:
+        """Quantities, their draws z, and standard deviations over those a priori."""
+        draws = self.posterior.draws
+        for unknown, z in zip(self.posterior.unknowns, draws.values.T, strict=True):
+            yield unknown, z, _deviation(z, draws.weights)
+
+    def budget(self, metric: Metric) -> tuple[BudgetItem, ...]:
+        """Quantities with what each contributes, the largest first."""
+        unknowns = {unknown.name: (unknown, spread) for unknown, _, spread in self._unknowns()}
+        return tuple(
+            _of_noise(part) if part.name == _NOISE else _item(*unknowns[part.name], part)
+            for part in self.widenings(metric)
+        )
+
+
+def _of_noise(part: Widening) -> BudgetItem:
+    return BudgetItem(
+        name=part.name,
+        quantity="noise of the displacement sensor",
+        size=None,
+        unit="",
+        source=Source.LEARNED,
+        contribution=part.contribution,
+        remedy="Use a displacement sensor with less noise.",
+    )
+
+
+_NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32
+_EXACT_DRAWS = 64
+
+
+def _deviation(values: Array, weights: Array) -> float:
+    return float(np.sqrt(weights @ (values - weights @ values) ** 2))
+
+
+def _explained(values: Array, z: Array, weights: Array) -> float:
+    """Share of the variance of values that a quantity explains, by a parabola: errors are never negative."""
+    root = np.sqrt(weights)
+    basis = root * np.stack([np.ones_like(z), z, z**2])
+    left = root * values - np.linalg.lstsq(basis.T, root * values, rcond=None)[0] @ basis
+    variance = _deviation(values, weights) ** 2
+    return float(np.clip(1.0 - left @ left / variance, 0.0, 1.0)) if variance else 0.0
+
+
+def _for_half(share: float, spread: float, deviation: float) -> float | None:
+    """Return the standard deviation of a measurement that would halve the interval; None where none does."""
+    if share <= _HALF:
+        return None
+    left = 1.0 - _HALF / share  # of the quantity's variance
+    return deviation * spread * float(np.sqrt(left / (1.0 - left)))
+
+
+def _item(unknown: UncertainQuantity, spread: float, part: Widening) -> BudgetItem:
+    quantity = unknown.quantity
+    source = Source.STATED if unknown.prior.source is prior.Source.STATED else Source.DEFAULT
+    if spread < _NARROWED or not quantity.option:
+        source = Source.LEARNED
+    return BudgetItem(
+        name=unknown.name,
+        quantity=quantity.words,
+        size=quantity.factor * part.deviation if quantity.unit else None,
+        unit=quantity.unit,
+        source=source,
+        contribution=part.contribution,
+        remedy=quantity.remedy,
+    )
+
+
+def infer_error(
+    recording: Recording,
+    measured: Array,
+    structure: Structure,
+    *,
+    stated: Mapping[str, StatedValue],
+    equipment: Equipment,
+    left_by_faults: Mapping[str, float],
+    sensor_offset: float | None,
+    resolution: float | None,
+    seed: int,
+) -> InferredError | None:
+    """Infer the error of a test; None where its channels do not determine a posterior.
+
+    `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
+    evidence. `left_by_faults`: what faults of the channels leave unknown, by names of quantities [SI units];
+    `sensor_offset`, `resolution` [m].
+    """
+    whole = whole_structure(structure)
+    readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
+    if readings.start.standing or readings.channels.band.coarse_points > _LONGEST:
+        return None
+    circumstances = Circumstances(
+        partition=whole,
+        channels=readings.channels,
+        stated=stated,
+        equipment=equipment,
+        specimen_force=readings.channels.force is not None,
+        feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
+        left_by_faults=left_by_faults,
+    )
+    posterior = infer(circumstances, seed=seed)
+    if not posterior.draws.effective >= min(_FEWEST, posterior.draws.weights.size):
+        return None
+    errors = errors_of(posterior, whole.names)
+    of_test = errors.displacements[0]
+    if not (np.isfinite(of_test.rms).all() and np.isfinite(of_test.mte).all()):
+        return None
+    return InferredError(
+        posterior=posterior, errors=errors, rebuilt=readings.rebuilt(posterior, errors, seed)
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Readings:
+    """Channels of a test, and how they begin."""
+
+    command: Array  # [m], shape (n,)
+    read: Array  # Measured displacement without the offset that rest shows [m], shape (n,)
+    time_step: float  # [s]
+    noise: SensorNoise
+    start: Start
+    every_of_structure: int  # Samples of which one resolves the structure's modes
+    channels: ChannelSpectra
+
+    @classmethod
+    def of_test(
+        cls,
+        recording: Recording,
+        measured: Array,
+        whole: Partition,
+        stated: Mapping[str, StatedValue],
+        sensor_offset: float | None,
+        resolution: float | None,
+    ) -> "_Readings":
+        """Check the channels, and transform them; arguments as of `infer_error`."""
+        step, force = recording.time_step, recording.force
+        command, measured = checked_histories(recording.command, measured, step, whole)
+        every = samples_in_step_of_structure(whole, step)
+        require_fitting(command.size, every, step)
+        noise = replace(estimate_noise(command, measured, step), resolution=resolution)
+        start = stated_start(command, measured, step, whole, noise, sensor_offset)
+        read = measured - start.offset
+        channels = ChannelSpectra.of_channels(
+            command[np.newaxis],
+            read[np.newaxis],
+            step,
+            whole,
+            ground=recording.ground,
+            force=None if force is None or "mass" not in stated else force[np.newaxis] / stated["mass"].value,
+        )
+        channels = replace(
+            channels,
+            offset_size=np.array([start.offset_deviation]),
+            initial_size=0.0 if start.at_rest else channels.initial_size,
+        )
+        return cls(
+            command=command,
+            read=read,
+            time_step=step,
+            noise=noise,
+            start=start,
+            every_of_structure=every,
+            channels=channels,
+        )
+
+    def rebuilt(self, posterior: TestPosterior, errors: ErrorsOfTest, seed: int) -> RebuiltError:
+        """Put the posterior into the form of a rebuilt error, on the samples of the record."""
+        band, of_test = self.channels.band, errors.displacements[0]
+        world = typical_world(posterior, errors)
+        moved = world.displacement(self.channels)
+        spectra = [errors.exact_spectrum, errors.error_spectrum, moved, world.late(moved, self.channels)]
+        reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
+        places = np.arange(self.command.size) * self.time_step
+        every = samples_in_step(self.every_of_structure, self.noise, self.command.size)
+        return RebuiltError(
+            error=self.read - reference,
+            smooth_error=error,
+            reference=reference,
+            rms=Estimate(**of_test.estimate(Metric.RMS).to_dict()),
+            mte=Estimate(**of_test.estimate(Metric.MTE).to_dict()),
+            draws=Spread(
+                rms=of_test.rms,
+                mte=of_test.mte,
+                mean=error,
+                deviation=np.interp(places, band.time, errors.error.deviation[0]),
+                counts=of_test.weights * of_test.weights.size,
+            ),
+            time_step=self.time_step,
+            structure=world.structure(posterior.circumstances.partition),
+            noise=self.noise,
+            start=self.start,
+            unknown=EXACT,
+            histories=Histories(
+                command=self.command,
+                measured=displaced,
+                fed_back=self.command - late,
+                time_step=self.time_step,
+            ),
+            differences=(self.command - displaced)[np.newaxis, ::every],
+            every=every,
+            seed=seed,
+        )

@@ -1,0 +1,88 @@
+"""What a verdict says of the error that all channels of a test show."""
+
+import numpy as np
+import pytest
+from assessment.inference.simulated_loop import earthquake, simulate
+
+import reliab
+from reliab.recordings.recording import Recording
+
+STEP = 1.0 / 256.0
+MASS = 500.0
+
+
+def recorded(test, *, ground=False, force=None):
+    return Recording(
+        command=test.command,
+        measured=test.measured,
+        time_step=STEP,
+        ground=test.ground if ground else None,
+        force=force,
+    )
+
+
+@pytest.fixture(scope="module")
+def late():
+    ground = earthquake(duration=30.0, time_step=STEP, seed=4)
+    return simulate(
+        frequency=1.0, damping_ratio=0.03, share=0.8, delay=0.002, ground=ground, time_step=STEP, noise=0.003
+    )
+
+
+@pytest.mark.parametrize(
+    "tighter",
+    [
+        {"f": "1±0.002"},
+        {"xi": "0.03±0.0005"},
+        {"alpha": "0.8±0.001"},
+        {"scale": "1±0.0005"},
+        {"skew": "0±0.02"},
+    ],
+)
+def test_a_tighter_true_statement_never_widens_the_interval(late, tighter):
+    stated = {"f": 1.0, "xi": 0.03, "alpha": 0.8, "specimen": "linear"}
+    found = [reliab.assess(recorded(late), **{**stated, **more}).error.rebuilt.rms for more in ({}, tighter)]
+    width, narrower = (one.high - one.low for one in found)
+    assert narrower < 1.05 * width
+    assert all(one.low < late.rms < one.high for one in found)
+
+
+def test_another_damping_ratio_than_stated_is_asked_back(late):
+    found = reliab.assess(recorded(late), f=1.0, xi=0.2, alpha=0.8)
+    assert found.verdict.word == "undecided"
+    assert any("shows a damping ratio of 0." in reason for reason in found.verdict.reasons)
+
+
+def test_ground_acceleration_and_force_narrow_the_interval(late):
+    stated = {"f": 1.01, "xi": 0.033, "alpha": 0.8, "specimen": "linear"}
+    found = [
+        reliab.assess(recorded(late, **more), **stated, **known).error.rebuilt.rms
+        for more, known in (
+            ({}, {}),
+            ({"ground": True}, {}),
+            ({"ground": True, "force": MASS * late.force}, {"mass": MASS}),
+        )
+    ]
+    widths = [one.high - one.low for one in found]
+    assert widths[1] < 0.9 * widths[0]
+    assert widths[2] < 1.05 * widths[1]
+    assert all(one.low < late.rms < one.high for one in found)
+
+
+def test_a_specimen_that_may_have_yielded_does_not_keep_a_bad_test_from_being_one():
+    ground = earthquake(duration=30.0, time_step=STEP, seed=4)
+    bad = simulate(frequency=1.0, damping_ratio=0.03, delay=0.006, ground=ground, time_step=STEP, noise=0.003)
+    assert bad.rms > 0.1
+    assert reliab.assess(recorded(bad), f=1.0, xi=0.03).verdict.word == "not_reliable"
+
+
+def test_a_nonlinear_force_with_a_mass_is_learned_by_itself(late):
+    peak = np.abs(late.measured).max()
+    bent = MASS * late.force * (1.0 + 0.5 * (late.measured / peak) ** 2)
+    found = reliab.assess(recorded(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS)
+    assert found.error.specimen_known == "measured"
+    assert any("learned from it" in warning for warning in found.warnings)
+    stated = reliab.assess(
+        recorded(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS, specimen="linear"
+    )
+    assert stated.error.specimen_known == "stated"

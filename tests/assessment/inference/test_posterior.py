@@ -1,0 +1,172 @@
+"""The posterior of a test: against the truth, against a sampler, and against its own prior."""
+
+import numpy as np
+import pytest
+from assessment.inference.simulated_loop import earthquake, simulate
+from scipy.interpolate import CubicSpline
+
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.error_draws import errors_of
+from reliab.assessment.inference.evidence import ImpliedGroundMotion
+from reliab.assessment.inference.posterior import infer
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.rebuilt import rebuild, relative_errors
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+
+STEP = 1.0 / 256.0
+
+
+def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, stated=None):
+    partition = Partition.of_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=share))
+    channels = ChannelSpectra.of_channels(
+        test.command[np.newaxis],
+        test.measured[np.newaxis],
+        test.time_step,
+        partition,
+        ground=test.ground if ground else None,
+    )
+    return Circumstances(partition=partition, channels=channels, stated=stated or {}, equipment=equipment)
+
+
+@pytest.fixture(scope="module")
+def late_test():
+    ground = earthquake(duration=30.0, time_step=STEP, seed=1)
+    return simulate(
+        frequency=1.0, damping_ratio=0.03, gain=0.99, delay=0.004, ground=ground, time_step=STEP, noise=0.002
+    )
+
+
+@pytest.mark.parametrize("ground", [False, True])
+def test_rebuilt_error_is_exact_when_everything_is_known(late_test, ground):
+    circumstances = circumstances_of(late_test, f=1.0, xi=0.03, ground=ground)
+    posterior = infer(circumstances, draws=4)
+    found = errors_of(posterior, ["1"]).displacements[0]
+    assert found.estimate(Metric.RMS).value == pytest.approx(late_test.rms, rel=0.02)
+    assert found.estimate(Metric.MTE).value == pytest.approx(late_test.mte, rel=0.03)
+
+
+def test_ground_acceleration_shows_frequency_and_damping(late_test):
+    stated = {"f": StatedValue(1.02, 0.02), "xi": StatedValue(0.025, 0.005)}
+    circumstances = circumstances_of(late_test, f=1.02, xi=0.025, ground=True, stated=stated)
+    posterior = infer(circumstances, draws=50)
+    frequency = 1.02 * (1.0 + posterior.means["frequency"])
+    ratio = 0.025 * (1.0 + posterior.means["damping_ratio"])
+    assert frequency == pytest.approx(1.0, abs=5e-4)
+    assert ratio == pytest.approx(0.03, rel=0.01)
+    assert posterior.deviations["frequency"] < 0.05 * 0.02
+
+
+def test_recorded_excitation_never_widens_the_interval(late_test):
+    widths = []
+    for ground in (False, True):
+        circumstances = circumstances_of(
+            late_test, f=1.0, xi=0.03, ground=ground, equipment=ordinary_equipment()
+        )
+        estimate = errors_of(infer(circumstances), ["1"]).displacements[0].estimate(Metric.RMS)
+        widths.append(estimate.high - estimate.low)
+        assert estimate.low < late_test.rms < estimate.high
+    assert widths[1] < widths[0]
+
+
+def test_wrong_damping_ratio_conflicts_with_the_record(late_test):
+    circumstances = circumstances_of(late_test, f=1.0, xi=0.2, equipment=ordinary_equipment())
+    assert abs(infer(circumstances, draws=4).conflicts["damping_ratio"]) > 3.0
+
+
+def test_frequency_is_not_learned_from_a_harmonic_test():
+    time = np.arange(0.0, 40.0, STEP)
+    ground = np.sin(2.0 * np.pi * 0.8 * time) * np.minimum(time / 5.0, 1.0)
+    test = simulate(
+        frequency=1.0, damping_ratio=0.03, delay=0.004, ground=ground, time_step=STEP, noise=0.002
+    )
+    posterior = infer(circumstances_of(test, f=1.0, xi=0.03, equipment=ordinary_equipment()), draws=4)
+    assert not any(isinstance(one, ImpliedGroundMotion) for one in posterior.evidence)
+
+
+def test_draws_agree_with_a_sampler(late_test):
+    emcee = pytest.importorskip("emcee")
+    stated = {"f": StatedValue(1.01, 0.01), "xi": StatedValue(0.03, 0.006), "skew": StatedValue(0.0, 1.0)}
+    circumstances = circumstances_of(late_test, f=1.01, xi=0.03, ground=True, stated=stated)
+    posterior = infer(circumstances, draws=800)
+    size = len(posterior.unknowns)
+    generator = np.random.default_rng(3)
+    spread = np.linalg.cholesky(posterior.fit.covariance)
+    start = posterior.fit.mode + generator.standard_normal((4 * size, size)) @ spread.T
+    sampler = emcee.EnsembleSampler(4 * size, size, posterior.fit.log_density)
+    sampler.random_state = np.random.RandomState(3).get_state()
+    sampler.run_mcmc(start, 1500)
+    chain = sampler.get_chain(discard=500, flat=True)
+    weights = posterior.draws.weights
+    mean = weights @ posterior.draws.values
+    deviation = np.sqrt(weights @ (posterior.draws.values - mean) ** 2)
+    np.testing.assert_allclose(mean, chain.mean(axis=0), atol=0.2 * chain.std(axis=0).max())
+    np.testing.assert_allclose(deviation, chain.std(axis=0), rtol=0.2)
+    assert posterior.draws.effective > 300
+
+
+def _rank(seed):
+    """Ranks of the truth among the draws, for a test that was drawn from the prior itself."""
+    generator = np.random.default_rng(seed)
+    z = generator.standard_normal(4)
+    f, xi = 1.0 * np.exp(0.015 * z[0]), 0.03 * np.exp(0.15 * z[1])
+    ground = earthquake(duration=25.0, time_step=STEP, seed=seed)
+    test = simulate(
+        frequency=f,
+        damping_ratio=xi,
+        gain=1.0 + 0.01 * generator.standard_normal(),
+        delay=round(generator.uniform(0.0, 6.0)) * STEP / 8.0,
+        ground=ground,
+        time_step=STEP,
+        noise=0.003,
+        seed=seed,
+    )
+    time = np.arange(test.command.size) * STEP
+    read = CubicSpline(time, test.measured)(time - 0.0005 * z[3]) * (1.0 + 0.003 * z[2])
+    shown = {
+        "f": StatedValue(1.0, 0.015),
+        "xi": StatedValue(0.03, 0.15 * 0.03),
+        "scale": StatedValue(1.0, 0.003),
+        "skew": StatedValue(0.0, 0.5),
+    }
+    channels_test = type(test)(**{**vars(test), "measured": read})
+    posterior = infer(
+        circumstances_of(channels_test, f=1.0, xi=0.03, ground=bool(seed % 2), stated=shown), draws=100
+    )
+    truths = {
+        "frequency": f - 1.0,
+        "damping_ratio": xi / 0.03 - 1.0,
+        "sensor_scale": 0.003 * z[2],
+        "time_shift": 0.0005 * z[3],
+    }
+    names = [one.name for one in posterior.unknowns]
+    weights = posterior.draws.weights
+    ranks = {
+        name: float(weights @ (posterior.values[:, names.index(name)] < truth))
+        for name, truth in truths.items()
+    }
+    ranks["error"] = float(weights @ (errors_of(posterior, ["1"]).displacements[0].rms < test.rms))
+    return ranks
+
+
+@pytest.mark.slow
+def test_truths_drawn_from_the_prior_have_uniform_ranks():
+    from scipy.stats import kstest
+
+    ranks = [_rank(seed) for seed in range(80)]
+    for name in ranks[0]:
+        assert kstest([one[name] for one in ranks], "uniform").pvalue > 0.005, name
+
+
+def test_rebuilt_response_of_the_mode_reproduces_the_exact_one(late_test):
+    circumstances = circumstances_of(late_test, f=1.0, xi=0.03)
+    posterior = infer(circumstances, draws=4)
+    channels = circumstances.channels
+    found = rebuild(channels, circumstances.partition, posterior.mode)
+    exact = channels.band.history(found.exact)[0]
+    true = np.interp(channels.band.time, np.arange(late_test.exact.size) * STEP, late_test.exact)
+    missed, _ = relative_errors(exact - true, true)
+    assert missed < 1e-3
