@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown
+from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown, tolerances_of
 from reliab.assessment.conflicts import find_conflicts, identify_structure, shown_ratio
 from reliab.assessment.contradictions import (
     limited,
@@ -149,6 +149,9 @@ def assess(
     linear = model is None and not measured_specimen
     _require_judgeable(recording, structure, stated or {}, linear=linear)
     stated = dict(stated or {})
+    tolerances_of(
+        sizes_of_unknown(stated, structure, equipment, recording.time_step)
+    )  # refuses what cannot be
     shown = None
     if assumed and linear and equipment is None:
         shown = _shown_damping(recording, structure, stated, equipment)

@@ -77,7 +77,7 @@ def test_what_to_improve_first_is_named(folder, name, first):
 
 def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
     shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
-    assert shown.startswith("RELIABLE: RMS^R is 2.27 %, below 5 % with probability 0.9")
+    assert shown.startswith("RELIABLE: RMS^R is 2.24 %, below 5 % with probability 0.9")
     assert "What would narrow the interval most: Calibrate the displacement sensor" in shown
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")

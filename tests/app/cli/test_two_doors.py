@@ -198,9 +198,9 @@ def test_objects_say_what_their_files_say(folder, monkeypatch):
 
 def test_every_option_is_an_argument_and_every_argument_an_option():
     options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL
-    arguments = set(inspect.signature(reliab.assess).parameters) - {"former"}
+    arguments = set(inspect.signature(reliab.assess).parameters)
     assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
-    declared = set(assessment.Stated.__annotations__) - set(assessment.Former.__annotations__)
+    declared = set(assessment.Stated.__annotations__)
     assert declared == arguments - {"test", "structure"}
 
 
