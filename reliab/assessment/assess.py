@@ -149,9 +149,7 @@ def assess(
     linear = model is None and not measured_specimen
     _require_judgeable(recording, structure, stated or {}, linear=linear)
     stated = dict(stated or {})
-    tolerances_of(
-        sizes_of_unknown(stated, structure, equipment, recording.time_step)
-    )  # refuses what cannot be
+    tolerances_of(sizes_of_unknown(stated, structure, equipment, recording.time_step))
     shown = None
     if assumed and linear and equipment is None:
         shown = _shown_damping(recording, structure, stated, equipment)
