@@ -1,6 +1,7 @@
 from .arguments import unused as unused
 from .assessment import assess as assess
 from .assessment_files import (
+    document_of_test as document_of_test,
     draw_chart as draw_chart,
     file_report as file_report,
     write_corrected as write_corrected,
@@ -11,7 +12,11 @@ from .comparison import compare as compare, compare_assessments as compare_asses
 from .criteria import derive_criteria as derive_criteria
 from .derived_criteria import Criteria as Criteria
 from .design import Design as Design, design_test as design_test
-from .diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
+from .diagnosis import (
+    diagnose_campaign as diagnose_campaign,
+    document_of_diagnosis as document_of_diagnosis,
+    report_diagnosis as report_diagnosis,
+)
 from .explorer import write_explorer as write_explorer
 from .followed_test import Message as Message
 from .following import follow_test as follow_test
@@ -36,6 +41,7 @@ from .records import (
 )
 from .rig_answers import (
     compare_rigs as compare_rigs,
+    document_of_rig as document_of_rig,
     plan_rig as plan_rig,
     predict_rig as predict_rig,
     report_rig as report_rig,

@@ -15,7 +15,7 @@ from reliab.shipped import or_shipped
 if TYPE_CHECKING:
     from reliab.api.design import Design
     from reliab.assessment import Comparison, CoupledAssessment, FrameAssessment
-    from reliab.report import Setting
+    from reliab.report import Document, Setting
 
 
 def file_report(
@@ -46,6 +46,18 @@ def file_report(
     """
     require_ending(report, ".pdf")
     from reliab.report import write_pdf
+
+    document = document_of_test(assessment, test=test, structure=structure)
+    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+
+
+def document_of_test(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    *,
+    test: str | Path,
+    structure: str | Path | None = None,
+) -> "Document":
+    """Make the document that :func:`file_report` sets as a PDF; arguments are the same."""
     from reliab.report.kinds.assessment import assessment_report, frame_assessment_report
 
     files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
@@ -53,10 +65,8 @@ def file_report(
         files["structure"] = Path(structure)
     checksums = _checksums(files)
     if isinstance(assessment, Assessment):
-        document = assessment_report(assessment, provenance=checksums)
-    else:
-        document = frame_assessment_report(assessment, provenance=checksums)
-    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+        return assessment_report(assessment, provenance=checksums)
+    return frame_assessment_report(assessment, provenance=checksums)
 
 
 def _checksums(files: Mapping[str, Path]) -> dict[str, object]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from reliab.discrepancy import Addition, Diagnosis, add, campaign_folder, diagnose, read_campaign
 from reliab.files import refuse_unwritable, write_json_file
 from reliab.progress import Show, quietly
-from reliab.report import Setting, write_pdf
+from reliab.report import Document, Setting, write_pdf
 from reliab.report.kinds.discrepancy_report import discrepancy_report
 from reliab.study import digest
 
@@ -86,12 +86,16 @@ def report_diagnosis(
     InputError
         If the report cannot be written.
     """
+    newest = max(path.stat().st_mtime for path in campaign_folder(campaign).iterdir())
+    day = datetime.fromtimestamp(newest, tz=UTC).date()
+    write_pdf(document_of_diagnosis(addition, campaign), Path(out) / _REPORT, date=day, setting=setting)
+
+
+def document_of_diagnosis(addition: Addition, campaign: str | Path) -> Document:
+    """Make the document that :func:`report_diagnosis` sets as a PDF."""
     folder = campaign_folder(campaign)
-    newest = max(path.stat().st_mtime for path in folder.iterdir())
-    document = discrepancy_report(
+    return discrepancy_report(
         addition.diagnosis,
         posteriors=addition.posteriors,
         provenance={"campaign": folder.name, "campaign, SHA-256": digest(folder)},
     )
-    day = datetime.fromtimestamp(newest, tz=UTC).date()
-    write_pdf(document, Path(out) / _REPORT, date=day, setting=setting)

@@ -36,7 +36,7 @@ from reliab.simulation.frames import read_structure
 from reliab.structures import Structure
 
 if TYPE_CHECKING:
-    from reliab.report import Setting
+    from reliab.report import Document, Setting
 
 _SHIPPED_SUITE = "real_suite"
 
@@ -291,6 +291,21 @@ def report_rig(
     """
     require_ending(out, ".pdf")
     from reliab.report import write_pdf
+
+    document = document_of_rig(rig, f=f, xi=xi, alpha=alpha, threshold=threshold)
+    write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
+    return Path(out)
+
+
+def document_of_rig(
+    rig: str | Path,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    threshold: float | None = None,
+) -> "Document":
+    """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report
 
     table = RigFolder.opened(rig).table()
@@ -307,7 +322,7 @@ def report_rig(
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
         plan = plan_tests(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
-    document = rig_report(
+    return rig_report(
         Path(rig).resolve().name,
         table,
         prediction,
@@ -315,8 +330,6 @@ def report_rig(
         structure=structure,
         provenance={"tests": len(table), "checksums of the tests, SHA-256": digest},
     )
-    write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
-    return Path(out)
 
 
 def _structure_of_next(

@@ -19,8 +19,10 @@ from .default_criterion import (
 from .design import (
     CONFIDENCES as CONFIDENCES,
     Tolerance as Tolerance,
+    boundaries_of_motions as boundaries_of_motions,
     chart_frequencies as chart_frequencies,
     tolerable_errors as tolerable_errors,
+    tolerable_sides as tolerable_sides,
 )
 from .error_of_test import (
     CANCELLING as CANCELLING,

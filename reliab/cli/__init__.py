@@ -36,6 +36,7 @@ EXAMPLES: Final = {
     "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
     "diagnose": "reliab diagnose rig_a --out diagnosis",
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
+    "desk": "reliab desk tests",
     "explore": "reliab explore --out criterion.html",
     "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",

@@ -10,6 +10,7 @@ from .axes import (
     name_axes as name_axes,
     plain as plain,
 )
+from .content import CONTENT_FILE as CONTENT_FILE, files_of as files_of
 from .document import (
     Block as Block,
     Column as Column,

@@ -1,0 +1,1 @@
+from .server import serve_desk as serve_desk

@@ -1,0 +1,71 @@
+"""Compare: several tests of one rig, ranked by their errors."""
+
+from collections.abc import Mapping
+from html import escape
+
+from reliab.desk.elements import KNOWING, button, copyable, dropper, field, html
+from reliab.desk.filed_page import FiledPage
+from reliab.desk.questions import command_line, filled, number
+from reliab.desk.work import compare
+from reliab.errors import InputError
+
+_STATED = ("f", "xi", "alpha", "threshold")
+
+
+class ComparePage(FiledPage):
+    """Several tests."""
+
+    name = "compare"
+    title = "Compare"
+    heading = "Compare tests"
+    about = "Drop tests of one structure and rig, such as one with each compensator. They are ranked by their errors."
+    work_kind = "compare"
+
+    def build(self) -> None:
+        """Lay out the form and the ranking."""
+        self._names = html()
+        self.form[:] = [
+            dropper("1. Drop two tests or more", self._take_tests, multiple=True),
+            self._names,
+            button("Remove all tests", self._remove),
+            html("<h2>2. State their structure</h2>" + KNOWING),
+            *(field(self.memory, name) for name in _STATED),
+            button("Compare", lambda: self.attempt(self._compare), "primary"),
+            self.stop,
+        ]
+        self.lay_out_answer()
+        self._list()
+
+    def _take_tests(self, dropped: Mapping[str, bytes | str]) -> None:
+        def keep() -> None:
+            names = [path.name for path in self.memory.files]
+            for name, content in dropped.items():
+                path = self.desk.folder.keep(name, content)
+                if path.name not in names:
+                    self.memory.files.append(path)
+            self._list()
+
+        self.attempt(keep)
+
+    def _remove(self) -> None:
+        self.memory.files.clear()
+        self.forget(("compare", "form"))
+        self.show_nothing()
+        self._list()
+        self.refresh()
+
+    def _list(self) -> None:
+        items = "".join(f"<li>{escape(path.name)}</li>" for path in self.memory.files)
+        self._names.object = f"<ol>{items}</ol>" if items else "<p class='hint'>No test yet.</p>"
+
+    def _compare(self) -> None:
+        if len(self.memory.files) < 2:  # noqa: PLR2004 - a comparison is of two
+            raise InputError(
+                "A comparison needs two tests or more", value=len(self.memory.files), remedy="Drop another"
+            )
+        stated = filled({name: self.memory.values.get(name) for name in _STATED})
+        if "threshold" in stated:
+            stated["threshold"] = number(stated["threshold"], "threshold")
+        names = [path.name for path in self.memory.files]
+        self.ask(compare, tests=list(map(str, self.memory.files)), arguments=stated)
+        self.lines[:] = [copyable("command", command_line("compare", names, stated))]

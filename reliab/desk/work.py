@@ -1,0 +1,307 @@
+"""What workers do for the pages: questions to the Python interface, and their answers as plain values."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab import api
+from reliab.arrays import Array
+from reliab.assessment import Assessment, ErrorOfTest
+from reliab.desk.document_html import document_html
+from reliab.desk.jobs import Tell
+from reliab.errors import InputError
+from reliab.files import write_json_file
+from reliab.progress import show_task
+from reliab.recordings import read_test, read_tests
+from reliab.report import Column, Document, Figure, Paragraph, Points, Table, write_pdf
+from reliab.report.figures import ranked_tests
+from reliab.significant import percent, percent_with_interval, significant
+from reliab.vocabulary import MILLI
+
+if TYPE_CHECKING:
+    from reliab.assessment import Comparison, CoupledAssessment, FrameAssessment
+
+    AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
+
+_POINTS: Final = 2000  # pairs of least and greatest value in which a history is drawn
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trace:
+    """A history as it is drawn: no peak of it is lost."""
+
+    name: str
+    unit: str
+    time: Array  # s
+    values: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Look:
+    """What was recognised in a file."""
+
+    channels: Sequence[Mapping[str, Any]] = ()  # As of `reliab record`
+    columns: tuple[str, ...] = ()
+    tests: tuple[str, ...] = ()  # Names, where the file holds several
+    traces: tuple[Trace, ...] = ()
+    rate: float | None = None  # Hz
+    notes: tuple[str, ...] = ()
+    refusal: str = ""  # Why the channels could not be told from each other
+
+
+def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `reliab.record`
+    """Recognise the channels of a test; a file whose channels cannot be told still lists its columns."""
+    tests = [columns.test for columns in read_tests(path)]
+    several = len(tests) > 1
+    name = arguments.get("test_name") or (tests[0] if several else None)
+    columns = tuple(read_test(path, name).series)
+    listed = {"columns": columns, "tests": tuple(tests) if several else ()}
+    try:
+        record = api.record(path, **{**arguments, "test_name": name})
+    except InputError as error:
+        return Look(**listed, refusal=str(error))
+    histories, content = record.histories, record.to_dict()
+    traces = tuple(
+        _trace(key, _UNITS.get(str(channel.part), ""), histories.values[key], histories.time_step)
+        for key, channel in histories.channels.items()
+        if key in histories.values
+    )
+    return Look(
+        **listed,
+        channels=content["recording"]["channels"],
+        traces=traces,
+        rate=content["rate_hz"],
+        notes=tuple(content["notes"]),
+    )
+
+
+_UNITS: Final = {"command": "mm", "measured": "mm", "force": "N", "ground acceleration": "m/s²"}
+
+
+def _trace(name: str, unit: str, values: Array, time_step: float) -> Trace:
+    time, drawn = thinned(time_step * np.arange(values.size), values * (MILLI if unit == "mm" else 1.0))
+    return Trace(name=name, unit=unit, time=time, values=drawn)
+
+
+def thinned(time: Array, *values: Array) -> tuple[Array, ...]:
+    """Keep least and greatest value of each stretch of the first history, and the others there.
+
+    >>> thinned(np.arange(3.0), np.array([1.0, 5.0, 2.0]))[1].tolist()
+    [1.0, 5.0, 2.0]
+    """
+    if time.size <= 2 * _POINTS:
+        return (time, *values)
+    length = -(-time.size // _POINTS)
+    padded = np.pad(values[0], (0, -values[0].size % length), mode="edge").reshape(-1, length)
+    begins = length * np.arange(padded.shape[0])
+    places = np.unique(np.concatenate([begins + padded.argmin(axis=1), begins + padded.argmax(axis=1)]))
+    places = places[places < time.size]
+    return (time[places], *(history[places] for history in values))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """A stretch of a test in which something is wrong."""
+
+    begin: float  # s
+    end: float  # s
+    finding: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judgement:
+    """The verdict on a test as its page shows it."""
+
+    content: Mapping[str, Any]  # As of `reliab assess --json`
+    time: Array = field(default_factory=lambda: np.zeros(0))  # s
+    error: Array = field(default_factory=lambda: np.zeros(0))  # error, low, high: mm
+    low: Array = field(default_factory=lambda: np.zeros(0))
+    high: Array = field(default_factory=lambda: np.zeros(0))
+    bound: float = 0.0  # Threshold times the peak of the exact response [mm]
+    marks: tuple[Mark, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filed:
+    """What is kept of an answer: the page's details, and files by what they are called."""
+
+    html: str
+    files: Mapping[str, str]
+
+
+def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed:
+    """Judge a test; the verdict comes first, the report and the files follow."""
+    with show_task("Rebuilding the error"):
+        found = api.assess(test, **arguments)
+    tell(judgement_of(found))
+    return _filed(found, test, folder, arguments.get("structure"))
+
+
+def judgement_of(found: "AnyAssessment") -> Judgement:
+    """Take what a page shows from an assessment."""
+    if not isinstance(found.error, ErrorOfTest):
+        return Judgement(content=found.to_dict())
+    rebuilt = found.error.rebuilt
+    time = rebuilt.time_step * np.arange(rebuilt.error.size)
+    histories = thinned(
+        time, *(MILLI * values for values in (rebuilt.smooth_error, rebuilt.low, rebuilt.high))
+    )
+    return Judgement(
+        content=found.to_dict(),
+        time=histories[0],
+        error=histories[1],
+        low=histories[2],
+        high=histories[3],
+        bound=MILLI * found.error.threshold * float(np.abs(rebuilt.reference).max()),
+        marks=tuple(_marks(found)),
+    )
+
+
+def _marks(found: "AnyAssessment") -> Iterator[Mark]:
+    """Say where faults of the recording are; those of the whole test have no place."""
+    if not isinstance(found, Assessment):
+        return
+    step = found.recording.time_step
+    for effect in found.faults:
+        fault = effect.fault
+        for added in (fault.in_measured, fault.in_command):
+            places = np.flatnonzero(added) if added is not None else np.zeros(0, dtype=int)
+            if 0 < places.size < found.recording.command.size // 2:
+                yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
+
+
+def _filed(found: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
+    with show_task("Writing the report"):
+        document = api.document_of_test(found, test=test, structure=structure)
+        files = {"Report (PDF)": _pdf(document, folder)}
+    place = Path(folder)
+    write_json_file(found.to_dict(), place / "verdict.json")
+    files["Numbers (JSON)"] = str(place / "verdict.json")
+    api.write_corrected(found, place / "corrected.csv")
+    files["Corrected response (CSV)"] = str(place / "corrected.csv")
+    return Filed(html=document_html(document), files=files)
+
+
+def _pdf(document: Document, folder: str) -> str:
+    path = Path(folder) / "report.pdf"
+    write_pdf(document, path, date=datetime.now(tz=UTC).date())
+    return str(path)
+
+
+def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed | None:
+    """Follow a test while its file grows; the verdict is that of the whole test."""
+    last = None
+    for last in api.follow_test(source, **arguments):
+        tell({**last.to_dict(), "sentences": list(last.alarms.values())})
+    if last is None or last.assessment is None:
+        return None
+    tell(judgement_of(last.assessment))
+    return _filed(last.assessment, source, folder, arguments.get("structure"))
+
+
+def trace_motion(
+    motion: str, f: float, xi: float, alpha: float, threshold: float, metric: str
+) -> dict[str, Any]:
+    """Trace the boundary of equal error of a ground motion."""
+    with show_task("Tracing the boundary"):
+        boundaries = api.trace_boundaries(
+            motions=motion, f=f, xi=xi, alpha=alpha, threshold=threshold, metric=metric
+        )
+    return next(iter(boundaries.rows()))
+
+
+def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> Filed:
+    """Rank tests by their errors."""
+    with show_task("Judging the tests") as progress:
+        judged = api.assess(list(tests), **arguments, progress=progress)
+    comparison = api.compare_assessments(judged)
+    place = Path(folder)
+    api.write_tests(comparison, place / "ranking.csv")
+    write_json_file(comparison.to_dict(), place / "ranking.json")
+    document = _document_of_comparison(comparison)
+    files = {
+        "Report (PDF)": _pdf(document, folder),
+        "Table (CSV)": str(place / "ranking.csv"),
+        "Numbers (JSON)": str(place / "ranking.json"),
+    }
+    return Filed(html=document_html(document), files=files)
+
+
+def _document_of_comparison(comparison: "Comparison") -> Document:
+    import pandas as pd
+
+    metric = str(comparison.metric)
+    rows = [
+        (
+            Path(test.file).name,
+            percent_with_interval(test.error.value, test.error.low, test.error.high),
+            "" if test.difference is None else percent_with_interval(
+                test.difference.value, test.difference.low, test.difference.high
+            ),
+            "" if test.probability_larger is None else significant(test.probability_larger, 3),
+            str(test.assessment.verdict.word).replace("_", " "),
+        )
+        for test in comparison.tests
+    ]  # fmt: skip
+    headings = (
+        "Test", f"{metric.upper()} error (90 % interval)", "More than the first", "Probability of that", "Verdict",
+    )  # fmt: skip
+    frame = pd.DataFrame(rows, columns=list(map(str, range(len(headings)))))
+    first = Path(comparison.tests[0].file).name
+    faults = (f"{Path(file).name}: {why}" for file, why in comparison.faults.items())
+    return Document(
+        kind="Comparison of tests",
+        title=f"{len(comparison.tests)} tests",
+        verdict=f"The error of {first} is probably the smallest.",
+        blocks=(
+            Table(
+                frame=frame,
+                columns=tuple(Column(key=str(k), heading=name) for k, name in enumerate(headings)),
+                caption=f"Ranked by error; the threshold is {percent(comparison.threshold)}.",
+            ),
+            Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals."),
+            Points(items=(comparison.assumed, *comparison.notes, *faults)),
+        ),
+        sheet=True,
+    )
+
+
+def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
+    """Show a rig's history, predict its next test, and say what to change."""
+    with show_task("Reading the rig's tests"):
+        document = api.document_of_rig(rig, **arguments)
+    table = Path(folder) / "tests.csv"
+    api.export_rig(rig, table)
+    files = {"Report (PDF)": _pdf(document, folder), "Table of its tests (CSV)": str(table)}
+    return Filed(html=document_html(document), files=files)
+
+
+def points_of_rig(rig: str) -> list[tuple[str, float, float]]:
+    """List the tests of a rig with A [-] and d [ms]."""
+    rows = api.list_rig(rig).to_dict()["tests"]
+    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in rows if _has_numbers(row)]
+
+
+def _has_numbers(row: Mapping[str, Any]) -> bool:
+    return all(row.get(name) is not None and np.isfinite(float(row[name])) for name in ("A", "d_ms"))
+
+
+def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:
+    """Find what a campaign's model lacks; the statement comes first, posteriors and report follow."""
+    addition = api.diagnose_campaign(
+        campaign,
+        out=folder,
+        show=show_task,
+        tell=lambda diagnosis: tell(f"{diagnosis.verdict}: {diagnosis.statement}"),
+    )
+    with show_task("Writing the report"):
+        document = api.document_of_diagnosis(addition, campaign)
+        files = {"Report (PDF)": _pdf(document, folder)}
+    for name, file in {"Model (TOML)": "model.toml", "Numbers (JSON)": "diagnosis.json"}.items():
+        if (Path(folder) / file).is_file():
+            files[name] = str(Path(folder) / file)
+    return Filed(html=document_html(document), files=files)
