@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
-from reliab.report import CONTENT_FILE, Document, files_of
+from reliab.report import COLUMN_WIDTH, CONTENT_FILE, Document, files_of
 
 _SYMBOLS: Final = {
     "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",
@@ -59,17 +59,19 @@ class _Renderer:
             case "table":
                 return _table(block)
             case "figure":
-                return picture_html(
-                    self._files[block["file"]], block["alternative"], caption=_prose(block["caption"])
-                )
+                svg, width = self._files[block["file"]], float(block["width"])
+                return _picture(svg, width, block["alternative"], _prose(block["caption"]))
             case _:
                 return f"<p>{_prose(block['text'])}</p>"
 
 
-def picture_html(svg: bytes, alternative: str, *, caption: str = "") -> str:
-    """Show a drawing as a picture, in which no script can run; the caption is HTML."""
+def _picture(svg: bytes, width: float, alternative: str, caption: str) -> str:
+    """Show a drawing of a width [mm] as a picture, in which no script can run; the caption is HTML."""
     data = base64.b64encode(svg).decode()
-    image = f'<img alt="{escape(alternative)}" src="data:image/svg+xml;base64,{data}">'
+    image = (
+        f'<img alt="{escape(alternative)}" style="width:{width / COLUMN_WIDTH:.0%}" '
+        f'src="data:image/svg+xml;base64,{data}">'
+    )
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 

@@ -50,7 +50,7 @@ def draw_traces(traces: Sequence[Trace]) -> pn.Column:
 
 def draw_error(judgement: Judgement) -> pn.pane.Bokeh:
     """Draw the error over time with its band, the threshold, and where the recording is faulty."""
-    place = _blank(260, "Time [s]", "measured − exact displacement [mm]")
+    place = _blank(260, "Time [s]", "Error [mm]")
     place.varea(
         judgement.time, judgement.low, judgement.high, color=BLUE, alpha=0.25, legend_label="90 % band"
     )
@@ -61,7 +61,7 @@ def draw_error(judgement: Judgement) -> pn.pane.Bokeh:
         )
     for mark in judgement.marks:
         place.add_layout(BoxAnnotation(left=mark.begin, right=mark.end, fill_color=RED, fill_alpha=0.2))
-    note = "dashed: threshold times the peak of the exact response"
+    note = "measured minus exact displacement; dashed: threshold times the peak of the exact response"
     place.add_layout(Label(x=8, y=4, x_units="screen", y_units="screen", text=note, text_font_size="11px"))
     place.legend.orientation, place.legend.location = "horizontal", "top_right"
     return pn.pane.Bokeh(place, sizing_mode="stretch_width")
@@ -135,14 +135,15 @@ class LiveDrawing:
         self._error = ColumnDataSource({name: [] for name in ("time", "value", "low", "high")})
         self._damping = ColumnDataSource({"time": [], "ratio": []})
         self._bound = Span(location=0.0, dimension="width", line_dash="dashed", line_color=RED, line_width=2)
-        above = _blank(240, "Time [s]", "RMS error so far [%]")
+        above = _blank(240, "Time [s]", "RMS error so far [%]", y_range=(0.0, 10.0))
+        self._above = above
         above.varea(
             "time", "low", "high", source=self._error, color=BLUE, alpha=0.25, legend_label="90 % interval"
         )
         above.line("time", "value", source=self._error, color=BLUE, line_width=2, legend_label="error so far")
         above.add_layout(self._bound)
         above.legend.location = "top_left"
-        below = _blank(190, "Time [s]", "Net damping ratio of the loop [%]", x_range=above.x_range)
+        below = _blank(190, "Time [s]", "Net damping ratio [%]", x_range=above.x_range)
         below.line("time", "ratio", source=self._damping, color="#1b6e3c", line_width=2)
         below.add_layout(Span(location=0.0, dimension="width", line_color=RED, line_dash="dashed"))
         self.column = pn.Column(
@@ -163,6 +164,8 @@ class LiveDrawing:
             "ratio": [_percent(one["net_damping_ratio"]) for one in damped],
         }
         self._bound.location = PERCENT * threshold
+        latest = [_percent(size["high"]) for _, size in sized[len(sized) // 2 :] if size["high"] is not None]
+        self._above.y_range.end = 1.2 * max([PERCENT * threshold, *latest])
 
 
 def _percent(value: float | None) -> float:

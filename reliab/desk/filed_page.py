@@ -1,6 +1,7 @@
 """A page whose answer is a report: its text and figures, and its files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from html import escape
 from typing import Any, ClassVar
 
 import panel as pn
@@ -17,10 +18,38 @@ class FiledPage(Page):
 
     def lay_out_answer(self) -> None:
         """Put status, news, files and report below one another."""
-        self.news, self.report = html(), html()
+        self.names, self.news, self.report = html(), html(), html()
+        self.list_files()
         self.files = pn.Column(sizing_mode="stretch_width")
         self.lines = pn.Column(sizing_mode="stretch_width")
         self.result[:] = [self.status, self.news, self.files, self.report, self.lines]
+
+    def list_files(self) -> None:
+        """Name the files that were dropped."""
+        items = "".join(f"<li>{escape(path.name)}</li>" for path in self.memory.files)
+        self.names.object = f"<ul>{items}</ul>" if items else "<p class='hint'>No file yet.</p>"
+
+    def take_files(self, dropped: Mapping[str, bytes | str]) -> None:
+        """Keep dropped files together in one folder; one of a name that is there takes its place."""
+
+        def keep() -> None:
+            files = self.memory.files
+            place = files[0].parent if files else self.desk.folder.new_place()
+            for name, content in dropped.items():
+                path = self.desk.folder.keep(name, content, place=place)
+                if path not in files:
+                    files.append(path)
+            self.list_files()
+
+        self.attempt(keep)
+
+    def remove_files(self) -> None:
+        """Forget the files and what came of them."""
+        self.memory.files.clear()
+        self.forget((self.work_kind, "form"))
+        self.show_nothing()
+        self.list_files()
+        self.refresh()
 
     def show_nothing(self) -> None:
         """Empty the answer."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
-from reliab.encodings import as_text
 from reliab.errors import InputError
 from reliab.file_limits import LIMITS
 from reliab.files import decoding, refuse_unwritable
@@ -85,16 +84,18 @@ class DeskFolder:
 
     def offered(self, *endings: str, holding: str = "") -> list[str]:
         """List files by their endings, or folders by what they hold, the latest first."""
-        paths = [
-            path.parent if holding else path
-            for pattern in ("/".join(["*"] * depth) for depth in range(1, _DEPTH + 2))
-            for path in self.path.glob(f"{pattern}/{holding}" if holding else pattern)
-            if self.work not in path.parents
-            and not path.name.startswith(".")
-            and (holding or (path.suffix.lower() in endings and path.is_file()))
-        ]
-        if holding and (self.path / holding).exists():
-            paths.append(self.path)
+        below = len(Path(holding).parts)  # parts of a match that lie in the folder that is offered
+        matches = (
+            match
+            for depth in range(_DEPTH + 1)
+            for match in self.path.glob("/".join(["*"] * depth + [holding or "*"]))
+            if self.work not in match.parents and not match.name.startswith(".")
+        )
+        paths = {
+            match.parents[below - 1] if holding else match
+            for match in matches
+            if holding or (match.suffix.lower() in endings and match.is_file())
+        }
         latest = sorted(paths, key=lambda path: path.stat().st_mtime, reverse=True)
         return [str(path.relative_to(self.path)) for path in latest[:_SHOWN]]
 
@@ -105,7 +106,7 @@ def safe_name(name: str) -> str:
     >>> safe_name("../../etc/passwd"), safe_name("C:\\\\lab\\\\test 1.csv"), safe_name("..")
     ('passwd', 'test 1.csv', 'file')
     """
-    last = as_text(name).replace("\\", "/").split("/")[-1]
+    last = name.encode("utf-8", "replace").decode().replace("\\", "/").split("/")[-1]
     plain = "".join(letter for letter in last if letter.isprintable() and letter not in ':*?"<>|').strip(" .")
     stem, dot, ending = plain.rpartition(".")
     if dot and len(plain) > _LONGEST_NAME:

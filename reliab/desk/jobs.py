@@ -71,6 +71,10 @@ class _Worker:
         self.process.kill()
         self.process.wait()
 
+    def close(self) -> None:
+        """Close the pipes of a process that was ended, once nobody reads them."""
+        self.channel.close()
+
 
 class Jobs:
     """Workers and what they do; work beyond their number waits."""
@@ -107,6 +111,8 @@ class Jobs:
             workers = tuple(self._all)
         for worker in workers:
             worker.stop()
+        for worker in self._idle:
+            worker.close()
 
     def _new_worker(self) -> _Worker:
         worker = _Worker(self._folder)
@@ -127,6 +133,7 @@ class Jobs:
                 self._idle.append(worker)
                 return
             self._all.discard(worker)
+            worker.close()
             if not self._idle and not self._closed:  # so that the next work finds one that is ready
                 self._idle.append(self._new_worker())
 

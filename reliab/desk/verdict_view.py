@@ -43,7 +43,7 @@ def interval_html(content: Mapping[str, Any]) -> str:
         f'<circle cx="{ends[1]:.1f}" cy="36" r="5" fill="#0b5a94"/>'
         f'<line x1="{ends[3]:.1f}" x2="{ends[3]:.1f}" y1="20" y2="50" stroke="#a3320b" stroke-width="3"/>'
         f'<text x="{ends[3]:.1f}" y="14" text-anchor="middle">threshold {percent(threshold)}</text>'
-        f'<text x="20" y="63">{escape(name)}: {escape(percent_with_interval(value, low, high))} (90 % interval)</text>'
+        f'<text x="20" y="63">{escape(name)} with its 90 % interval: {escape(percent_with_interval(value, low, high))}</text>'
         "</svg>"
     )
 

@@ -1,6 +1,7 @@
 """What workers do for the pages: questions to the Python interface, and their answers as plain values."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import chdir
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -215,11 +216,11 @@ def trace_motion(
 
 
 def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> Filed:
-    """Rank tests by their errors."""
-    with show_task("Judging the tests") as progress:
-        judged = api.assess(list(tests), **arguments, progress=progress)
-    comparison = api.compare_assessments(judged)
+    """Rank tests of one folder by their errors; they are called by their names."""
     place = Path(folder)
+    with chdir(Path(tests[0]).parent), show_task("Judging the tests") as progress:
+        judged = api.assess([Path(test).name for test in tests], **arguments, progress=progress)
+    comparison = api.compare_assessments(judged)
     api.write_tests(comparison, place / "ranking.csv")
     write_json_file(comparison.to_dict(), place / "ranking.json")
     document = _document_of_comparison(comparison)
@@ -237,7 +238,7 @@ def _document_of_comparison(comparison: "Comparison") -> Document:
     metric = str(comparison.metric)
     rows = [
         (
-            Path(test.file).name,
+            test.file,
             percent_with_interval(test.error.value, test.error.low, test.error.high),
             "" if test.difference is None else percent_with_interval(
                 test.difference.value, test.difference.low, test.difference.high
@@ -251,8 +252,8 @@ def _document_of_comparison(comparison: "Comparison") -> Document:
         "Test", f"{metric.upper()} error (90 % interval)", "More than the first", "Probability of that", "Verdict",
     )  # fmt: skip
     frame = pd.DataFrame(rows, columns=list(map(str, range(len(headings)))))
-    first = Path(comparison.tests[0].file).name
-    faults = (f"{Path(file).name}: {why}" for file, why in comparison.faults.items())
+    first = comparison.tests[0].file
+    faults = (f"{file}: {why}" for file, why in comparison.faults.items())
     return Document(
         kind="Comparison of tests",
         title=f"{len(comparison.tests)} tests",

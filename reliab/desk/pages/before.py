@@ -23,7 +23,7 @@ _SLIDERS = {
     "alpha": {"title": "Share of the stiffness in the laboratory α", "start": 0.1, "end": 1.0, "step": 0.05, "value": 1.0},
     "threshold": {"title": "Largest error of a good test", "start": 0.01, "end": 0.2, "step": 0.005, "value": 0.05, "factor": 100.0, "unit": "%"},
     "confidence": {"title": "Share of ground motions", "start": 0.5, "end": 0.99, "step": 0.01, "value": 0.95, "factor": 100.0, "unit": "%"},
-    "duration": {"title": "Length of the record (0: any)", "start": 0.0, "end": 90.0, "step": 5.0, "value": 0.0, "unit": "s"},
+    "duration": {"title": "Length of the record (0 for any)", "start": 0.0, "end": 90.0, "step": 5.0, "value": 0.0, "unit": "s"},
 }  # fmt: skip
 
 
@@ -37,7 +37,7 @@ class BeforePage(Page):
 
     def build(self) -> None:
         """Lay out sliders, region and limits."""
-        memory = self.memory
+        memory, self._is_due = self.memory, False
         self._limits, self._drawing = html(), RegionDrawing()
         self._line = pn.Column(sizing_mode="stretch_width")
         sliders = []
@@ -65,8 +65,11 @@ class BeforePage(Page):
             self.attempt(self._mark_rig)
 
     def _move(self, name: str, value: float) -> None:
+        """Draw once for all movements that have come by now."""
         self.memory.values[name] = value
-        self._draw()
+        if not self._is_due:
+            self._is_due = True
+            pn.state.curdoc.add_next_tick_callback(self._draw)
 
     def _question(self) -> dict[str, Any]:
         values = self.memory.values
@@ -77,6 +80,7 @@ class BeforePage(Page):
         }
 
     def _draw(self) -> None:
+        self._is_due = False
         asked = self._question()
         try:
             region = tolerable_sides(**asked)
@@ -89,7 +93,8 @@ class BeforePage(Page):
         )
         self._limits.object = limits_html(region, asked)
         self._drawing.update({side: limits for side, limits in region.items() if all(limits)}, motions)
-        options = {name: asked[name] for name in ("f", "xi", "alpha", "threshold", "confidence")}
+        options = {name: f"{asked[name]:g}" for name in ("f", "xi", "alpha", "threshold", "confidence")}
+        options |= {} if asked["metric"] == "rms" else {"metric": asked["metric"]}
         self._line[:] = [copyable("command", command_line("assess --design", (), options))]
 
     def _mark_rig(self) -> None:

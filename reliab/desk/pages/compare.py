@@ -1,8 +1,5 @@
 """Compare: several tests of one rig, ranked by their errors."""
 
-from collections.abc import Mapping
-from html import escape
-
 from reliab.desk.elements import KNOWING, button, copyable, dropper, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.questions import command_line, filled, number
@@ -23,40 +20,16 @@ class ComparePage(FiledPage):
 
     def build(self) -> None:
         """Lay out the form and the ranking."""
-        self._names = html()
+        self.lay_out_answer()
         self.form[:] = [
-            dropper("1. Drop two tests or more", self._take_tests, multiple=True),
-            self._names,
-            button("Remove all tests", self._remove),
+            dropper("1. Drop two tests or more", self.take_files, multiple=True),
+            self.names,
+            button("Remove all tests", self.remove_files),
             html("<h2>2. State their structure</h2>" + KNOWING),
             *(field(self.memory, name) for name in _STATED),
             button("Compare", lambda: self.attempt(self._compare), "primary"),
             self.stop,
         ]
-        self.lay_out_answer()
-        self._list()
-
-    def _take_tests(self, dropped: Mapping[str, bytes | str]) -> None:
-        def keep() -> None:
-            names = [path.name for path in self.memory.files]
-            for name, content in dropped.items():
-                path = self.desk.folder.keep(name, content)
-                if path.name not in names:
-                    self.memory.files.append(path)
-            self._list()
-
-        self.attempt(keep)
-
-    def _remove(self) -> None:
-        self.memory.files.clear()
-        self.forget(("compare", "form"))
-        self.show_nothing()
-        self._list()
-        self.refresh()
-
-    def _list(self) -> None:
-        items = "".join(f"<li>{escape(path.name)}</li>" for path in self.memory.files)
-        self._names.object = f"<ol>{items}</ol>" if items else "<p class='hint'>No test yet.</p>"
 
     def _compare(self) -> None:
         if len(self.memory.files) < 2:  # noqa: PLR2004 - a comparison is of two

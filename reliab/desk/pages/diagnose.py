@@ -1,10 +1,9 @@
 """Diagnose: what the model of a campaign lacks."""
 
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
-from reliab.desk.elements import button, choice, dropper, html
+from reliab.desk.elements import button, choice, dropper
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.folder import unpacked
 from reliab.desk.jobs import Job
@@ -28,35 +27,18 @@ class DiagnosePage(FiledPage):
 
     def build(self) -> None:
         """Lay out the form and the report."""
-        self._names = html()
+        self.lay_out_answer()
         options = {"the files that I dropped": ""}
         options |= {name: name for name in self.desk.folder.offered(holding="campaign.toml")}
         options |= {f"{name}, which comes with reliab": name for name in _SHIPPED}
         self.form[:] = [
-            dropper("Drop the zip of a campaign, or all its files", self._take_files, multiple=True),
-            self._names,
+            dropper("Drop the zip of a campaign, or all its files", self.take_files, multiple=True),
+            self.names,
+            button("Remove all files", self.remove_files),
             choice(self.memory, "campaign", "Campaign", options),
             button("Diagnose", lambda: self.attempt(self._diagnose), "primary"),
             self.stop,
         ]
-        self.lay_out_answer()
-        self._list()
-
-    def _take_files(self, dropped: Mapping[str, bytes | str]) -> None:
-        def keep() -> None:
-            files = self.memory.files
-            place = files[0].parent if files else self.desk.folder.new_place()
-            for name, content in dropped.items():
-                path = self.desk.folder.keep(name, content, place=place)
-                if path not in files:
-                    files.append(path)
-            self._list()
-
-        self.attempt(keep)
-
-    def _list(self) -> None:
-        items = "".join(f"<li>{escape(path.name)}</li>" for path in self.memory.files)
-        self._names.object = f"<ul>{items}</ul>" if items else ""
 
     def _campaign(self) -> str:
         chosen, files = self.memory.values.get("campaign", ""), self.memory.files

@@ -8,7 +8,18 @@ from typing import Any, Final
 import panel as pn
 
 from reliab.desk.drawings import draw_traces
-from reliab.desk.elements import KNOWING, button, choice, copyable, dropper, field, folded, html, listed, refusal
+from reliab.desk.elements import (
+    KNOWING,
+    button,
+    choice,
+    copyable,
+    dropper,
+    field,
+    folded,
+    html,
+    listed,
+    refusal,
+)
 from reliab.desk.jobs import Job
 from reliab.desk.page import Page
 from reliab.desk.questions import channels_toml, command_line, filled, number, python_line

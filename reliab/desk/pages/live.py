@@ -84,7 +84,7 @@ class LivePage(Page):
         messages = [one for one in job.news if isinstance(one, Mapping)]
         if messages:
             threshold = self.memory.values.get("threshold") or "0.05"
-            self._live.visible = True
+            self._live.visible = any(one.get("error") for one in messages)
             self._moment.object = moment_html(messages[-1])
             self._drawing.update(messages, number(threshold, "threshold"))
         judgements = [one for one in job.news if isinstance(one, Judgement)]
