@@ -16,6 +16,7 @@ import reliab
 PACKAGE = Path(reliab.__file__).parent
 ROOMS = (
     "cli",
+    "desk",
     "api",
     "study",
     "report",

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
-from reliab.report import COLUMN_WIDTH, CONTENT_FILE, Document, files_of
+from reliab.report import CONTENT_FILE, Document, files_of
 
 _SYMBOLS: Final = {
     "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",
@@ -16,6 +16,7 @@ _SYMBOLS: Final = {
 }  # fmt: skip
 _WORD: Final = re.compile(r"\.?[A-Za-z]+(?:\.[a-z]+)?")
 _LOWEST_HEADING: Final = 6
+_PIXELS: Final = 4.6  # of a screen for a millimetre of print
 
 
 def document_html(document: Document, *, heading: int = 2) -> str:
@@ -69,7 +70,7 @@ def _picture(svg: bytes, width: float, alternative: str, caption: str) -> str:
     """Show a drawing of a width [mm] as a picture, in which no script can run; the caption is HTML."""
     data = base64.b64encode(svg).decode()
     image = (
-        f'<img alt="{escape(alternative)}" style="width:{width / COLUMN_WIDTH:.0%}" '
+        f'<img alt="{escape(alternative)}" width="{_PIXELS * width:.0f}" '
         f'src="data:image/svg+xml;base64,{data}">'
     )
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"

@@ -78,16 +78,16 @@ class RegionDrawing:
 
     def __init__(self) -> None:
         names = ("region", "motions", "record", "tests")
-        self._sources = {name: ColumnDataSource({"x": [], "y": []}) for name in names}
+        self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in names}
         place = _blank(430, "Amplitude error A − 1 [%]", "Delay d [ms]", match_aspect=False)
-        place.multi_line("x", "y", source=self._sources["motions"], color="#9a9a9a", line_width=0.6,
+        place.multi_line("x", "y", source=self.sources["motions"], color="#9a9a9a", line_width=0.6,
                          legend_label="single motions")  # fmt: skip
-        place.patch("x", "y", source=self._sources["region"], fill_color=BLUE, fill_alpha=0.3, line_color=BLUE,
+        place.patch("x", "y", source=self.sources["region"], fill_color=BLUE, fill_alpha=0.3, line_color=BLUE,
                     line_width=2, legend_label="tolerable")  # fmt: skip
         place.line(
-            "x", "y", source=self._sources["record"], color=RED, line_width=2, legend_label="own record"
+            "x", "y", source=self.sources["record"], color=RED, line_width=2, legend_label="own record"
         )
-        place.scatter("x", "y", source=self._sources["tests"], color=INK, size=7, marker="diamond",
+        place.scatter("x", "y", source=self.sources["tests"], color=INK, size=7, marker="diamond",
                       legend_label="tests of the rig")  # fmt: skip
         place.legend.location = "top_right"
         self.pane = pn.pane.Bokeh(place, sizing_mode="stretch_width")
@@ -95,9 +95,9 @@ class RegionDrawing:
     def update(self, region: Mapping[str, tuple[float, float]], motions: tuple[Array, Array]) -> None:
         """Draw the region by side, and the motions' boundaries of late actuators."""
         x, y = _closed(region)
-        self._sources["region"].data = {"x": x, "y": y}
+        self.sources["region"].data = {"x": x, "y": y}
         pairs = [half_ellipse(a, b) for a, b in zip(*motions, strict=True)]
-        self._sources["motions"].data = {"x": [one for one, _ in pairs], "y": [one for _, one in pairs]}
+        self.sources["motions"].data = {"x": [one for one, _ in pairs], "y": [one for _, one in pairs]}
 
     def mark_record(self, boundary: Mapping[str, Any] | None) -> None:
         """Draw the boundary of an own record."""
@@ -107,11 +107,11 @@ class RegionDrawing:
             if boundary.get(f"a{end}") and boundary.get(f"b{end}")
         }  # fmt: skip
         x, y = _closed(sides)
-        self._sources["record"].data = {"x": x, "y": y}
+        self.sources["record"].data = {"x": x, "y": y}
 
     def mark_tests(self, tests: Sequence[tuple[str, float, float]]) -> None:
         """Draw the tests of a rig."""
-        self._sources["tests"].data = {
+        self.sources["tests"].data = {
             "x": [PERCENT * (amplitude - 1.0) for _, amplitude, _ in tests],
             "y": [delay for _, _, delay in tests],
         }

@@ -28,9 +28,10 @@ _FIELDS: Final[Mapping[str, tuple[str, str]]] = {
     "skew": ("Measured channel is late by [ms]", "0±0.2"),
     "feedback_lag": ("Force is fed back late by [ms]", "0±0.1"),
 }
+METRICS: Final = {"root mean square (RMS)": "rms", "largest (MTE)": "mte"}
 KNOWING: Final = (
-    "<details><summary>How do I know f and ξ?</summary><p class='hint'>Pull the specimen in its frame, let go "
-    "and record the free vibration: the period gives f, the decay gives ξ. Write how well you know them "
+    "<details><summary>How do I know f and ξ?</summary><p class='hint'>Pull the specimen in its frame, let "
+    "go, and record the free vibration: the period gives f, the decay gives ξ. Write how well you know them "
     "behind ±, as one standard deviation: <b>1±0.01</b>. If you leave the ± out, a typical uncertainty is "
     "used.</p></details>"
 )
@@ -127,9 +128,9 @@ def progress_html(job: Job | None) -> str:
         return refusal(job.refusal) if job else ""
     task = job.task or ("Waiting for another calculation" if job.state == "waiting" else "Starting")
     share = f'value="{job.progress:.3f}"' if job.progress > 0.0 else ""
-    said = f" {percent(job.progress)}" if job.progress > 0.0 else ""
+    share_in_words = f" {percent(job.progress)}" if job.progress > 0.0 else ""
     return (
-        f'<p role="status">{escape(task)} …{said}</p>'
+        f'<p role="status">{escape(task)} …{share_in_words}</p>'
         f'<progress max="1" {share} aria-label="{escape(task)}"></progress>'
     )
 
@@ -139,8 +140,7 @@ def downloads(files: Mapping[str, str]) -> pn.FlexBox:
     return pn.FlexBox(
         *(
             pn.widgets.FileDownload(
-                file=path, filename=Path(path).name, label=name, button_type="default", auto=True, embed=False,
-                width=210,
+                file=path, filename=Path(path).name, label=name, auto=True, embed=False, width=210,
             )
             for name, path in files.items()
         )

@@ -5,19 +5,20 @@ import secrets
 import shutil
 import tempfile
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
 from reliab.errors import InputError
 from reliab.file_limits import LIMITS
-from reliab.files import decoding, refuse_unwritable
+from reliab.files import decoding, refuse_unwritable, written_whole
 from reliab.received import named_within
 
 _LONGEST_NAME: Final = 120
 _MOST_FILES: Final = 2000  # of an archive
 _PREFIX: Final = ".reliab-desk-"
-_SHOWN: Final = 60  # files in a menu
+_MOST_OFFERED: Final = 60  # files in a menu
 _DEPTH: Final = 2  # folders below the desk's in which files are looked for
 
 
@@ -65,9 +66,14 @@ class DeskFolder:
                 where=name,
             )
         path = (place or self.new_place()) / safe_name(name)
-        with refuse_unwritable("The desk's folder must be writable", where=self.path):
-            path.write_bytes(raw)
+        rule = "The desk's folder must be writable"
+        with refuse_unwritable(rule, where=self.path), written_whole(path) as file:
+            file.write_bytes(raw)
         return path
+
+    def keep_last(self, dropped: Mapping[str, bytes | str]) -> Path:
+        """Keep the last of the files that were dropped."""
+        return self.keep(*list(dropped.items())[-1])
 
     def within(self, name: str) -> Path:
         """Return the path of a file or folder that the user names, which must lie in the desk's folder."""
@@ -97,13 +103,13 @@ class DeskFolder:
             if holding or (match.suffix.lower() in endings and match.is_file())
         }
         latest = sorted(paths, key=lambda path: path.stat().st_mtime, reverse=True)
-        return [str(path.relative_to(self.path)) for path in latest[:_SHOWN]]
+        return [str(path.relative_to(self.path)) for path in latest[:_MOST_OFFERED]]
 
 
 def safe_name(name: str) -> str:
-    """Return the last part of a file's name, as this system can write it.
+    r"""Return the last part of a file's name, as this system can write it.
 
-    >>> safe_name("../../etc/passwd"), safe_name("C:\\\\lab\\\\test 1.csv"), safe_name("..")
+    >>> safe_name("../../etc/passwd"), safe_name("C:\\lab\\test 1.csv"), safe_name("..")
     ('passwd', 'test 1.csv', 'file')
     """
     last = name.encode("utf-8", "replace").decode().replace("\\", "/").split("/")[-1]
@@ -142,12 +148,10 @@ def unpacked(archive: Path) -> Path:
                     where=archive.name,
                 )
         folder.mkdir()
-        written = 0
         for entry in entries:
             path = folder / entry.filename
             path.parent.mkdir(parents=True, exist_ok=True)
-            with packed.open(entry) as source, path.open("wb") as target:  # a link becomes a plain file
-                shutil.copyfileobj(source, target)
-            written += path.stat().st_size
-    found = sorted(folder.rglob("campaign.toml"), key=lambda path: len(path.parts))
-    return found[0].parent if found else folder
+            with packed.open(entry) as source, written_whole(path) as file, file.open("wb") as target:
+                shutil.copyfileobj(source, target)  # a link becomes a plain file
+    descriptions = sorted(folder.rglob("campaign.toml"), key=lambda path: len(path.parts))
+    return descriptions[0].parent if descriptions else folder

@@ -32,7 +32,7 @@ def is_allowed(path: str, headers: HTTPHeaders, *, token: str, hosts: frozenset[
     )
 
 
-class Guard(Router):
+class Guard(Router):  # type: ignore[misc]  # Tornado is read without its types
     """Stands before the application; what is not allowed is not found."""
 
     def __init__(self, application: Application, *, token: str, hosts: frozenset[str]) -> None:

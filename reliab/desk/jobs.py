@@ -19,7 +19,9 @@ from reliab.threads import ONE_THREAD
 Tell = Callable[[Any], None]
 """Sends an intermediate result from a worker to the page."""
 
-_MOST_WORKERS: Final = max(2, min(4, os.cpu_count() or 2))
+MOST_WORKERS: Final = max(2, min(4, os.cpu_count() or 2))
+"""Processes that work at once."""
+
 _ENDED: Final = (
     "The calculation ended without an answer: its process was stopped, or ran out of memory. Try it again, "
     "with a shorter test."
@@ -83,7 +85,7 @@ class Jobs:
         self._folder = folder
         self._idle: list[_Worker] = []
         self._all: set[_Worker] = set()
-        self._room = threading.Semaphore(_MOST_WORKERS)
+        self._room = threading.Semaphore(MOST_WORKERS)
         self._lock = threading.Lock()
         self._closed = False
         self._idle.append(self._new_worker())

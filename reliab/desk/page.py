@@ -1,4 +1,4 @@
-"""What all pages of the desk are: a form, an answer, and work whose progress is looked at while they are open."""
+"""What all pages of the desk are: a form, an answer, and work whose progress they show."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -55,9 +55,9 @@ class Page:
     def refresh(self) -> None:
         """Look at the jobs, and show those that went on."""
         for kind, job in tuple(self.memory.jobs.items()):
-            seen = (id(job), job.state, job.task, job.progress, len(job.news))
-            if self._seen.get(kind) != seen:
-                self._seen[kind] = seen
+            state = (id(job), job.state, job.task, job.progress, len(job.news))
+            if self._seen.get(kind) != state:
+                self._seen[kind] = state
                 self.show(kind, job)
         waiting = [job for job in self.memory.jobs.values() if not job.is_over]
         refused = [job for job in self.memory.jobs.values() if job.refusal]

@@ -37,9 +37,9 @@ def command_line(command: str, files: Iterable[str], arguments: Mapping[str, Any
     "reliab assess 'my test.csv' --f '1±0.01' --test 'run 2'"
     """
     options = [
-        part
+        text
         for name, value in arguments.items()
-        for part in (f"--{_OPTIONS.get(name, name.replace('_', '-'))}", str(value))
+        for text in (f"--{_OPTIONS.get(name, name.replace('_', '-'))}", str(value))
     ]
     return shlex.join(["reliab", *command.split(), *map(_as_file, files), *options])
 
@@ -77,9 +77,11 @@ def channels_toml(corrections: Mapping[str, Mapping[str, Any]], rate: float | No
     <BLANKLINE>
     """
     tables = [
-        "\n".join([f"[channels.{part}]", *(f"{name} = {_toml(value)}" for name, value in stated.items()), ""])
-        for part, stated in corrections.items()
-        if part in _PARTS and stated
+        "\n".join(
+            [f"[channels.{channel}]", *(f"{name} = {_toml(value)}" for name, value in table.items()), ""]
+        )
+        for channel, table in corrections.items()
+        if channel in _PARTS and table
     ]
     return "\n".join([*tables, *([f"[sampling]\nrate_hz = {rate!r}\n"] if rate else [])])
 

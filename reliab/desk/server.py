@@ -116,8 +116,8 @@ def _opener(page: type[Page], desk: Desk, memories: Memories, host: str) -> Call
 
 def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> pn.Template:
     """Make a page for one tab, which its address names; a tab without a name gets one."""
-    asked = pn.state.session_args.get("desk", [b""])[0].decode("utf-8", "replace")
-    key, pages = memories.of_tab(asked)
+    tab = pn.state.session_args.get("desk", [b""])[0].decode("utf-8", "replace")
+    key, pages = memories.of_tab(tab)
     opened = page(desk, pages.setdefault(page.name, PageMemory()))
     template = pn.Template((WEB / "page.html").read_text(encoding="utf-8"))
     template.add_panel("form", opened.form)
@@ -125,7 +125,7 @@ def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> p
     variables = {
         "host": host,
         "style": (WEB / "page.css").read_text(encoding="utf-8"),
-        "pages": [(one.name, one.title) for one in PAGES],
+        "pages": [(entry.name, entry.title) for entry in PAGES],
         "current": page.name,
         "key": key,
         "heading": page.heading,

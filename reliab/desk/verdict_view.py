@@ -20,7 +20,7 @@ def verdict_html(content: Mapping[str, Any]) -> str:
     word = str(content["verdict"])
     steps = next_steps(content["would_decide"], content["error"].get("would_decide", ()))
     return (
-        f'<div class="verdict {escape(word)}" role="status"><b>{escape(word.replace("_", " ").capitalize())}</b>'
+        f'<div class="verdict {escape(word)}" role="status"><b>{word.replace("_", " ").capitalize()}</b>'
         f"<br>{'<br>'.join(escape(reason) for reason in content['reasons'])}</div>{listed(steps)}"
     )
 
@@ -33,17 +33,17 @@ def interval_html(content: Mapping[str, Any]) -> str:
     low, value, high = (float(size[end]) for end in ("low", "value", "high"))
     scale = (_WIDTH - 40.0) / (1.15 * max(high, threshold))
     ends = [20.0 + scale * number for number in (low, value, high, threshold)]
-    name = f"{content['metric'].upper()} error"
-    said = f"{name} {percent_with_interval(value, low, high)}; the threshold is {percent(threshold)}"
+    name, interval = f"{content['metric'].upper()} error", percent_with_interval(value, low, high)
+    label = f"{name} {interval}; the threshold is {percent(threshold)}"
     return (
-        f'<svg viewBox="0 0 {_WIDTH:g} 66" role="img" aria-label="{escape(said)}" style="max-width:46rem;width:100%">'
+        f'<svg class="scale" viewBox="0 0 {_WIDTH:g} 66" role="img" aria-label="{escape(label)}">'
         f'<line x1="20" x2="{_WIDTH - 20:g}" y1="36" y2="36" stroke="#8a8a8a"/>'
         f'<rect x="{ends[0]:.1f}" y="29" width="{max(ends[2] - ends[0], 2.0):.1f}" height="14" fill="#0b5a94"'
         ' fill-opacity="0.45"/>'
         f'<circle cx="{ends[1]:.1f}" cy="36" r="5" fill="#0b5a94"/>'
         f'<line x1="{ends[3]:.1f}" x2="{ends[3]:.1f}" y1="20" y2="50" stroke="#a3320b" stroke-width="3"/>'
         f'<text x="{ends[3]:.1f}" y="14" text-anchor="middle">threshold {percent(threshold)}</text>'
-        f'<text x="20" y="63">{escape(name)} with its 90 % interval: {escape(percent_with_interval(value, low, high))}</text>'
+        f'<text x="20" y="63">{escape(name)} with its 90 % interval: {interval}</text>'
         "</svg>"
     )
 
@@ -108,7 +108,7 @@ class VerdictView:
                     item["quantity"].capitalize(), lambda item=item: self._explain(item, content)  # type: ignore[misc]
                 ),
                 html(
-                    f'<div class="bar"><i style="width:{100.0 * item["contribution"] / largest:.1f}%"></i></div>'
+                    f'<div class="bar" style="--size:{item["contribution"] / largest:.3f}"><i></i></div>'
                     f"<small>±{percent(item['contribution'], decimals=2)} of the error</small>"
                 ),
                 sizing_mode="stretch_width",

@@ -1,8 +1,8 @@
 """What workers do for the pages: questions to the Python interface, and their answers as plain values."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import chdir
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -18,7 +18,7 @@ from reliab.errors import InputError
 from reliab.files import write_json_file
 from reliab.progress import show_task
 from reliab.recordings import read_test, read_tests
-from reliab.report import Column, Document, Figure, Paragraph, Points, Table, write_pdf
+from reliab.report import Column, Document, Figure, Points, Table, write_pdf
 from reliab.report.figures import ranked_tests
 from reliab.significant import percent, percent_with_interval, significant
 from reliab.vocabulary import MILLI
@@ -60,19 +60,19 @@ def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `re
     several = len(tests) > 1
     name = arguments.get("test_name") or (tests[0] if several else None)
     columns = tuple(read_test(path, name).series)
-    listed = {"columns": columns, "tests": tuple(tests) if several else ()}
+    listed = Look(columns=columns, tests=tuple(tests) if several else ())
     try:
         record = api.record(path, **{**arguments, "test_name": name})
     except InputError as error:
-        return Look(**listed, refusal=str(error))
+        return replace(listed, refusal=str(error))
     histories, content = record.histories, record.to_dict()
     traces = tuple(
         _trace(key, _UNITS.get(str(channel.part), ""), histories.values[key], histories.time_step)
         for key, channel in histories.channels.items()
         if key in histories.values
     )
-    return Look(
-        **listed,
+    return replace(
+        listed,
         channels=content["recording"]["channels"],
         traces=traces,
         rate=content["rate_hz"],
@@ -84,7 +84,9 @@ _UNITS: Final = {"command": "mm", "measured": "mm", "force": "N", "ground accele
 
 
 def _trace(name: str, unit: str, values: Array, time_step: float) -> Trace:
-    time, drawn = thinned(time_step * np.arange(values.size), values * (MILLI if unit == "mm" else 1.0))
+    time, drawn = thinned(
+        time_step * np.arange(values.size, dtype=np.float64), values * (MILLI if unit == "mm" else 1.0)
+    )
     return Trace(name=name, unit=unit, time=time, values=drawn)
 
 
@@ -137,52 +139,52 @@ class Filed:
 def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed:
     """Judge a test; the verdict comes first, the report and the files follow."""
     with show_task("Rebuilding the error"):
-        found = api.assess(test, **arguments)
-    tell(judgement_of(found))
-    return _filed(found, test, folder, arguments.get("structure"))
+        assessment = api.assess(test, **arguments)
+    tell(judgement_of(assessment))
+    return _filed(assessment, test, folder, arguments.get("structure"))
 
 
-def judgement_of(found: "AnyAssessment") -> Judgement:
+def judgement_of(assessment: "AnyAssessment") -> Judgement:
     """Take what a page shows from an assessment."""
-    if not isinstance(found.error, ErrorOfTest):
-        return Judgement(content=found.to_dict())
-    rebuilt = found.error.rebuilt
-    time = rebuilt.time_step * np.arange(rebuilt.error.size)
+    if not isinstance(assessment.error, ErrorOfTest):
+        return Judgement(content=assessment.to_dict())
+    rebuilt = assessment.error.rebuilt
+    time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
     histories = thinned(
         time, *(MILLI * values for values in (rebuilt.smooth_error, rebuilt.low, rebuilt.high))
     )
     return Judgement(
-        content=found.to_dict(),
+        content=assessment.to_dict(),
         time=histories[0],
         error=histories[1],
         low=histories[2],
         high=histories[3],
-        bound=MILLI * found.error.threshold * float(np.abs(rebuilt.reference).max()),
-        marks=tuple(_marks(found)),
+        bound=MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max()),
+        marks=tuple(_marks(assessment)),
     )
 
 
-def _marks(found: "AnyAssessment") -> Iterator[Mark]:
+def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
     """Say where faults of the recording are; those of the whole test have no place."""
-    if not isinstance(found, Assessment):
+    if not isinstance(assessment, Assessment):
         return
-    step = found.recording.time_step
-    for effect in found.faults:
+    step = assessment.recording.time_step
+    for effect in assessment.faults:
         fault = effect.fault
         for added in (fault.in_measured, fault.in_command):
             places = np.flatnonzero(added) if added is not None else np.zeros(0, dtype=int)
-            if 0 < places.size < found.recording.command.size // 2:
+            if 0 < places.size < assessment.recording.command.size // 2:
                 yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
 
 
-def _filed(found: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
+def _filed(assessment: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
     with show_task("Writing the report"):
-        document = api.document_of_test(found, test=test, structure=structure)
+        document = api.document_of_test(assessment, test=test, structure=structure)
         files = {"Report (PDF)": _pdf(document, folder)}
     place = Path(folder)
-    write_json_file(found.to_dict(), place / "verdict.json")
+    write_json_file(assessment.to_dict(), place / "verdict.json")
     files["Numbers (JSON)"] = str(place / "verdict.json")
-    api.write_corrected(found, place / "corrected.csv")
+    api.write_corrected(assessment, place / "corrected.csv")
     files["Corrected response (CSV)"] = str(place / "corrected.csv")
     return Filed(html=document_html(document), files=files)
 
@@ -204,14 +206,10 @@ def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -
     return _filed(last.assessment, source, folder, arguments.get("structure"))
 
 
-def trace_motion(
-    motion: str, f: float, xi: float, alpha: float, threshold: float, metric: str
-) -> dict[str, Any]:
+def trace_motion(motion: str, **arguments: Any) -> dict[str, Any]:  # noqa: ANN401 - of `trace_boundaries`
     """Trace the boundary of equal error of a ground motion."""
     with show_task("Tracing the boundary"):
-        boundaries = api.trace_boundaries(
-            motions=motion, f=f, xi=xi, alpha=alpha, threshold=threshold, metric=metric
-        )
+        boundaries = api.trace_boundaries(motions=motion, **arguments)
     return next(iter(boundaries.rows()))
 
 
@@ -249,8 +247,9 @@ def _document_of_comparison(comparison: "Comparison") -> Document:
         for test in comparison.tests
     ]  # fmt: skip
     headings = (
-        "Test", f"{metric.upper()} error (90 % interval)", "More than the first", "Probability of that", "Verdict",
-    )  # fmt: skip
+        *("Test", f"{metric.upper()} error (90 % interval)"),
+        *("More than the first", "Probability of that", "Verdict"),
+    )
     frame = pd.DataFrame(rows, columns=list(map(str, range(len(headings)))))
     first = comparison.tests[0].file
     faults = (f"{file}: {why}" for file, why in comparison.faults.items())

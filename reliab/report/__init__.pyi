@@ -37,7 +37,6 @@ from .setting import Setting as Setting
 from .sources import SOURCES as SOURCES
 from .style import (
     BLUE as BLUE,
-    COLUMN_WIDTH as COLUMN_WIDTH,
     GREY as GREY,
     INK as INK,
     PALE as PALE,

@@ -45,7 +45,7 @@ def test_formulas_are_written_in_signs():
 
 def test_a_report_has_its_figures_as_pictures_with_words_and_its_tables_with_headings():
     html = document_html(document_of_rig(shipped("datasets", "sample_rig")))
-    assert re.search(r'<img alt="[^"]{20,}" style="width:100%" src="data:image/svg\+xml;base64,', html)
+    assert re.search(r'<img alt="[^"]{20,}" width="736" src="data:image/svg\+xml;base64,', html)
     assert "<svg" not in html
     assert html.count("<table>") == html.count("<thead>") > 2
     assert "What to change" in html

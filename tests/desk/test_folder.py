@@ -1,7 +1,7 @@
 """Nothing is read or written outside of the desk's folder."""
 
-import os
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -45,7 +45,7 @@ def test_files_that_are_too_large_are_refused_as_on_the_command_line(folder, mon
 
 @pytest.mark.parametrize("name", ["../other", "/etc", "a/../../b", "link"])
 def test_names_that_lead_out_of_the_folder_are_refused_with_what_to_do(folder, name, tmp_path_factory):
-    os.symlink(tmp_path_factory.mktemp("elsewhere"), folder.path / "link")
+    (folder.path / "link").symlink_to(tmp_path_factory.mktemp("elsewhere"))
     with pytest.raises(InputError, match="reliab desk FOLDER"):
         folder.within(name)
 
@@ -56,8 +56,8 @@ def test_files_are_offered_by_their_endings_and_folders_by_what_they_hold(folder
     (folder.path / "a" / "run.csv").write_text("1")
     (folder.path / "campaign.toml").write_text("")
     folder.keep("dropped.csv", b"1")
-    assert folder.offered(".csv") == [os.path.join("a", "run.csv")]
-    assert folder.offered(holding="tests/*.json") == [os.path.join("a", "rig")]
+    assert folder.offered(".csv") == [str(Path("a", "run.csv"))]
+    assert folder.offered(holding="tests/*.json") == [str(Path("a", "rig"))]
     assert folder.offered(holding="campaign.toml") == ["."]
 
 

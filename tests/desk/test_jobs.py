@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -49,7 +50,7 @@ def work(tmp_path, monkeypatch):
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    import desk_work
+    desk_work = import_module("desk_work")
 
     started = Jobs(str(tmp_path))
     yield started, desk_work
@@ -87,9 +88,9 @@ def test_cancelled_work_stops_its_process_at_once(work, tmp_path):
     assert (after.outcome, job.state) == ("all", "cancelled")
 
 
-def test_work_beyond_the_workers_waits_and_may_be_cancelled_before_it_begins(work, tmp_path, monkeypatch):
+def test_work_beyond_the_workers_waits_and_may_be_cancelled_before_it_begins(work, tmp_path):
     jobs, functions = work
-    busy = [jobs.start(functions.wait, file=str(tmp_path / str(k))) for k in range(desk_jobs._MOST_WORKERS)]
+    busy = [jobs.start(functions.wait, file=str(tmp_path / str(k))) for k in range(desk_jobs.MOST_WORKERS)]
     until(lambda: all(job.state == "running" for job in busy))
     late = jobs.start(functions.steps)
     time.sleep(0.2)

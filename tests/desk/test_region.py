@@ -41,7 +41,7 @@ def test_motions_boundaries_are_the_traced_ones_at_a_shipped_structure():
 def test_the_drawing_closes_both_sides():
     drawing = RegionDrawing()
     drawing.update({"lag": (1e-4, 4.0), "lead": (1e-4, 9.0)}, (np.array([4e-4]), np.array([9.0])))
-    data = drawing._sources["region"].data
+    data = drawing.sources["region"].data
     assert (min(data["y"]), max(data["y"])) == (pytest.approx(-3.0, rel=1e-3), pytest.approx(2.0, rel=1e-3))
     assert max(data["x"]) == pytest.approx(1.0)
     assert half_ellipse(1e-4, 4.0, lead=True)[1].max() == pytest.approx(0.0)

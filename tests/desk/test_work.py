@@ -1,6 +1,7 @@
 """The desk gives the numbers of the command line, whatever the layout of a file, and keeps what it says."""
 
 import json
+from pathlib import Path
 
 import layouts
 import pytest
@@ -29,8 +30,7 @@ def test_a_dropped_file_of_any_layout_gives_the_numbers_of_the_command_line(fold
     assert run(["assess", str(path), "--f", "1", "--xi", "0.02", "--json", "-"]) == 0
     expected = json.loads(capsys.readouterr().out)
     assert json.loads(json.dumps(news[0].content)) == expected
-    with open(filed.files["Numbers (JSON)"], encoding="utf-8") as file:
-        assert json.load(file) == expected
+    assert json.loads(Path(filed.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == expected
 
 
 def test_an_answer_keeps_its_report_and_files_in_its_folder(folder):
@@ -71,8 +71,8 @@ def test_tests_are_compared_by_their_names(folder):
     files = [folder.keep(name, text, place=place) for name in ("none.csv", "adaptive.csv")]
     filed = compare(list(map(str, files)), str(folder.new_place()), {"f": "1", "xi": "0.02"})
     assert "none.csv" in filed.html
-    with open(filed.files["Numbers (JSON)"], encoding="utf-8") as file:
-        assert {test["file"] for test in json.load(file)["tests"]} == {"none.csv", "adaptive.csv"}
+    ranking = json.loads(Path(filed.files["Numbers (JSON)"]).read_text(encoding="utf-8"))
+    assert {test["file"] for test in ranking["tests"]} == {"none.csv", "adaptive.csv"}
 
 
 def test_the_tests_of_a_rig_are_points_with_amplitude_and_delay():

@@ -1,13 +1,14 @@
 """Before a test: how much amplitude error and delay the structure tolerates."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
+import numpy as np
 import panel as pn
 
 from reliab.assessment import boundaries_of_motions, tolerable_sides
 from reliab.desk.drawings import RegionDrawing
-from reliab.desk.elements import choice, copyable, dropper, html, refusal
+from reliab.desk.elements import METRICS, choice, copyable, dropper, html, refusal
 from reliab.desk.jobs import Job
 from reliab.desk.page import Page
 from reliab.desk.pages.rig import offer_rigs, path_of_rig
@@ -17,14 +18,57 @@ from reliab.desk.work import points_of_rig, trace_motion
 from reliab.errors import InputError
 from reliab.significant import percent, significant
 
-_SLIDERS = {
-    "f": {"title": "Natural frequency f", "start": 0.25, "end": 5.0, "step": 0.01, "value": 1.0, "unit": "Hz"},
-    "xi": {"title": "Damping ratio ξ", "start": 0.01, "end": 0.1, "step": 0.001, "value": 0.02, "factor": 100.0, "unit": "%"},
-    "alpha": {"title": "Share of the stiffness in the laboratory α", "start": 0.1, "end": 1.0, "step": 0.05, "value": 1.0},
-    "threshold": {"title": "Largest error of a good test", "start": 0.01, "end": 0.2, "step": 0.005, "value": 0.05, "factor": 100.0, "unit": "%"},
-    "confidence": {"title": "Share of ground motions", "start": 0.5, "end": 0.99, "step": 0.01, "value": 0.95, "factor": 100.0, "unit": "%"},
-    "duration": {"title": "Length of the record (0 for any)", "start": 0.0, "end": 90.0, "step": 5.0, "value": 0.0, "unit": "s"},
-}  # fmt: skip
+_IN_PERCENT = {"factor": 100.0, "unit": "%"}
+_SLIDERS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "f": {
+        "title": "Natural frequency f",
+        "start": 0.25,
+        "end": 5.0,
+        "step": 0.01,
+        "value": 1.0,
+        "unit": "Hz",
+    },
+    "xi": {
+        "title": "Damping ratio ξ",
+        "start": 0.01,
+        "end": 0.1,
+        "step": 0.001,
+        "value": 0.02,
+        **_IN_PERCENT,
+    },
+    "alpha": {
+        "title": "Share of the stiffness in the laboratory α",
+        "start": 0.1,
+        "end": 1.0,
+        "step": 0.05,
+        "value": 1.0,
+    },
+    "threshold": {
+        "title": "Largest error of a good test",
+        "start": 0.01,
+        "end": 0.2,
+        "step": 0.005,
+        "value": 0.05,
+        **_IN_PERCENT,
+    },
+    "confidence": {
+        "title": "Share of ground motions",
+        "start": 0.5,
+        "end": 0.99,
+        "step": 0.01,
+        "value": 0.95,
+        **_IN_PERCENT,
+    },
+    "duration": {
+        "title": "Length of the record (0 for any)",
+        "start": 0.0,
+        "end": 90.0,
+        "step": 5.0,
+        "value": 0.0,
+        "unit": "s",
+    },
+}
+"""Settings of the sliders, by the argument that each of them is."""
 
 
 class BeforePage(Page):
@@ -46,9 +90,7 @@ class BeforePage(Page):
             slider = Slider(**{**settings, "value": value}, sizing_mode="stretch_width")
             slider.param.watch(lambda event, name=name: self._move(name, event.new), "value")
             sliders.append(slider)
-        metric = choice(
-            memory, "metric", "Error that counts", {"root mean square (RMS)": "rms", "largest (MTE)": "mte"}
-        )
+        metric = choice(memory, "metric", "Error that counts", METRICS)
         metric.param.watch(lambda _event: self._draw(), "value")
         rigs = offer_rigs(self, "Show the tests of a rig", none="none")
         rigs.param.watch(lambda _event: self.attempt(self._mark_rig), "value")
@@ -81,20 +123,20 @@ class BeforePage(Page):
 
     def _draw(self) -> None:
         self._is_due = False
-        asked = self._question()
+        question = self._question()
         try:
-            region = tolerable_sides(**asked)
+            region = tolerable_sides(**question)
         except InputError as error:
             self._limits.object = refusal(str(error))
-            self._drawing.update({}, ((), ()))
+            self._drawing.update({}, (np.zeros(0), np.zeros(0)))
             return
         motions = boundaries_of_motions(
-            **{name: asked[name] for name in ("f", "xi", "alpha", "threshold", "metric")}
+            **{name: question[name] for name in ("f", "xi", "alpha", "threshold", "metric")}
         )
-        self._limits.object = limits_html(region, asked)
+        self._limits.object = limits_html(region, question)
         self._drawing.update({side: limits for side, limits in region.items() if all(limits)}, motions)
-        options = {name: f"{asked[name]:g}" for name in ("f", "xi", "alpha", "threshold", "confidence")}
-        options |= {} if asked["metric"] == "rms" else {"metric": asked["metric"]}
+        options = {name: f"{question[name]:g}" for name in ("f", "xi", "alpha", "threshold", "confidence")}
+        options |= {} if question["metric"] == "rms" else {"metric": question["metric"]}
         self._line[:] = [copyable("command", command_line("assess --design", (), options))]
 
     def _mark_rig(self) -> None:
@@ -102,7 +144,7 @@ class BeforePage(Page):
 
     def _take_motion(self, dropped: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.files = [self.desk.folder.keep(*next(reversed(dropped.items())))]
+            self.memory.files = [self.desk.folder.keep_last(dropped)]
             self.memory.values["traced"] = None
 
         self.attempt(keep)
@@ -110,13 +152,17 @@ class BeforePage(Page):
     def refresh(self) -> None:
         """Trace the own record anew when the sliders rest."""
         super().refresh()
-        asked = {
+        question = {
             name: value for name, value in self._question().items() if name not in ("confidence", "duration")
         }
         job = self.memory.jobs.get("record")
-        if self.memory.files and self.memory.values.get("traced") != asked and (job is None or job.is_over):
-            self.memory.values["traced"] = asked
-            self.start("record", trace_motion, motion=str(self.memory.files[0]), **asked)
+        if (
+            self.memory.files
+            and self.memory.values.get("traced") != question
+            and (job is None or job.is_over)
+        ):
+            self.memory.values["traced"] = question
+            self.start("record", trace_motion, motion=str(self.memory.files[0]), **question)
 
     def show(self, kind: str, job: Job) -> None:
         """Draw the boundary of the own record."""
@@ -124,18 +170,18 @@ class BeforePage(Page):
             self._drawing.mark_record(job.outcome)
 
 
-def limits_html(region: Mapping[str, tuple[float, float]], asked: Mapping[str, Any]) -> str:
+def limits_html(region: Mapping[str, tuple[float, float]], question: Mapping[str, Any]) -> str:
     """Say in numbers what is tolerable."""
     a, b = region["lag"]
     if not a or not b:
         return refusal("No test would be accepted: fewer motions, or a larger error, can be asked for.")
     lead = region.get("lead", (0.0, 0.0))[1]
     early = f" or {significant(lead**0.5)} ms early," if lead else ""
-    share = percent(asked["confidence"])
+    share = percent(question["confidence"])
     return (
         f'<p class="verdict good" role="status">Up to <b>{significant(b**0.5)} ms</b> late,{early} or '
-        f"<b>{percent(a**0.5, decimals=2)}</b> of amplitude error, but not both at once: inside the blue region the "
-        f"error stays below {percent(asked['threshold'])} for {share} of ground motions.</p>"
+        f"<b>{percent(a**0.5, decimals=2)}</b> of amplitude error, but not both at once: inside the blue "
+        f"region the error stays below {percent(question['threshold'])} for {share} of ground motions.</p>"
         f"<p class='hint'>Both in equal parts: {significant((b / 2.0) ** 0.5)} ms and "
         f"{percent((a / 2.0) ** 0.5, decimals=2)}.</p>"
     )

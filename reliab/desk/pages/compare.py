@@ -6,7 +6,7 @@ from reliab.desk.questions import command_line, filled, number
 from reliab.desk.work import compare
 from reliab.errors import InputError
 
-_STATED = ("f", "xi", "alpha", "threshold")
+_ARGUMENTS = ("f", "xi", "alpha", "threshold")
 
 
 class ComparePage(FiledPage):
@@ -15,7 +15,7 @@ class ComparePage(FiledPage):
     name = "compare"
     title = "Compare"
     heading = "Compare tests"
-    about = "Drop tests of one structure and rig, such as one with each compensator. They are ranked by their errors."
+    about = "Drop tests of one structure and rig, such as one with each compensator, to rank them by error."
     work_kind = "compare"
 
     def build(self) -> None:
@@ -26,7 +26,7 @@ class ComparePage(FiledPage):
             self.names,
             button("Remove all tests", self.remove_files),
             html("<h2>2. State their structure</h2>" + KNOWING),
-            *(field(self.memory, name) for name in _STATED),
+            *(field(self.memory, name) for name in _ARGUMENTS),
             button("Compare", lambda: self.attempt(self._compare), "primary"),
             self.stop,
         ]
@@ -36,9 +36,9 @@ class ComparePage(FiledPage):
             raise InputError(
                 "A comparison needs two tests or more", value=len(self.memory.files), remedy="Drop another"
             )
-        stated = filled({name: self.memory.values.get(name) for name in _STATED})
-        if "threshold" in stated:
-            stated["threshold"] = number(stated["threshold"], "threshold")
+        arguments = filled({name: self.memory.values.get(name) for name in _ARGUMENTS})
+        if "threshold" in arguments:
+            arguments["threshold"] = number(arguments["threshold"], "threshold")
         names = [path.name for path in self.memory.files]
-        self.ask(compare, tests=list(map(str, self.memory.files)), arguments=stated)
-        self.lines[:] = [copyable("command", command_line("compare", names, stated))]
+        self.ask(compare, tests=list(map(str, self.memory.files)), arguments=arguments)
+        self.lines[:] = [copyable("command", command_line("compare", names, arguments))]

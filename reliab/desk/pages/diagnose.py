@@ -20,8 +20,8 @@ class DiagnosePage(FiledPage):
     title = "Diagnose"
     heading = "Diagnose a campaign"
     about = (
-        "Give a campaign: its tests and campaign.toml. The desk finds where model and tests disagree, names what is "
-        "missing, and proves it on held-out tests. This takes minutes."
+        "Give a campaign: its tests and campaign.toml. The desk finds where model and tests disagree, names "
+        "what is missing, and proves it on held-out tests. This takes minutes."
     )
     work_kind = "diagnose"
 
@@ -41,9 +41,9 @@ class DiagnosePage(FiledPage):
         ]
 
     def _campaign(self) -> str:
-        chosen, files = self.memory.values.get("campaign", ""), self.memory.files
-        if chosen:
-            return chosen if chosen in _SHIPPED else str(self.desk.folder.within(chosen))
+        campaign, files = self.memory.values.get("campaign", ""), self.memory.files
+        if campaign:
+            return campaign if campaign in _SHIPPED else str(self.desk.folder.within(campaign))
         if not files:
             raise InputError("A campaign is needed", value="none", remedy="Drop its zip, or choose one")
         archives = [path for path in files if path.suffix.lower() == ".zip"]

@@ -10,6 +10,7 @@ import panel as pn
 from reliab.desk.drawings import draw_traces
 from reliab.desk.elements import (
     KNOWING,
+    METRICS,
     button,
     choice,
     copyable,
@@ -26,6 +27,8 @@ from reliab.desk.questions import channels_toml, command_line, filled, number, p
 from reliab.desk.verdict_view import VerdictView
 from reliab.desk.work import Look, judge, look_at
 from reliab.errors import InputError
+from reliab.files import written_whole
+from reliab.shipped import shipped
 
 PARTS: Final = ("command", "measured", "time", "force", "ground")
 _UNITS: Final = {
@@ -36,17 +39,10 @@ _UNITS: Final = {
     "ground": ["", "m/s2", "cm/s2", "g"],
 }
 _RECOGNISED: Final = "as recognised"
-STATED: Final = (
-    "f",
-    "xi",
-    "alpha",
-    "specimen",
-    "threshold",
-    "metric",
-    "mass",
-    "scale",
-    "skew",
-    "feedback_lag",
+_OF_STRUCTURE: Final = ("f", "xi", "alpha", "mass")
+ARGUMENTS: Final = (
+    *("f", "xi", "alpha", "specimen", "threshold", "metric"),
+    *("mass", "scale", "skew", "feedback_lag"),
 )
 """Fields of the form, which are arguments of `reliab.assess`."""
 
@@ -57,14 +53,37 @@ def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     >>> corrections_of({"column_measured": "LVDT", "sign_measured": "-1", "unit_time": ""})
     {'measured': {'column': 'LVDT', 'sign': -1}}
     """
-    corrected = {}
-    for part in PARTS:
-        table = filled({name: values.get(f"{name}_{part}") for name in ("column", "unit")})
-        if values.get(f"sign_{part}") == "-1":
+    corrections = {}
+    for channel in PARTS:
+        table = filled({name: values.get(f"{name}_{channel}") for name in ("column", "unit")})
+        if values.get(f"sign_{channel}") == "-1":
             table["sign"] = -1
         if table:
-            corrected[part] = table
-    return corrected
+            corrections[channel] = table
+    return corrections
+
+
+def channels_html(look: Look) -> str:
+    """Tabulate the recognised channels, and why each was recognised."""
+    rows = "".join(
+        "<tr>"
+        + "".join(
+            f"<td>{escape(text)}</td>"
+            for text in (
+                *(channel["channel"], channel["column"], channel["unit"] or "no unit", channel["reason"]),
+                "; ".join(channel["applied"]),
+            )
+        )
+        + "</tr>"
+        for channel in look.channels
+    )
+    names = ("Channel", "Column", "Unit", "Recognised by", "Applied")
+    heads = "".join(f'<th scope="col">{name}</th>' for name in names)
+    rate = f"<p>{look.rate:.5g} samples a second</p>" if look.rate else ""
+    return (
+        f"{rate}<div class='wide' tabindex='0' role='group' aria-label='Channels'><table><thead><tr>{heads}"
+        f"</tr></thead><tbody>{rows}</tbody></table></div>"
+    )
 
 
 class JudgePage(Page):
@@ -73,7 +92,7 @@ class JudgePage(Page):
     name = "judge"
     title = "Judge"
     heading = "Judge a test"
-    about = "Drop the file of a test. The desk shows what it recognised, then computes the error of this very test."
+    about = "Drop the file of a test. See what was recognised in it, then get the error of this very test."
 
     def build(self) -> None:
         """Lay out the form, what was recognised, and the verdict."""
@@ -87,7 +106,7 @@ class JudgePage(Page):
             dropper("1. Drop a test", self._take_test),
             html("<h2>2. State the structure</h2>" + KNOWING),
             *(field(memory, name) for name in ("f", "xi", "alpha", "threshold")),
-            choice(memory, "metric", "Error that counts", {"root mean square (RMS)": "rms", "largest (MTE)": "mte"}),
+            choice(memory, "metric", "Error that counts", METRICS),
             choice(
                 memory, "specimen", "Specimen",
                 {"may have yielded": "", "stayed linear": "linear", "learned from its force": "measured"},
@@ -108,8 +127,6 @@ class JudgePage(Page):
             ]
 
     def _take_sample(self) -> None:
-        from reliab.shipped import shipped
-
         path = shipped("datasets", "sample_test/test.csv")
         self.memory.values |= {"f": "1±0.01", "xi": "0.02±0.002"}
         self.build()
@@ -117,16 +134,16 @@ class JudgePage(Page):
 
     def _take_test(self, dropped: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.files = [self.desk.folder.keep(*next(reversed(dropped.items())))]
-            kept = {*STATED, "structure"}
-            self.memory.values = {name: self.memory.values[name] for name in kept & self.memory.values.keys()}
+            self.memory.files = [self.desk.folder.keep_last(dropped)]
+            about_structure = {*ARGUMENTS, "structure"} & self.memory.values.keys()
+            self.memory.values = {name: self.memory.values[name] for name in about_structure}
             self._look()
 
         self.attempt(keep)
 
     def _take_frame(self, dropped: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.values["structure"] = str(self.desk.folder.keep(*next(iter(dropped.items()))))
+            self.memory.values["structure"] = str(self.desk.folder.keep_last(dropped))
 
         self.attempt(keep)
 
@@ -138,7 +155,7 @@ class JudgePage(Page):
         self.refresh()
 
     def _reading(self) -> dict[str, Any]:
-        """What is stated of the file: a test's name, and corrections as a file of channels."""
+        """State a test's name, and corrections as a file of channels."""
         values = self.memory.values
         rate = number(values["rate"], "rate") if values.get("rate") else None
         text = channels_toml(corrections_of(values), rate)
@@ -146,23 +163,22 @@ class JudgePage(Page):
         if text:
             place = self.memory.files[0].parent / "channels"
             place.mkdir(exist_ok=True)
-            (place / "channels.toml").write_text(text, encoding="utf-8")
+            with written_whole(place / "channels.toml") as file:
+                file.write_text(text, encoding="utf-8")
             reading["channels"] = str(place / "channels.toml")
         return reading
 
     def _arguments(self) -> dict[str, Any]:
         values = self.memory.values
-        stated = filled({name: values.get(name) for name in STATED})
-        if stated.get("metric") == "rms":
-            del stated["metric"]
-        if "threshold" in stated:
-            stated["threshold"] = number(stated["threshold"], "threshold")
-        structure = filled({"structure": values.get("structure")})
-        if structure:
-            stated = {
-                name: value for name, value in stated.items() if name not in ("f", "xi", "alpha", "mass")
-            }
-        return {**stated, **structure, **self._reading()}
+        arguments = filled({name: values.get(name) for name in ARGUMENTS})
+        if arguments.get("metric") == "rms":
+            del arguments["metric"]
+        if "threshold" in arguments:
+            arguments["threshold"] = number(arguments["threshold"], "threshold")
+        frame = filled({"structure": values.get("structure")})
+        for name in _OF_STRUCTURE if frame else ():
+            arguments.pop(name, None)
+        return {**arguments, **frame, **self._reading()}
 
     def _judge(self) -> None:
         if not self.memory.files:
@@ -178,10 +194,9 @@ class JudgePage(Page):
         if kind == "look" and job.outcome is not None:
             self._show_look(job.outcome)
         elif kind == "judge":
-            if job.news:
-                if not self._verdict.column.objects:
-                    self._verdict.show(job.news[-1])
-                    self._show_lines()
+            if job.news and not self._verdict.column.objects:
+                self._verdict.show(job.news[-1])
+                self._show_lines()
             if job.outcome is not None:
                 self._verdict.file(job.outcome)
 
@@ -198,44 +213,31 @@ class JudgePage(Page):
         ]
 
     def _show_look(self, look: Look) -> None:
-        name, values = escape(self.memory.files[0].name), self.memory.values
-        rows = "".join(
-            f"<tr><td>{escape(one['channel'])}</td><td>{escape(one['column'])}</td><td>{escape(one['unit'] or 'no unit')}"
-            f"</td><td>{escape(one['reason'])}</td><td>{escape('; '.join(one['applied']))}</td></tr>"
-            for one in look.channels
-        )
-        heads = "".join(
-            f'<th scope="col">{head}</th>'
-            for head in ("Channel", "Column", "Unit", "Recognised by", "Applied")
-        )
-        table = (
-            f"<div class='wide' tabindex='0' role='group' aria-label='Channels'><table><thead><tr>{heads}</tr></thead>"
-            f"<tbody>{rows}</tbody></table></div>"
-        )
-        rate = f"{look.rate:.5g} samples a second" if look.rate else ""
+        channels = refusal(self.desk.in_options(look.refusal)) if look.refusal else channels_html(look)
         self._looked[:] = [
-            html(f"<h2>What was recognised in {name}</h2>"),
-            html(refusal(self.desk.in_options(look.refusal)) if look.refusal else f"<p>{rate}</p>{table}"),
+            html(f"<h2>What was recognised in {escape(self.memory.files[0].name)}</h2>{channels}"),
             html(listed(look.notes)),
             draw_traces(look.traces),
         ]
-        columns = {_RECOGNISED: "", **{column: column for column in look.columns}}
-        fields: list[Any] = [html("<p class='hint'>Choose what a column is; the drawing follows.</p>")]
-        if look.tests:
-            fields.append(choice(self.memory, "test_name", "Test in this file", list(look.tests)))
-        for part in PARTS:
-            fields.append(choice(self.memory, f"column_{part}", f"Column of {part}", columns))
-            units = {unit or "unit as recognised": unit for unit in _UNITS[part]}
-            pair = [choice(self.memory, f"unit_{part}", f"Unit of {part}", units)]
-            if part != "time":
-                signs = {"as recorded": "", "reversed": "-1"}
-                pair.append(choice(self.memory, f"sign_{part}", f"Sign of {part}", signs))
-            fields.append(pn.Row(*pair, sizing_mode="stretch_width"))
-        rate_field = field(self.memory, "rate", "Sampling rate [Hz], if there is no time", "as in the file")
-        for widget in (*fields[1:], rate_field):
-            for one in widget if isinstance(widget, pn.Row) else (widget,):
-                one.param.watch(lambda _event: self.attempt(self._look), "value")
+        widgets = self._corrections(look)
+        for widget in widgets:
+            widget.param.watch(lambda _event: self.attempt(self._look), "value")
+        values = self.memory.values
         opened = bool(look.refusal or corrections_of(values) or values.get("rate") or look.tests)
-        self._channels[:] = [
-            folded("Correct what was recognised", *fields, rate_field, opened=opened)
-        ]  # fmt: skip
+        hint = html("<p class='hint'>Choose what a column is; the drawing follows.</p>")
+        text = channels_toml(corrections_of(values))
+        file = [html(f"<p class='hint'>As channels.toml:</p><code>{escape(text)}</code>")] if text else []
+        self._channels[:] = [folded("Correct what was recognised", hint, *widgets, *file, opened=opened)]
+
+    def _corrections(self, look: Look) -> list[Any]:
+        """Menus for the test, the column, unit and sign of each channel, and the rate."""
+        memory, columns = self.memory, {_RECOGNISED: "", **{column: column for column in look.columns}}
+        menus = [choice(memory, "test_name", "Test in this file", list(look.tests))] if look.tests else []
+        for channel in PARTS:
+            units = {unit or "unit as recognised": unit for unit in _UNITS[channel]}
+            menus.append(choice(memory, f"column_{channel}", f"Column of {channel}", columns))
+            menus.append(choice(memory, f"unit_{channel}", f"Unit of {channel}", units))
+            if channel != "time":
+                signs = {"as recorded": "", "reversed": "-1"}
+                menus.append(choice(memory, f"sign_{channel}", f"Sign of {channel}", signs))
+        return [*menus, field(memory, "rate", "Sampling rate [Hz], if there is no time", "as in the file")]

@@ -16,7 +16,7 @@ from reliab.desk.work import Judgement, follow
 from reliab.errors import InputError
 from reliab.significant import percent, percent_with_interval
 
-_STATED = ("f", "xi", "alpha", "scale", "feedback_lag")
+_ARGUMENTS = ("f", "xi", "alpha", "scale", "feedback_lag")
 _SAMPLE = "the test that comes with reliab"
 _TEXTS = (".csv", ".txt", ".dat", ".tsv")
 
@@ -26,16 +26,16 @@ def moment_html(message: Mapping[str, Any]) -> str:
     error = message.get("error") or {}
     size = error.get("rms") or {}
     so_far = (
-        f"RMS error so far {percent_with_interval(size['value'], size['low'], size['high'])}, below the threshold "
-        f"with probability {error['probability']:.2f}."
+        f"RMS error so far {percent_with_interval(size['value'], size['low'], size['high'])}, below the "
+        f"threshold with probability {error['probability']:.2f}."
         if size.get("value") is not None
         else "No interval yet."
         if message.get("rms") is None
         else f"RMS error so far {percent(message['rms'], decimals=2)}."
     )
     alarms = message.get("sentences") or ()
-    shown = f'<div class="refusal" role="alert">{listed(alarms)}</div>' if alarms else ""
-    return f'<p class="verdict"><b>{message["time_s"]:.1f} s</b> {escape(so_far)}</p>{shown}'
+    shown_alarms = f'<div class="refusal" role="alert">{listed(alarms)}</div>' if alarms else ""
+    return f'<p class="verdict"><b>{message["time_s"]:.1f} s</b> {escape(so_far)}</p>{shown_alarms}'
 
 
 class LivePage(Page):
@@ -44,7 +44,9 @@ class LivePage(Page):
     name = "live"
     title = "Live"
     heading = "Follow a running test"
-    about = "Choose the text file that your controller writes. The desk follows it, and judges the test when it ends."
+    about = (
+        "Choose the text file that your controller writes. The desk follows it, and judges it when it ends."
+    )
 
     def build(self) -> None:
         """Lay out the form, the drawing and the verdict."""
@@ -57,7 +59,7 @@ class LivePage(Page):
             ),
             field(self.memory, "coming", "or one that will be written there", "test_12.csv"),
             html("<h2>State the structure</h2>" + KNOWING),
-            *(field(self.memory, name) for name in (*_STATED[:3], "threshold", *_STATED[3:])),
+            *(field(self.memory, name) for name in (*_ARGUMENTS[:3], "threshold", *_ARGUMENTS[3:])),
             field(self.memory, "wait", "It has ended when nothing comes for [s]", "10"),
             button("Follow", lambda: self.attempt(self._follow), "primary"),
             self.stop,
@@ -66,28 +68,28 @@ class LivePage(Page):
 
     def _follow(self) -> None:
         values = self.memory.values
-        name = values.get("coming", "").strip() or values.get("file", "")
-        if not name:
+        file = values.get("coming", "").strip() or values.get("file", "")
+        if not file:
             raise InputError(
                 "A file to follow is needed", value="none", remedy="Choose it, or name the coming one"
             )
-        source = "sample_test" if name == _SAMPLE else str(self.desk.folder.within(name))
-        stated = filled({one: values.get(one) for one in _STATED})
-        numbers = filled({one: values.get(one) for one in ("threshold", "wait")})
-        stated |= {one: number(text, one) for one, text in numbers.items()}
+        source = "sample_test" if file == _SAMPLE else str(self.desk.folder.within(file))
+        arguments = filled({name: values.get(name) for name in _ARGUMENTS})
+        numbers = filled({name: values.get(name) for name in ("threshold", "wait")})
+        arguments |= {name: number(text, name) for name, text in numbers.items()}
         self.forget(("live",))
         self._verdict.clear()
-        self.start("live", follow, source=source, folder=str(self.new_place()), arguments=stated)
+        self.start("live", follow, source=source, folder=str(self.new_place()), arguments=arguments)
 
     def show(self, kind: str, job: Job) -> None:
         """Show how the test stands, and at its end the verdict."""
-        messages = [one for one in job.news if isinstance(one, Mapping)]
+        messages = [news for news in job.news if isinstance(news, Mapping)]
         if messages:
             threshold = self.memory.values.get("threshold") or "0.05"
-            self._live.visible = any(one.get("error") for one in messages)
+            self._live.visible = any(message.get("error") for message in messages)
             self._moment.object = moment_html(messages[-1])
             self._drawing.update(messages, number(threshold, "threshold"))
-        judgements = [one for one in job.news if isinstance(one, Judgement)]
+        judgements = [news for news in job.news if isinstance(news, Judgement)]
         if judgements and not self._verdict.column.objects:
             self._verdict.show(judgements[-1])
         if kind == "live" and job.outcome is not None:

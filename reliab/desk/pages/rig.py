@@ -1,5 +1,7 @@
 """Rig: what its tests were, what the next will be, and what to change."""
 
+import panel as pn
+
 from reliab.desk.elements import button, choice, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.page import Page
@@ -11,7 +13,7 @@ from reliab.shipped import shipped
 _SAMPLE = "the rig that comes with reliab"
 
 
-def offer_rigs(page: Page, label: str, *, none: str = "") -> "object":
+def offer_rigs(page: Page, label: str, *, none: str = "") -> pn.widgets.Select:
     """Offer the rigs of the desk's folder, and the one that ships."""
     options = {
         **({none: ""} if none else {}),
@@ -36,15 +38,15 @@ class RigPage(FiledPage):
     name = "rig"
     title = "Rig"
     heading = "Follow a rig"
-    about = "See what a rig has done, whether it drifts, what its next test will be, and what to calibrate or change."
+    about = "See what a rig has done, whether it drifts, what its next test will be, and what to change."
     work_kind = "rig"
 
     def build(self) -> None:
         """Lay out the form and the report."""
         self.form[:] = [
             html(
-                "<p class='hint'>A rig is a folder that <b>reliab rig add</b> fills. Rigs in the folder of the desk are "
-                "offered here.</p>"
+                "<p class='hint'>A rig is a folder that <b>reliab rig add</b> fills. Those in the folder "
+                "of the desk are offered here.</p>"
             ),
             offer_rigs(self, "Rig"),
             html("<h2>The next test</h2><p class='hint'>Left empty: like the last one.</p>"),
@@ -55,10 +57,10 @@ class RigPage(FiledPage):
         self.lay_out_answer()
 
     def _show(self) -> None:
-        stated = filled({name: self.memory.values.get(name) for name in ("f", "xi", "alpha", "threshold")})
-        if "threshold" in stated:
-            stated["threshold"] = number(stated["threshold"], "threshold")
+        arguments = filled({name: self.memory.values.get(name) for name in ("f", "xi", "alpha", "threshold")})
+        if "threshold" in arguments:
+            arguments["threshold"] = number(arguments["threshold"], "threshold")
         rig = path_of_rig(self)
         if not rig:
             raise InputError("A rig must be chosen", value="none", remedy="Choose one")
-        self.ask(show_rig, rig=rig, arguments=stated)
+        self.ask(show_rig, rig=rig, arguments=arguments)
