@@ -23,7 +23,6 @@ from .following import (
     chunks_of_text as chunks_of_text,
     rows_as_written as rows_as_written,
 )
-from .naming import page_words as page_words
 from .readers import is_frame as is_frame, read_tests as read_tests
 from .reading import (
     Histories as Histories,
