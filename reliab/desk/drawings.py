@@ -97,7 +97,7 @@ class RegionDrawing:
         x, y = _closed(region)
         self.sources["region"].data = {"x": x, "y": y}
         pairs = [half_ellipse(a, b) for a, b in zip(*motions, strict=True)]
-        self.sources["motions"].data = {"x": [one for one, _ in pairs], "y": [one for _, one in pairs]}
+        self.sources["motions"].data = {"x": [x for x, _ in pairs], "y": [y for _, y in pairs]}
 
     def mark_record(self, boundary: Mapping[str, Any] | None) -> None:
         """Draw the boundary of an own record."""
@@ -135,15 +135,15 @@ class LiveDrawing:
         self._error = ColumnDataSource({name: [] for name in ("time", "value", "low", "high")})
         self._damping = ColumnDataSource({"time": [], "ratio": []})
         self._bound = Span(location=0.0, dimension="width", line_dash="dashed", line_color=RED, line_width=2)
-        above = _blank(240, "Time [s]", "RMS error so far [%]", y_range=(0.0, 10.0))
-        self._above = above
+        above = _blank(240, "Time [s]", "RMS error so far [%]", x_range=(0.0, 10.0), y_range=(0.0, 10.0))
+        below = _blank(190, "Time [s]", "Net damping ratio [%]", x_range=above.x_range, y_range=(0.0, 5.0))
+        self._above, self._below = above, below
         above.varea(
             "time", "low", "high", source=self._error, color=BLUE, alpha=0.25, legend_label="90 % interval"
         )
         above.line("time", "value", source=self._error, color=BLUE, line_width=2, legend_label="error so far")
         above.add_layout(self._bound)
         above.legend.location = "top_left"
-        below = _blank(190, "Time [s]", "Net damping ratio [%]", x_range=above.x_range)
         below.line("time", "ratio", source=self._damping, color="#1b6e3c", line_width=2)
         below.add_layout(Span(location=0.0, dimension="width", line_color=RED, line_dash="dashed"))
         self.column = pn.Column(
@@ -153,19 +153,23 @@ class LiveDrawing:
 
     def update(self, messages: Sequence[Mapping[str, Any]], threshold: float) -> None:
         """Draw all messages so far."""
-        sized = [(one["time_s"], one["error"]["rms"]) for one in messages if one.get("error")]
+        sized = [(message["time_s"], message["error"]["rms"]) for message in messages if message.get("error")]
         self._error.data = {
             "time": [time for time, _ in sized],
             **{end: [_percent(size[end]) for _, size in sized] for end in ("value", "low", "high")},
         }
-        damped = [one for one in messages if one.get("net_damping_ratio") is not None]
-        self._damping.data = {
-            "time": [one["time_s"] for one in damped],
-            "ratio": [_percent(one["net_damping_ratio"]) for one in damped],
-        }
+        damped = [
+            (message["time_s"], PERCENT * message["net_damping_ratio"])
+            for message in messages
+            if message.get("net_damping_ratio") is not None
+        ]
+        self._damping.data = {"time": [time for time, _ in damped], "ratio": [ratio for _, ratio in damped]}
         self._bound.location = PERCENT * threshold
         latest = [_percent(size["high"]) for _, size in sized[len(sized) // 2 :] if size["high"] is not None]
+        self._above.x_range.end = max(10.0, messages[-1]["time_s"])
         self._above.y_range.end = 1.2 * max([PERCENT * threshold, *latest])
+        ratios = [ratio for _, ratio in damped[len(damped) // 2 :]]
+        self._below.y_range.update(start=min([0.0, *ratios]) - 0.2, end=1.2 * max([1.0, *ratios]))
 
 
 def _percent(value: float | None) -> float:

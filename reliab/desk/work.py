@@ -17,7 +17,7 @@ from reliab.desk.jobs import Tell
 from reliab.errors import InputError
 from reliab.files import write_json_file
 from reliab.progress import show_task
-from reliab.recordings import read_test, read_tests
+from reliab.recordings import read_tests
 from reliab.report import Column, Document, Figure, Points, Table, write_pdf
 from reliab.report.figures import ranked_tests
 from reliab.significant import percent, percent_with_interval, significant
@@ -56,11 +56,11 @@ class Look:
 
 def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `reliab.record`
     """Recognise the channels of a test; a file whose channels cannot be told still lists its columns."""
-    tests = [columns.test for columns in read_tests(path)]
-    several = len(tests) > 1
-    name = arguments.get("test_name") or (tests[0] if several else None)
-    columns = tuple(read_test(path, name).series)
-    listed = Look(columns=columns, tests=tuple(tests) if several else ())
+    by_name = {columns.test: tuple(columns.series) for columns in read_tests(path)}
+    several = len(by_name) > 1
+    first = next(iter(by_name))
+    name = arguments.get("test_name") or (first if several else None)
+    listed = Look(columns=by_name.get(name or first, ()), tests=tuple(by_name) if several else ())
     try:
         record = api.record(path, **{**arguments, "test_name": name})
     except InputError as error:

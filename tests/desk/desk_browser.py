@@ -57,6 +57,10 @@ class DeskBrowser:
     def press(self, name):
         button = next(button for button in self.elements("button") if button.text.strip() == name)
         self.chrome.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        places = [{}]
+        while places[-1] != button.rect:  # until what was just shown above it has its room
+            places.append(button.rect)
+            time.sleep(0.2)
         button.click()
 
     def field(self, label, kind="input"):

@@ -98,6 +98,7 @@ class JudgePage(Page):
         """Lay out the form, what was recognised, and the verdict."""
         memory = self.memory
         self._channels = pn.Column(sizing_mode="stretch_width")
+        self._file, self._menus = html(), ("", (), ())
         self._looked = pn.Column(sizing_mode="stretch_width")
         self._lines = pn.Column(sizing_mode="stretch_width")
         self._verdict = VerdictView()
@@ -219,15 +220,21 @@ class JudgePage(Page):
             html(listed(look.notes)),
             draw_traces(look.traces),
         ]
+        values = self.memory.values
+        text = channels_toml(corrections_of(values))
+        self._file.object = (
+            f"<p class='hint'>As channels.toml:</p><code>{escape(text)}</code>" if text else ""
+        )
+        menus = (str(self.memory.files[0]), look.columns, look.tests)
+        if menus == self._menus:  # a menu that is in use stays as it is
+            return
+        self._menus = menus
         widgets = self._corrections(look)
         for widget in widgets:
             widget.param.watch(lambda _event: self.attempt(self._look), "value")
-        values = self.memory.values
-        opened = bool(look.refusal or corrections_of(values) or values.get("rate") or look.tests)
+        opened = bool(look.refusal or text or values.get("rate") or look.tests)
         hint = html("<p class='hint'>Choose what a column is; the drawing follows.</p>")
-        text = channels_toml(corrections_of(values))
-        file = [html(f"<p class='hint'>As channels.toml:</p><code>{escape(text)}</code>")] if text else []
-        self._channels[:] = [folded("Correct what was recognised", hint, *widgets, *file, opened=opened)]
+        self._channels[:] = [folded("Correct what was recognised", hint, *widgets, self._file, opened=opened)]
 
     def _corrections(self, look: Look) -> list[Any]:
         """Menus for the test, the column, unit and sign of each channel, and the rate."""
