@@ -9,7 +9,7 @@ from bokeh.models import BoxAnnotation, ColumnDataSource, Label, Span
 from bokeh.plotting import figure
 
 from reliab.arrays import Array
-from reliab.desk.work import Judgement, Trace
+from reliab.desk.work import Mark, Trace
 from reliab.vocabulary import PERCENT
 
 BLUE, RED, INK = "#0b5a94", "#a3320b", "#202020"
@@ -48,18 +48,17 @@ def draw_traces(traces: Sequence[Trace]) -> pn.Column:
     return pn.Column(*map(pn.pane.Bokeh, places), sizing_mode="stretch_width")
 
 
-def draw_error(judgement: Judgement) -> pn.pane.Bokeh:
-    """Draw the error over time with its band, the threshold, and where the recording is faulty."""
+def draw_error(
+    histories: tuple[Array, Array, Array, Array], bound: float, marks: Sequence[Mark]
+) -> pn.pane.Bokeh:
+    """Draw time, error and ends of its band, the threshold, and where the recording is faulty."""
+    time, error, low, high = histories
     place = _blank(260, "Time [s]", "Error [mm]")
-    place.varea(
-        judgement.time, judgement.low, judgement.high, color=BLUE, alpha=0.25, legend_label="90 % band"
-    )
-    place.line(judgement.time, judgement.error, color=BLUE, legend_label="error")
+    place.varea(time, low, high, color=BLUE, alpha=0.25, legend_label="90 % band")
+    place.line(time, error, color=BLUE, legend_label="error")
     for sign in (-1.0, 1.0):
-        place.add_layout(
-            Span(location=sign * judgement.bound, dimension="width", line_dash="dashed", line_color=INK)
-        )
-    for mark in judgement.marks:
+        place.add_layout(Span(location=sign * bound, dimension="width", line_dash="dashed", line_color=INK))
+    for mark in marks:
         place.add_layout(BoxAnnotation(left=mark.begin, right=mark.end, fill_color=RED, fill_alpha=0.2))
     note = "measured minus exact displacement; dashed: threshold times the peak of the exact response"
     place.add_layout(Label(x=8, y=4, x_units="screen", y_units="screen", text=note, text_font_size="11px"))

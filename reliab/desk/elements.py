@@ -4,16 +4,19 @@ import json
 from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import panel as pn
 import param
+from panel.custom import JSComponent
 
 from reliab.desk.jobs import Job
 from reliab.desk.memory import PageMemory
-from reliab.desk.slider import WEB
 from reliab.file_limits import LIMITS
 from reliab.significant import percent
+
+WEB: Final = Path(__file__).parent / "web"
+"""Style, scripts and template."""
 
 _CSS: Final = (WEB / "parts.css").read_text(encoding="utf-8")
 _MEGABYTE: Final = 1e6
@@ -35,6 +38,21 @@ KNOWING: Final = (
     "behind ±, as one standard deviation: <b>1±0.01</b>. If you leave the ± out, a typical uncertainty is "
     "used.</p></details>"
 )
+
+
+class Slider(JSComponent):  # type: ignore[misc]  # Panel is read without its types
+    """The browser's own range input, which has a name and which keyboards move; shown times a factor."""
+
+    title = param.String(default="")
+    value = param.Number(default=0.0)
+    start = param.Number(default=0.0)
+    end = param.Number(default=1.0)
+    step = param.Number(default=0.1)
+    factor = param.Number(default=1.0)
+    unit = param.String(default="")
+
+    _esm = WEB / "slider.js"
+    _stylesheets: ClassVar[list[str]] = [_CSS]
 
 
 def html(text: str = "") -> pn.pane.HTML:

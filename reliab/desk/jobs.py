@@ -158,14 +158,10 @@ class Jobs:
 
 
 def _take_message(job: Job, kind: str, content: Any) -> None:  # noqa: ANN401 - of many kinds
-    match kind:
-        case "progress":
-            job.task, job.progress = content
-        case "news":
-            job.news.append(content)
-        case "finished":
-            job.outcome = content
-        case "refused":
-            job.refusal = content
-    if kind in ("finished", "refused") and not job.is_over:
+    if kind == "progress":
+        job.task, job.progress = content
+    elif kind == "news":
+        job.news.append(content)
+    elif not job.is_over:
+        setattr(job, "outcome" if kind == "finished" else "refusal", content)
         job.state = kind

@@ -10,13 +10,13 @@ import panel as pn
 from panel.io.server import get_server
 from tornado.web import RedirectHandler
 
+from reliab.desk.elements import WEB
 from reliab.desk.folder import DeskFolder
 from reliab.desk.guard import Guard, new_token
 from reliab.desk.jobs import Jobs
 from reliab.desk.memory import Memories, PageMemory
 from reliab.desk.page import REFRESH, Desk, Page
 from reliab.desk.pages import PAGES
-from reliab.desk.slider import WEB
 from reliab.errors import InputError
 
 ADDRESS: Final = "127.0.0.1"
@@ -34,23 +34,10 @@ def serve_desk(
 ) -> None:
     """Serve the desk until it is interrupted.
 
-    Parameters
-    ----------
-    folder : str or pathlib.Path, optional
-        Folder whose tests, rigs and campaigns are offered; all that the desk writes lies in it.
-    port : int, optional
-        Port of the loopback address; any that is free by default.
-    browser : bool, optional
-        Whether to open the browser.
-    say : callable, optional
-        Takes the address, once the desk answers.
-    in_options : callable, optional
-        Writes the arguments that a message names as whoever started the desk calls them.
-
-    Raises
-    ------
-    InputError
-        If the folder is not there or not writable, or the port is taken.
+    `folder`: whose tests, rigs and campaigns are offered; all that the desk writes lies in it. `port`: any
+    that is free by default. `say` takes the address, once the desk answers; `in_options` writes the arguments
+    that a message names as whoever started the desk calls them. Raises InputError if the folder is not there
+    or not writable, or the port is taken.
     """
     place = DeskFolder.opened(folder)
     jobs = Jobs(str(place.work))
@@ -79,7 +66,7 @@ def _free_port() -> int:
 def _server(desk: Desk, token: str, port: int) -> Any:  # noqa: ANN401 - Panel carries no types
     pn.extension("filedropper", sizing_mode="stretch_width", notifications=False)
     host, memories = f"{ADDRESS}:{port}", Memories()
-    pages = {page.name: _opener(page, desk, memories, host) for page in PAGES}
+    pages = {page.name: lambda page=page: _open_page(page, desk, memories, host) for page in PAGES}
     try:
         server = get_server(
             pages,
@@ -103,15 +90,6 @@ def _server(desk: Desk, token: str, port: int) -> Any:  # noqa: ANN401 - Panel c
         ) from error
     server._http.request_callback = Guard(server._tornado, token=token, hosts=frozenset({host}))  # noqa: SLF001
     return server
-
-
-def _opener(page: type[Page], desk: Desk, memories: Memories, host: str) -> Callable[[], pn.Template]:
-    """Return a function, as which alone Panel takes a page."""
-
-    def open_page() -> pn.Template:
-        return _open_page(page, desk, memories, host)
-
-    return open_page
 
 
 def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> pn.Template:

@@ -65,22 +65,19 @@ class VerdictView:
         """Show the verdict."""
         content = judgement.content
         parts = [html(verdict_html(content) + interval_html(content)), self._files]
-        doubts = [
-            *content["error"].get("contradictions", ()),
-            *(fault["finding"] for fault in content.get("faults", ())),
-        ]
-        if doubts:
-            texts = [text if isinstance(text, str) else str(text.get("finding", text)) for text in doubts]
-            parts.append(
-                html(f'<h2>What contradicts</h2><div class="warning">{listed(dict.fromkeys(texts))}</div>')
-            )
-        if judgement.time.size:
+        if judgement.contradictions:
+            sentences = listed(dict.fromkeys(judgement.contradictions))
+            parts.append(html(f'<h2>What contradicts</h2><div class="warning">{sentences}</div>'))
+        if judgement.histories is not None:
             places = "".join(
                 f"<li>{mark.begin:.2f} to {mark.end:.2f} s: {escape(mark.finding)}</li>"
                 for mark in judgement.marks
             )
             shaded = f"<p>Shaded in red:</p><ul>{places}</ul>" if places else ""
-            parts += [html(f"<h2>The error over the test</h2>{shaded}"), draw_error(judgement)]
+            parts += [
+                html(f"<h2>The error over the test</h2>{shaded}"),
+                draw_error(judgement.histories, judgement.bound, judgement.marks),
+            ]
         parts += self._contributions(content)
         warnings = [text for text in content["warnings"] if text not in content["reasons"]]
         if warnings:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import chdir
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -11,7 +11,7 @@ import numpy as np
 
 from reliab import api
 from reliab.arrays import Array
-from reliab.assessment import Assessment, ErrorOfTest
+from reliab.assessment import Assessment, CoupledAssessment, ErrorOfTest
 from reliab.desk.document_html import document_html
 from reliab.desk.jobs import Tell
 from reliab.errors import InputError
@@ -24,7 +24,7 @@ from reliab.significant import percent, percent_with_interval, significant
 from reliab.vocabulary import MILLI
 
 if TYPE_CHECKING:
-    from reliab.assessment import Comparison, CoupledAssessment, FrameAssessment
+    from reliab.assessment import Comparison, FrameAssessment
 
     AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
 
@@ -120,12 +120,11 @@ class Judgement:
     """The verdict on a test as its page shows it."""
 
     content: Mapping[str, Any]  # As of `reliab assess --json`
-    time: Array = field(default_factory=lambda: np.zeros(0))  # s
-    error: Array = field(default_factory=lambda: np.zeros(0))  # error, low, high: mm
-    low: Array = field(default_factory=lambda: np.zeros(0))
-    high: Array = field(default_factory=lambda: np.zeros(0))
+    # time [s], error, low, high [mm]; None where several displacements have errors
+    histories: tuple[Array, Array, Array, Array] | None = None
     bound: float = 0.0  # Threshold times the peak of the exact response [mm]
     marks: tuple[Mark, ...] = ()
+    contradictions: tuple[str, ...] = ()  # Sentences
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,22 +145,28 @@ def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> F
 
 def judgement_of(assessment: "AnyAssessment") -> Judgement:
     """Take what a page shows from an assessment."""
+    plain = Judgement(content=assessment.to_dict(), contradictions=tuple(_contradictions(assessment)))
     if not isinstance(assessment.error, ErrorOfTest):
-        return Judgement(content=assessment.to_dict())
+        return plain
     rebuilt = assessment.error.rebuilt
     time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
-    histories = thinned(
-        time, *(MILLI * values for values in (rebuilt.smooth_error, rebuilt.low, rebuilt.high))
-    )
-    return Judgement(
-        content=assessment.to_dict(),
-        time=histories[0],
-        error=histories[1],
-        low=histories[2],
-        high=histories[3],
+    histories = (rebuilt.smooth_error, rebuilt.low, rebuilt.high)
+    drawn = thinned(time, *(MILLI * history for history in histories))
+    return replace(
+        plain,
+        histories=(drawn[0], drawn[1], drawn[2], drawn[3]),
         bound=MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max()),
         marks=tuple(_marks(assessment)),
     )
+
+
+def _contradictions(assessment: "AnyAssessment") -> Iterator[str]:
+    """Say what in the recording contradicts what is stated, or is faulty."""
+    content = assessment.to_dict()
+    yield from content["error"].get("contradictions", ())
+    if not isinstance(assessment, CoupledAssessment):
+        yield from (contradiction.finding for contradiction in assessment.contradictions)
+    yield from (fault["finding"] for fault in content.get("faults", ()))
 
 
 def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
@@ -281,13 +286,10 @@ def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
 
 
 def points_of_rig(rig: str) -> list[tuple[str, float, float]]:
-    """List the tests of a rig with A [-] and d [ms]."""
+    """List the tests of a rig with A [-] and d [ms]; those without are left out."""
     rows = api.list_rig(rig).to_dict()["tests"]
-    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in rows if _has_numbers(row)]
-
-
-def _has_numbers(row: Mapping[str, Any]) -> bool:
-    return all(row.get(name) is not None and np.isfinite(float(row[name])) for name in ("A", "d_ms"))
+    tracked = (row for row in rows if None not in (row.get("A"), row.get("d_ms")))
+    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in tracked]
 
 
 def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:

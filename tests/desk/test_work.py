@@ -4,9 +4,12 @@ import json
 from pathlib import Path
 
 import layouts
+import numpy as np
+import pandas as pd
 import pytest
 
 from reliab.cli import run
+from reliab.desk.verdict_view import interval_html
 from reliab.desk.work import compare, judge, look_at, points_of_rig
 from reliab.errors import InputError
 from reliab.shipped import shipped
@@ -79,3 +82,17 @@ def test_the_tests_of_a_rig_are_points_with_amplitude_and_delay():
     points = points_of_rig(str(shipped("datasets", "sample_rig")))
     assert len(points) == 126
     assert all(0.9 < amplitude < 1.1 and 0.0 < delay < 5.0 for _, amplitude, delay in points)
+
+
+def test_a_frame_takes_the_place_of_f_and_xi_and_its_verdict_is_shown(folder, tmp_path):
+    frame = shipped("datasets", "frames/two_actuators.toml")
+    time = np.arange(0.0, 20.0, 1.0 / 128.0)
+    moved = {f"command_{k}_m": 0.01 * np.sin((3.0 + k) * time) * np.sin(0.15 * time) ** 2 for k in (1, 2)}
+    late = {name.replace("command", "measured"): np.roll(values, 1) for name, values in moved.items()}
+    path = tmp_path / "two.csv"
+    pd.DataFrame({"time_s": time, **moved, **late}).to_csv(path, index=False)
+    news = []
+    filed = judge(str(path), str(folder.new_place()), {"structure": str(frame)}, news.append)
+    assert len(news[0].content["error"]["degrees_of_freedom"]) == 2
+    assert interval_html(news[0].content) != ""
+    assert "Report (PDF)" in filed.files

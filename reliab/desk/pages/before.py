@@ -8,67 +8,24 @@ import panel as pn
 
 from reliab.assessment import boundaries_of_motions, tolerable_sides
 from reliab.desk.drawings import RegionDrawing
-from reliab.desk.elements import METRICS, choice, copyable, dropper, html, refusal
+from reliab.desk.elements import METRICS, Slider, choice, copyable, dropper, html, refusal
 from reliab.desk.jobs import Job
 from reliab.desk.page import Page
 from reliab.desk.pages.rig import offer_rigs, path_of_rig
 from reliab.desk.questions import command_line
-from reliab.desk.slider import Slider
 from reliab.desk.work import points_of_rig, trace_motion
 from reliab.errors import InputError
 from reliab.significant import percent, significant
 
-_IN_PERCENT = {"factor": 100.0, "unit": "%"}
-_SLIDERS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "f": {
-        "title": "Natural frequency f",
-        "start": 0.25,
-        "end": 5.0,
-        "step": 0.01,
-        "value": 1.0,
-        "unit": "Hz",
-    },
-    "xi": {
-        "title": "Damping ratio ξ",
-        "start": 0.01,
-        "end": 0.1,
-        "step": 0.001,
-        "value": 0.02,
-        **_IN_PERCENT,
-    },
-    "alpha": {
-        "title": "Share of the stiffness in the laboratory α",
-        "start": 0.1,
-        "end": 1.0,
-        "step": 0.05,
-        "value": 1.0,
-    },
-    "threshold": {
-        "title": "Largest error of a good test",
-        "start": 0.01,
-        "end": 0.2,
-        "step": 0.005,
-        "value": 0.05,
-        **_IN_PERCENT,
-    },
-    "confidence": {
-        "title": "Share of ground motions",
-        "start": 0.5,
-        "end": 0.99,
-        "step": 0.01,
-        "value": 0.95,
-        **_IN_PERCENT,
-    },
-    "duration": {
-        "title": "Length of the record (0 for any)",
-        "start": 0.0,
-        "end": 90.0,
-        "step": 5.0,
-        "value": 0.0,
-        "unit": "s",
-    },
+_SETTINGS: Final = ("title", "start", "end", "step", "value", "factor", "unit")
+_SLIDERS: Final[Mapping[str, tuple[str | float, ...]]] = {
+    "f": ("Natural frequency f", 0.25, 5.0, 0.01, 1.0, 1.0, "Hz"),
+    "xi": ("Damping ratio ξ", 0.01, 0.1, 0.001, 0.02, 100.0, "%"),
+    "alpha": ("Share of the stiffness in the laboratory α", 0.1, 1.0, 0.05, 1.0, 1.0, ""),
+    "threshold": ("Largest error of a good test", 0.01, 0.2, 0.005, 0.05, 100.0, "%"),
+    "confidence": ("Share of ground motions", 0.5, 0.99, 0.01, 0.95, 100.0, "%"),
+    "duration": ("Length of the record (0 for any)", 0.0, 90.0, 5.0, 0.0, 1.0, "s"),
 }
-"""Settings of the sliders, by the argument that each of them is."""
 
 
 class BeforePage(Page):
@@ -85,7 +42,8 @@ class BeforePage(Page):
         self._limits, self._drawing = html(), RegionDrawing()
         self._line = pn.Column(sizing_mode="stretch_width")
         sliders = []
-        for name, settings in _SLIDERS.items():
+        for name, values in _SLIDERS.items():
+            settings = dict(zip(_SETTINGS, values, strict=True))
             value = memory.values.setdefault(name, settings["value"])
             slider = Slider(**{**settings, "value": value}, sizing_mode="stretch_width")
             slider.param.watch(lambda event, name=name: self._move(name, event.new), "value")

@@ -5,6 +5,7 @@ from html import escape
 from pathlib import Path
 from typing import Any, Final
 
+import pandas as pd
 import panel as pn
 
 from reliab.desk.drawings import draw_traces
@@ -65,25 +66,12 @@ def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 def channels_html(look: Look) -> str:
     """Tabulate the recognised channels, and why each was recognised."""
-    rows = "".join(
-        "<tr>"
-        + "".join(
-            f"<td>{escape(text)}</td>"
-            for text in (
-                *(channel["channel"], channel["column"], channel["unit"] or "no unit", channel["reason"]),
-                "; ".join(channel["applied"]),
-            )
-        )
-        + "</tr>"
-        for channel in look.channels
-    )
-    names = ("Channel", "Column", "Unit", "Recognised by", "Applied")
-    heads = "".join(f'<th scope="col">{name}</th>' for name in names)
+    columns = {"channel": "Channel", "column": "Column", "unit": "Unit", "reason": "Recognised by"}
+    table = pd.DataFrame(look.channels)[[*columns, "applied"]].rename(columns=columns)
+    table["Applied"] = table.pop("applied").map("; ".join)
     rate = f"<p>{look.rate:.5g} samples a second</p>" if look.rate else ""
-    return (
-        f"{rate}<div class='wide' tabindex='0' role='group' aria-label='Channels'><table><thead><tr>{heads}"
-        f"</tr></thead><tbody>{rows}</tbody></table></div>"
-    )
+    rows = table.to_html(index=False, border=0, escape=True)
+    return f"{rate}<div class='wide' tabindex='0' role='group' aria-label='Channels'>{rows}</div>"
 
 
 class JudgePage(Page):

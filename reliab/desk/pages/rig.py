@@ -7,7 +7,6 @@ from reliab.desk.filed_page import FiledPage
 from reliab.desk.page import Page
 from reliab.desk.questions import filled, number
 from reliab.desk.work import show_rig
-from reliab.errors import InputError
 from reliab.shipped import shipped
 
 _SAMPLE = "the rig that comes with reliab"
@@ -60,7 +59,4 @@ class RigPage(FiledPage):
         arguments = filled({name: self.memory.values.get(name) for name in ("f", "xi", "alpha", "threshold")})
         if "threshold" in arguments:
             arguments["threshold"] = number(arguments["threshold"], "threshold")
-        rig = path_of_rig(self)
-        if not rig:
-            raise InputError("A rig must be chosen", value="none", remedy="Choose one")
-        self.ask(show_rig, rig=rig, arguments=arguments)
+        self.ask(show_rig, rig=path_of_rig(self), arguments=arguments)
