@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _SLAB = 1 << 26  # bytes that are read at once
 _MOST_REFERENCES = 100_000
+_LARGEST_RATIO = 1100  # of declared to stored bytes; deflate packs zeros to 1/1032
 
 
 def _read(path: str) -> None:
@@ -58,6 +59,8 @@ def _contents(file: "h5py.File", item: "h5py.Dataset") -> "Iterator[h5py.HLObjec
 
     if item.is_virtual or item.external:
         return
+    if item.nbytes > _SLAB + _LARGEST_RATIO * item.id.get_storage_size():
+        return  # more than it can hold, which its readers refuse
     rows = max(_SLAB // max(item.nbytes // max(len(item), 1), 1), 1) if item.shape else 1
     refers = h5py.check_ref_dtype(item.dtype) is not None
     for begin in range(0, len(item), rows) if item.shape else ():

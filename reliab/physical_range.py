@@ -60,7 +60,7 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
         unit="Hz", lowest=0.01, highest=1e4, remedy="Give the frequency of the whole structure in hertz"
     ),
     "damping ratio": PhysicalRange(
-        lowest=1e-6,
+        lowest=1e-12,
         below=1.0,
         remedy="Give a fraction of critical damping, 0.02 for 2 %",
     ),
@@ -100,10 +100,13 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
     "probability": PhysicalRange(highest=1.0, remedy="Give a share of 1, 0.2 for 20 %"),
     "sampling rate": PhysicalRange(unit="Hz", lowest=1e-3, highest=1e9, remedy="Give samples in a second"),
     "time step": PhysicalRange(
-        unit="s", lowest=1e-9, highest=1e3, remedy="Check the unit of the times, or of the sampling rate"
+        unit="s",
+        lowest=1e-6,
+        highest=1e3,
+        remedy="Write the unit of the times behind their name, as in time [d], or correct the rate",
     ),
-    "error threshold": PhysicalRange(  # at most of a response in opposite phase
-        lowest=1e-9, highest=2.0, remedy="Give a fraction, 0.05 for 5 %"
+    "error threshold": PhysicalRange(  # 2 is that of a response in opposite phase
+        highest=2.0, remedy="Give a fraction, 0.05 for 5 %"
     ),
     "number": PhysicalRange(),
 }

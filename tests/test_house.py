@@ -8,7 +8,6 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator
-from doctest import DocTestParser
 from functools import cache
 from pathlib import Path
 
@@ -22,59 +21,6 @@ STUDIES = PACKAGE.parent / "studies"
 TESTS = Path(__file__).parent
 LINES_OF_A_MODULE = 500
 LINES_OF_A_FUNCTION = 40
-VAGUE = frozenset(
-    [
-        "found",
-        "each",
-        "one",
-        "made",
-        "told",
-        "apart",
-        "left",
-        "there",
-        "own",
-        "other",
-        "chosen",
-        "known",
-        "stated",
-        "kept",
-        "rest",
-        "part",
-        "given",
-        "asked",
-        "taken",
-        "wanted",
-        "named",
-        "done",
-        "thing",
-        "stuff",
-        "of",
-        "shown",
-        "seen",
-        "said",
-    ]
-)
-"""Words that name no thing of the field when they stand alone: what remains to ask is "which?".
-
-The first ten were refused first; the others came in their place."""
-
-SHARE_OF_VAGUE_NAMES = 0.002
-"""Largest share of the names of a room that may be such words."""
-
-MORE_VAGUE_NAMES = {
-    "beside the rooms": 0.016,
-    "api": 0.031,
-    "assessment": 0.016,
-    "cli": 0.044,
-    "criterion": 0.016,
-    "indices": 0.012,
-    "motions": 0.007,
-    "recordings": 0.02,
-    "validation": 0.015,
-    "tests": 0.029,
-}
-"""Rooms that are not there yet, with the share that they may have; it is only ever lowered."""
-
 LONG_FUNCTIONS = {
     "assessment/measured_specimen/elements.py:_advance": "compiled: one branch for each kind of element",
     "simulation/hybrid_test/closed_loop.py:march": "one compiled loop",
@@ -111,23 +57,6 @@ def lines_of_body(path: Path, function: ast.FunctionDef) -> int:
     return sum(bool(line) and not line.startswith("#") for line in code)
 
 
-def named_values(path: Path) -> Iterator[tuple[str, int]]:
-    """Yield every name that a module gives to a value, a parameter, a function or a class, with its line."""
-    for node in nodes(path):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            yield node.id, node.lineno
-        elif isinstance(node, ast.arg):
-            yield node.arg, node.lineno
-        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
-            yield node.name, node.lineno
-
-
-def names_a_side(path: Path, name: str) -> bool:
-    """Tell whether `left` stands beside `right`, or `other` is the operand that Python calls so."""
-    partner = {"left": "right", "other": "__eq__"}.get(name.strip("_").lower(), "")
-    return any(partner == word.strip("_").lower() or partner == word for word, _ in named_values(path))
-
-
 @cache
 def uses() -> Counter[str]:
     """Count how often each name is read anywhere in the package and its studies, not only imported."""
@@ -156,30 +85,6 @@ def test_functions_are_short():
     assert long == set(LONG_FUNCTIONS)
 
 
-def named_in_examples(path: Path) -> Iterator[tuple[str, int]]:
-    """Yield the names to which the examples in the docstrings of a module give values, with their lines."""
-    lines = source(path)[0]
-    examples = DocTestParser().get_examples("\n".join(lines)) if any(">>>" in line for line in lines) else ()
-    for example in examples:
-        for node in ast.walk(ast.parse(example.source)):
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                yield node.id, example.lineno + node.lineno
-
-
-def names_by_room() -> dict[str, list[tuple[str, bool]]]:
-    """Return every name with its place and whether it is vague, by room; studies and tests are rooms here."""
-    rooms: dict[str, list[tuple[str, bool]]] = {}
-    for top in (PACKAGE, STUDIES, TESTS):
-        for path in sorted(top.rglob("*.py")):
-            inside = path.relative_to(top).parts
-            room = top.name if top != PACKAGE else inside[0] if inside[1:] else "beside the rooms"
-            in_examples = named_in_examples(path) if top != TESTS else ()
-            for name, line in (*named_values(path), *in_examples):
-                vague = name.strip("_").lower() in VAGUE and not names_a_side(path, name)
-                rooms.setdefault(room, []).append((f"{path.relative_to(top.parent)}:{line} {name}", vague))
-    return rooms
-
-
 def test_a_function_says_what_it_does():
     """A function called `of` leaves it to its reader to find out what is made of what."""
     files = [path for top in (PACKAGE, STUDIES, TESTS) for path in top.rglob("*.py")]
@@ -191,17 +96,6 @@ def test_a_function_says_what_it_does():
         or (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "of")
     }
     assert silent == set()
-
-
-def test_names_are_nouns_of_the_field():
-    """The share of vague names in a room stays below its limit; the message counts and lists them."""
-    beyond = []
-    for room, names in names_by_room().items():
-        vague = [place for place, is_vague in names if is_vague]
-        if len(vague) > MORE_VAGUE_NAMES.get(room, SHARE_OF_VAGUE_NAMES) * len(names):
-            share = len(vague) / len(names)
-            beyond.append("\n  ".join([f"{room}: {len(vague)} of {len(names)} ({share:.2%})", *vague]))
-    assert not beyond, "\n".join(beyond)
 
 
 COMMANDS = {command.callback.__name__ for command in application().registered_commands}

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from reliab import sweep
+from reliab.sweep import measure_responses
 from reliab.api.sources import EllipseSource, Files, paths
 from reliab.criterion import (
     Weights,
@@ -86,7 +86,7 @@ class Case:
         }
         if self.motion is not None:
             with show("Measuring responses") as progress:
-                response = sweep.measure_responses(
+                response = measure_responses(
                     load_motions(self.motion)[:1], **_structures(places), progress=progress
                 )
             return carry_to_response(population, self._measures(population, source, show), response)
@@ -133,7 +133,7 @@ class Case:
             motions = [motion for motion in suite if motion.name in behind]
             places = {name: population[name].values.tolist() for name in ("f", "xi")}
             with show("Measuring responses of the population") as progress:
-                return sweep.measure_responses(motions, **_structures(places), progress=progress)
+                return measure_responses(motions, **_structures(places), progress=progress)
         if POPULATION not in {str(source.ellipses), str(source.results)}:
             raise InputError(
                 "A criterion can be transferred to a record only from motions whose responses are known",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from reliab import sweep
+from reliab.sweep import errors_of_rig, limits_of_coupling, summary_of_rig
 from reliab.api.cases import POPULATION, Case
 from reliab.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
 from reliab.api.sources import (
@@ -40,7 +40,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly
 from reliab.significant import percent
-from reliab.simulation import frames
+from reliab.simulation.frames import read_structure
 from reliab.sweep import Names, Numbers, at_share, shares_of
 from reliab.vocabulary import Metric
 
@@ -371,13 +371,13 @@ class _Question:
         structure = self.of_source["structure"]
         if structure is None:
             return {}
-        frame, source, found = frames.read_structure(structure), self.source(), {}
+        frame, source, found = read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
         if frame.several and self.of_source["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
-                limits = sweep.limits_of_coupling(
+                limits = limits_of_coupling(
                     frame,
                     suite,
                     threshold=threshold,
@@ -388,8 +388,8 @@ class _Question:
             found["cross_coupling"] = _coupling(limits, threshold, (self.confidences or [_NINETY_FIVE])[0])
         if frame.transfer_system is not None:
             with self.show("Testing the rig") as progress:
-                tried = sweep.errors_of_rig(frame, suite, window=window, progress=progress)
-            found["rig"] = sweep.summary_of_rig(tried, self.metric, threshold)
+                tried = errors_of_rig(frame, suite, window=window, progress=progress)
+            found["rig"] = summary_of_rig(tried, self.metric, threshold)
         return found
 
 

@@ -241,7 +241,7 @@ def draw_criteria(
     show: Show,
 ) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
-    from reliab.report.style import FigureWarning
+    from reliab.report import FigureWarning
 
     held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
     if missing := [f"f = {f:g} Hz, ξ = {xi:g}" for f, xi in structures if (f, xi) not in held]:

@@ -35,7 +35,6 @@ from reliab.assessment.measured_specimen import ForceChannel, MeasuredMonitor, S
 from reliab.assessment.rebuilt_error import DRAWS, FALSE_ALARMS, FALSE_ERROR_ALARMS, Monitor
 from reliab.encodings import pieces_as_utf8
 from reliab.files import written_whole
-from reliab.physical_range import require_physical
 from reliab.recordings import (
     Rows,
     StatedChannels,
@@ -153,7 +152,6 @@ class FollowedTest:
         `rate` [Hz].
         """
         step, rows = step_of_rows(self._with_header(rows), rate)
-        require_physical("time step", step)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)

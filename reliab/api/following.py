@@ -142,11 +142,7 @@ def follow_test(
     """
     force_channel = None if force_channel is None else list(force_channel)
     as_assessed = _for_assess(locals())
-    stated_threshold(threshold)
-    if rate is not None:
-        require_physical("sampling rate", rate, called="value of `rate`")
-    for name, seconds in {"every": every, "wait": wait, "start_within": start_within}.items():
-        require_physical("number", seconds, called=f"value of `{name}`", remedy="Give it in seconds")
+    _require_clock(rate, every=every, wait=wait, start_within=start_within)
     columns = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = stated_by_options(channels, columns, units, rate)
@@ -184,6 +180,14 @@ def follow_test(
         every=every,
     )
     return watch.follow(rows, laboratory.rate_hz)
+
+
+def _require_clock(rate: float | None, **seconds: float) -> None:
+    """Refuse a rate or a time that no test has."""
+    if rate is not None:
+        require_physical("sampling rate", rate, called="value of `rate`")
+    for name, value in seconds.items():
+        require_physical("number", value, called=f"value of `{name}`", remedy="Give it in seconds")
 
 
 def _for_assess(arguments: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from reliab import sweep
+from reliab.sweep import FrameRequest, open_results, stored_results, trace_frame_ellipses
 from reliab.api.arguments import stated_threshold
 from reliab.criterion import carry_to_share, read_ellipses
 from reliab.errors import InputError
@@ -17,7 +17,7 @@ from reliab.indices import Window
 from reliab.motions import load_motions
 from reliab.progress import Show, quietly, silent
 from reliab.shipped import or_shipped
-from reliab.simulation import frames
+from reliab.simulation.frames import read_structure
 from reliab.sweep import Numbers, at_share, for_each_share, open_ellipses, several, shares_of
 from reliab.vocabulary import SHARE_ATTRIBUTE, Metric
 
@@ -163,8 +163,8 @@ class EllipseSource:
 
     def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
-        stored = sweep.open_results(
-            sweep.stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
+        stored = open_results(
+            stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
             traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
@@ -181,8 +181,8 @@ class EllipseSource:
                 value=f"`structure` with {', '.join(given)}",
                 remedy="Leave them out",
             )
-        request = sweep.FrameRequest(
-            frame=frames.read_structure(path),
+        request = FrameRequest(
+            frame=read_structure(path),
             actuator=self.actuator,
             thresholds=self._thresholds,
             metrics=(Metric(self.metric),),
@@ -190,7 +190,7 @@ class EllipseSource:
         )
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Tracing boundaries") as progress:
-            return sweep.trace_frame_ellipses(suite, request, progress=progress)
+            return trace_frame_ellipses(suite, request, progress=progress)
 
 
 def require_thresholds(threshold: Numbers | None) -> None:

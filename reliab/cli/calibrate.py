@@ -36,9 +36,9 @@ class CalibrateDemand(ReadsTests):
 @takes(CalibrateDemand)
 def calibrate(demand: CalibrateDemand) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
-    from reliab import api
+    from reliab.api import calibrate as api_calibrate
 
-    calibration = demand.ask(api.calibrate, "json_target")
+    calibration = demand.ask(api_calibrate, "json_target")
     if not write_json(calibration.to_dict(), demand.json_target):
         _show(calibration)
         say(*(f"Note: {demand.in_options(note)}" for note in calibration.notes))

@@ -46,27 +46,27 @@ class CompareDemand(options.JudgesTests, options.ReadsTests):
 @takes(CompareDemand)
 def compare(demand: CompareDemand) -> None:
     """Rank tests, the one whose error is probably smallest first, and say how certain their order is."""
-    from reliab import api
+    from reliab.api import assess, compare_assessments, draw_chart, write_tests
 
     files = options.files_of(demand.tests, demand.out)
     with progress_bar("tests") as progress:
         verdicts: Any = demand.ask(
-            api.assess,
+            assess,
             *("tests", "out", "figure", "json_target"),
             test=files[0] if len(files) == 1 and demand.test_name == "all" else files,
             f=options.only_value(demand.f, "f"),
             confidence=options.only_value(demand.confidence, "confidence"),
             progress=progress,
         )
-    comparison = api.compare_assessments(verdicts)
+    comparison = compare_assessments(verdicts)
     if demand.out is not None:
-        api.write_tests(comparison, demand.out)
+        write_tests(comparison, demand.out)
     content = comparison.to_dict()
     content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, demand.json_target):
         _show(content)
     if demand.figure is not None:
-        api.draw_chart(comparison, demand.figure)
+        draw_chart(comparison, demand.figure)
 
 
 def _show(content: dict[str, Any]) -> None:

@@ -55,9 +55,9 @@ class SynthesizeDemand(Demand):
 @takes(MotionsDemand)
 def list_motions(demand: MotionsDemand) -> None:
     """List motions with their events and measures of intensity."""
-    from reliab import api
+    from reliab.api import import_motions as api_import_motions, list_motions as api_list_motions
 
-    listed = demand.ask(api.list_motions, "json_target")
+    listed = demand.ask(api_list_motions, "json_target")
     content = listed.to_dict()
     if not write_json(content, demand.json_target):
         _show_motions(content["motions"])
@@ -90,9 +90,9 @@ def check(demand: MotionsDemand) -> None:
 @takes(ImportDemand)
 def import_motions(demand: ImportDemand) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
-    from reliab import api
+    from reliab.api import import_motions as api_import_motions, list_motions as api_list_motions
 
-    _say_written(demand.ask(api.import_motions, "json_target"), demand.json_target)
+    _say_written(demand.ask(api_import_motions, "json_target"), demand.json_target)
 
 
 @app.command("synthesize")

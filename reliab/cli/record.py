@@ -74,14 +74,14 @@ def _require_own_names(demand: RecordDemand) -> None:
 
 
 def _record(source: Path, demand: RecordDemand) -> "Record":
-    from reliab import api
+    from reliab.api import record as api_record
 
     out = demand.out
     if out is not None and len(demand.sources) > 1:
         out.mkdir(parents=True, exist_ok=True)
         out = out / f"{source.stem}.nc"
     return demand.ask(
-        api.record,
+        api_record,
         *("sources", "attribute", "json_target"),
         source=source,
         out=out,

@@ -89,10 +89,10 @@ class ExportDemand(Demand):
 @takes(AddDemand)
 def add(demand: AddDemand) -> None:
     """Judge tests and keep them: record, verdict and indices."""
-    from reliab import api
+    from reliab.api import add_to_rig
 
     with progress_bar("tests") as progress:
-        outcome = demand.ask(api.add_to_rig, "json_target", show=progress)
+        outcome = demand.ask(add_to_rig, "json_target", show=progress)
     content = outcome.to_dict()
     content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, demand.json_target):

@@ -91,16 +91,16 @@ class ValidateDemand(Demand):
 @takes(ValidateDemand)
 def validate(demand: ValidateDemand) -> None:
     """Test criteria on earthquakes from which they were not learned."""
-    from reliab import api
+    from reliab.api import calibrate_probabilities, judge_paper_cases, validate_criteria, validate_rebuilt_error
 
     if demand.rebuilt_error:
-        _answer(demand, "rebuilt_error", api.validate_rebuilt_error, show_rebuilt_errors)
+        _answer(demand, "rebuilt_error", validate_rebuilt_error, show_rebuilt_errors)
     elif demand.case is not None:
-        _answer(demand, "case", api.judge_paper_cases, show_cases)
+        _answer(demand, "case", judge_paper_cases, show_cases)
     elif demand.calibration:
-        _answer(demand, "calibration", api.calibrate_probabilities, show_probabilities)
+        _answer(demand, "calibration", calibrate_probabilities, show_probabilities)
     else:
-        _answer(demand, "", api.validate_criteria, show_criteria)
+        _answer(demand, "", validate_criteria, show_criteria)
 
 
 def _answer(

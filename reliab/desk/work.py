@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab import api
+from reliab.api import assess, compare_assessments, diagnose_campaign, document_of_diagnosis, document_of_rig, document_of_test, export_rig, follow_test, list_rig, record as api_record, trace_boundaries, write_corrected, write_tests
 from reliab.arrays import Array
 from reliab.assessment import Assessment, CoupledAssessment, ErrorOfTest
 from reliab.desk.document_html import document_html
@@ -62,7 +62,7 @@ def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `re
     name = arguments.get("test_name") or (first if several else None)
     listed = Look(columns=by_name.get(name or first, ()), tests=tuple(by_name) if several else ())
     try:
-        record = api.record(path, **{**arguments, "test_name": name})
+        record = api_record(path, **{**arguments, "test_name": name})
     except InputError as error:
         return replace(listed, refusal=str(error))
     histories, content = record.histories, record.to_dict()
@@ -138,7 +138,7 @@ class Filed:
 def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed:
     """Judge a test; the verdict comes first, the report and the files follow."""
     with show_task("Rebuilding the error"):
-        assessment = api.assess(test, **arguments)
+        assessment = assess(test, **arguments)
     tell(judgement_of(assessment))
     return _filed(assessment, test, folder, arguments.get("structure"))
 
@@ -184,12 +184,12 @@ def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
 
 def _filed(assessment: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
     with show_task("Writing the report"):
-        document = api.document_of_test(assessment, test=test, structure=structure)
+        document = document_of_test(assessment, test=test, structure=structure)
         files = {"Report (PDF)": _pdf(document, folder)}
     place = Path(folder)
     write_json_file(assessment.to_dict(), place / "verdict.json")
     files["Numbers (JSON)"] = str(place / "verdict.json")
-    api.write_corrected(assessment, place / "corrected.csv")
+    write_corrected(assessment, place / "corrected.csv")
     files["Corrected response (CSV)"] = str(place / "corrected.csv")
     return Filed(html=document_html(document), files=files)
 
@@ -203,7 +203,7 @@ def _pdf(document: Document, folder: str) -> str:
 def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed | None:
     """Follow a test while its file grows; the verdict is that of the whole test."""
     last = None
-    for last in api.follow_test(source, **arguments):
+    for last in follow_test(source, **arguments):
         tell({**last.to_dict(), "sentences": list(last.alarms.values())})
     if last is None or last.assessment is None:
         return None
@@ -214,7 +214,7 @@ def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -
 def trace_motion(motion: str, **arguments: Any) -> dict[str, Any]:  # noqa: ANN401 - of `trace_boundaries`
     """Trace the boundary of equal error of a ground motion."""
     with show_task("Tracing the boundary"):
-        boundaries = api.trace_boundaries(motions=motion, **arguments)
+        boundaries = trace_boundaries(motions=motion, **arguments)
     return next(iter(boundaries.rows()))
 
 
@@ -222,9 +222,9 @@ def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> 
     """Rank tests of one folder by their errors; they are called by their names."""
     place = Path(folder)
     with chdir(Path(tests[0]).parent), show_task("Judging the tests") as progress:
-        judged = api.assess([Path(test).name for test in tests], **arguments, progress=progress)
-    comparison = api.compare_assessments(judged)
-    api.write_tests(comparison, place / "ranking.csv")
+        judged = assess([Path(test).name for test in tests], **arguments, progress=progress)
+    comparison = compare_assessments(judged)
+    write_tests(comparison, place / "ranking.csv")
     write_json_file(comparison.to_dict(), place / "ranking.json")
     document = _document_of_comparison(comparison)
     files = {
@@ -278,30 +278,30 @@ def _document_of_comparison(comparison: "Comparison") -> Document:
 def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
     """Show a rig's history, predict its next test, and say what to change."""
     with show_task("Reading the rig's tests"):
-        document = api.document_of_rig(rig, **arguments)
+        document = document_of_rig(rig, **arguments)
     table = Path(folder) / "tests.csv"
-    api.export_rig(rig, table)
+    export_rig(rig, table)
     files = {"Report (PDF)": _pdf(document, folder), "Table of its tests (CSV)": str(table)}
     return Filed(html=document_html(document), files=files)
 
 
 def points_of_rig(rig: str) -> list[tuple[str, float, float]]:
     """List the tests of a rig with A [-] and d [ms]; those without are left out."""
-    rows = api.list_rig(rig).to_dict()["tests"]
+    rows = list_rig(rig).to_dict()["tests"]
     tracked = (row for row in rows if None not in (row.get("A"), row.get("d_ms")))
     return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in tracked]
 
 
 def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:
     """Find what a campaign's model lacks; the statement comes first, posteriors and report follow."""
-    addition = api.diagnose_campaign(
+    addition = diagnose_campaign(
         campaign,
         out=folder,
         show=show_task,
         tell=lambda diagnosis: tell(f"{diagnosis.verdict}: {diagnosis.statement}"),
     )
     with show_task("Writing the report"):
-        document = api.document_of_diagnosis(addition, campaign)
+        document = document_of_diagnosis(addition, campaign)
         files = {"Report (PDF)": _pdf(document, folder)}
     for name, file in {"Model (TOML)": "model.toml", "Numbers (JSON)": "diagnosis.json"}.items():
         if (Path(folder) / file).is_file():

@@ -85,11 +85,11 @@ def main() -> None:
 
 def _load_kernels() -> None:
     """Read and judge the test that ships, so that the user's first does not wait for it."""
-    from reliab import api
+    from reliab.api import assess, record
 
     with suppress(ReliabError):
-        api.record("sample_test")
-        api.assess("sample_test", f=1.0, xi=0.02)
+        record("sample_test")
+        assess("sample_test", f=1.0, xi=0.02)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from importlib.resources import files
 import numpy as np
 
 from reliab.arrays import Array
-from reliab.assessment import rebuilt_error
+from reliab.assessment.rebuilt_error import EQUATION_TOLERANCE, FALSE_ALARMS, FEWEST_AT_REST, FORCE_TRIALS, INDEPENDENT_SAMPLES, LARGEST_UNCERTAINTY, LARGE_MOTION, LONGEST_MEMORY, MEMORY, PLAY_FACTOR, POLE_ITERATIONS, SHIFT_OF_COMMAND, SHRINKING_SHARE, SIGNIFICANT_OFFSET, SINGULAR_DETERMINANT, SLOWEST_POLE, SMALLEST_DIVISOR, SMALLEST_FOLLOWING, SMALLEST_SLOPE, TIME_WITHOUT_DOUBLING, VELOCITY_NOISE, WatchedMode, delayed, tangent_structure
 from reliab.assessment.coupled_error import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error import Recursion, WatchedMode, watched_modes
 from reliab.effects import Effect, Role, SteppedEffect
@@ -39,15 +39,15 @@ _FEWEST_STUCK = 8  # samples that repeat a value
 _LONGER = 4  # times the longest repetition before
 _FEWEST_PER_PERIOD = 10.0
 _OF_ENERGY = {
-    "MEMORY": rebuilt_error.MEMORY,
-    "INDEPENDENT": rebuilt_error.INDEPENDENT_SAMPLES,
-    "FALSE_ALARMS": rebuilt_error.FALSE_ALARMS,
-    "FOLLOWS": rebuilt_error.SMALLEST_FOLLOWING,
-    "LARGE_MOTION": rebuilt_error.LARGE_MOTION,
-    "GRANTED": rebuilt_error.PLAY_FACTOR,
-    "UNSURE": rebuilt_error.LARGEST_UNCERTAINTY,
-    "SINGULAR": rebuilt_error.SINGULAR_DETERMINANT,
-    "SLOWEST": rebuilt_error.SLOWEST_POLE,
+    "MEMORY": MEMORY,
+    "INDEPENDENT": INDEPENDENT_SAMPLES,
+    "FALSE_ALARMS": FALSE_ALARMS,
+    "FOLLOWS": SMALLEST_FOLLOWING,
+    "LARGE_MOTION": LARGE_MOTION,
+    "GRANTED": PLAY_FACTOR,
+    "UNSURE": LARGEST_UNCERTAINTY,
+    "SINGULAR": SINGULAR_DETERMINANT,
+    "SLOWEST": SLOWEST_POLE,
 }
 """Numbers of the alarm of the energy."""
 
@@ -122,7 +122,7 @@ class LoopMonitor:
     def linear(self) -> Partition:
         """The structure with the linear specimen."""
         return (
-            rebuilt_error.tangent_structure(self.structure)
+            tangent_structure(self.structure)
             if isinstance(self.structure, HybridTest)
             else self.structure
         )
@@ -185,12 +185,12 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "STEP": monitor.time_step,
         "SENSOR_SCALE": monitor.sensor_scale,
         "THRESHOLD": monitor.threshold,
-        "CALM": rebuilt_error.TIME_WITHOUT_DOUBLING,
-        "SHRINKS": rebuilt_error.SHRINKING_SHARE,
+        "CALM": TIME_WITHOUT_DOUBLING,
+        "SHRINKS": SHRINKING_SHARE,
         "LOST_IN_NOISE": LOST_IN_NOISE,
-        "FEWEST": float(rebuilt_error.FEWEST_AT_REST),
-        "SIGNIFICANT": rebuilt_error.SIGNIFICANT_OFFSET,
-        "STANDS": rebuilt_error.SHIFT_OF_COMMAND,
+        "FEWEST": float(FEWEST_AT_REST),
+        "SIGNIFICANT": SIGNIFICANT_OFFSET,
+        "STANDS": SHIFT_OF_COMMAND,
         "LARGEST_READING": LARGEST_READING,
         "REST_M": _LARGEST_DRIFT,
         "STUCK_M": _STUCK,
@@ -202,7 +202,7 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "LAG_STEPS": int(monitor.feedback_lag / monitor.time_step),
         "WATCHED": len(monitor.coefficients.modes),
         "MODES": monitor.coefficients.modes[0].modes.ratios.size,
-        "TURNS": rebuilt_error.POLE_ITERATIONS,
+        "TURNS": POLE_ITERATIONS,
         "FEWEST_STUCK": _FEWEST_STUCK,
         "LONGER": _LONGER,
     }
@@ -224,12 +224,12 @@ def _numbers_of_specimen(monitor: LoopMonitor) -> dict[str, str]:
         "EFFECTS": str(len(monitor.effects)),
         "EFFECT_STATES": f"{max([1, *states])}u",
         "MASS": _real(monitor.structure.mass),
-        "TRIES": f"{rebuilt_error.FORCE_TRIALS}u",
-        "CLOSE": _real(rebuilt_error.EQUATION_TOLERANCE),
-        "FLATTEST": _real(rebuilt_error.SMALLEST_SLOPE),
-        "LONGEST_MEMORY": _real(rebuilt_error.LONGEST_MEMORY / slowest),
-        "NOISE_OF_SPEED": _real(rebuilt_error.VELOCITY_NOISE),
-        "TINY": _real(rebuilt_error.SMALLEST_DIVISOR),
+        "TRIES": f"{FORCE_TRIALS}u",
+        "CLOSE": _real(EQUATION_TOLERANCE),
+        "FLATTEST": _real(SMALLEST_SLOPE),
+        "LONGEST_MEMORY": _real(LONGEST_MEMORY / slowest),
+        "NOISE_OF_SPEED": _real(VELOCITY_NOISE),
+        "TINY": _real(SMALLEST_DIVISOR),
     }
 
 
@@ -254,7 +254,7 @@ def _coefficients(monitor: LoopMonitor) -> list[str]:
     ]
 
 
-def _modes(watched: Sequence[rebuilt_error.WatchedMode]) -> list[str]:
+def _modes(watched: Sequence[WatchedMode]) -> list[str]:
     """Write all modes, and those whose energy is watched."""
     modes = watched[0].modes
     frequencies = (significant(mode.circular_frequency / (2.0 * np.pi)) for mode in watched)
@@ -271,7 +271,7 @@ def _modes(watched: Sequence[rebuilt_error.WatchedMode]) -> list[str]:
     ]
 
 
-def _mode(mode: rebuilt_error.WatchedMode) -> str:
+def _mode(mode: WatchedMode) -> str:
     """Write a mode whose energy is watched."""
     numbers = (mode.ratio, mode.forgetting, mode.samples, mode.circular_frequency)
     arrays = ", ".join(map(_row, (mode.projection, mode.band, mode.exchange)))
@@ -312,7 +312,7 @@ def _weights(monitor: LoopMonitor) -> Array:
     whole = int(monitor.feedback_lag / monitor.time_step)
     impulse = np.zeros(2 * whole + 16)
     impulse[whole + 8] = 1.0
-    late = rebuilt_error.delayed(impulse, monitor.feedback_lag, monitor.time_step)
+    late = delayed(impulse, monitor.feedback_lag, monitor.time_step)
     return np.asarray(late[2 * whole + 8 : 2 * whole + 12])
 
 

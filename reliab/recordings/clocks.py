@@ -15,6 +15,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings.holds import Hold, find_hold
 from reliab.recordings.naming import describe
 from reliab.recordings.readers import Columns
@@ -26,7 +27,7 @@ from reliab.recordings.recording import (
     Channel,
     require_few_samples,
 )
-from reliab.recordings.time_stamps import Clock, clock_of, require_step
+from reliab.recordings.time_stamps import Clock, clock_of
 from reliab.recordings.units import TIMES, Unit, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals import CubicPath
@@ -249,7 +250,7 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
             remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
             where=columns.where,
         )
-    require_step(step, columns.where)
+    require_physical("time step", step, where=columns.where)
     if step >= _SLOWEST:
         raise InputError(
             "The sampling rate that a file states must be one of a test",
@@ -266,7 +267,7 @@ def _shared_clock(
     """Clock of all channels without their own: a column of times, else the rate that the user states."""
     if time is None:
         if rate_hz is not None:
-            require_step(1.0 / rate_hz, columns.where)
+            require_physical("time step", 1.0 / rate_hz, where=columns.where)
         return None if rate_hz is None else Clock(begin=0.0, step=1.0 / rate_hz)
     unit, of_file = _time_unit(columns, time_units or time.unit), _time_unit(columns, time.unit)
     factor = time.factor

@@ -9,10 +9,10 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError, naming
+from reliab.physical_range import require_physical
 from reliab.recordings.following import Rows
 from reliab.recordings.holds import find_hold
 from reliab.recordings.recording import DISPLACEMENTS
-from reliab.recordings.time_stamps import require_step
 from reliab.recordings.zero import extent_of_test, zero_of
 from reliab.significant import significant
 from reliab.vocabulary import MILLI
@@ -111,7 +111,7 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
             remedy="Check the column of the times",
             where=first[-1].place(-1),
         )
-    require_step(step, name)
+    require_physical("time step", step, where=name)
     whole = round(1.0 / step)
     if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
         step = 1.0 / whole

@@ -27,7 +27,7 @@ from reliab.recordings.readers.header import header_of
 from reliab.recordings.readers.text import begins_table, delimiter_of
 from reliab.recordings.reading import require_clear_numbers, stated_in
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import DISPLACEMENTS, Channel, Part, Stated
+from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, Channel, Part, Stated
 from reliab.stated_value import StatedValue
 
 _POLL = 0.05  # s between two looks at a file that does not grow
@@ -324,9 +324,9 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         for key, (place, channel) in layout.channels.items():
             of_day = key[0] is Part.TIME and layout.times_of_day is not None
             value = time_of_day(cells[place]) if of_day else number_of(cells[place])
-            if value is None or not np.isfinite(value):
+            if value is None or not abs(value) < LARGEST_READING:
                 raise InputError(
-                    "Every value must be a finite number",
+                    f"Every value must be a finite number below {LARGEST_READING:g}",
                     value=repr(cells[place]),
                     remedy="Correct the line",
                     where=f"{name}, line {number}, column {channel.column}",

@@ -16,12 +16,12 @@ import numpy as np
 
 from reliab.encodings import as_text
 from reliab.files import decoding, ordinary, require_small, written_whole
+from reliab.physical_range import RANGES
 from reliab.received import objects_of, opened_hdf5
 from reliab.recordings.readers import Series
 from reliab.recordings.readers.hierarchical import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
-from reliab.recordings.time_stamps import LONGEST_STEP, SHORTEST_STEP
 from reliab.shipped import checksum_of
 from reliab.version import __version__
 
@@ -195,7 +195,7 @@ def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
             ("time",),
             series.values,
             {
-                "units": series.unit or "unknown",
+                "units": str(series.unit) or "unknown",
                 "long_name": column,
                 "source_column": column,
                 "transformation": "; ".join((*series.applied, *filter(None, [series.unclear]))) or "none",
@@ -251,8 +251,8 @@ def _faults_of_variable(
 
 def _faults_of_time(file: "h5py.File") -> Iterator[str]:
     times, step = file["time"][()], float(np.ravel(file.attrs["time_step_s"])[0])
-    if not SHORTEST_STEP <= step <= LONGEST_STEP:
-        yield f"The attribute `time_step_s` must lie between {SHORTEST_STEP:g} and {LONGEST_STEP:g}."
+    if not RANGES["time step"].includes(step):
+        yield f"The attribute `time_step_s` must be {RANGES['time step'].span}."
     elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:
         yield f"At least {FEWEST_SAMPLES} times must follow each other at steps of `time_step_s`."
     digest = text_of(file.attrs["source_sha256"])

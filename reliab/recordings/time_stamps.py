@@ -7,6 +7,7 @@ import numpy as np
 
 from reliab.arrays import Array
 from reliab.errors import InputError
+from reliab.physical_range import require_physical
 from reliab.recordings.readers import Columns
 from reliab.recordings.recording import FEWEST_SAMPLES
 from reliab.significant import significant
@@ -21,8 +22,6 @@ _DIGITS: Final = 9
 _ROUNDED: Final = 1e-9  # relative
 _STEADY: Final = 0.05  # relative, up to which the rate of an uneven clock is one rate
 _LARGEST_RATIO: Final = 20.0  # of two rates of one clock
-SHORTEST_STEP, LONGEST_STEP = 1e-6, 1e3
-"""Steps between samples of any laboratory [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,7 +64,7 @@ def clock_of(columns: Columns, name: str, times: Array, factor: float) -> Clock:
     gaps = np.abs(steps - usual) > _GAP * abs(usual)
     if mean <= 0.0 or (gaps.any() and odd.mean() <= _FEW):
         raise _no_equal_steps(columns, name, times, int(np.argmax(gaps) if gaps.any() else np.argmin(steps)))
-    require_step(factor * mean, columns.where)
+    require_physical("time step", factor * mean, where=columns.where)
     latest = _latest(times)
     if latest <= max(_EVEN * mean, 1.01 * _rounding(times)):
         return Clock(begin=factor * float(times[0]), step=_of_whole_rate(factor * mean))
@@ -126,7 +125,7 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     if longest > _LARGEST_RATIO * shortest:
         raise InputError(
             f"The step between samples must not change by more than {_LARGEST_RATIO:g} times",
-            value=f"{shortest:.3g} to {longest:.3g} s",
+            value=f"{significant(shortest)} to {significant(longest)} s",
             remedy="Resample the test, or cut it where the rate changes",
             where=columns.where,
         )
@@ -140,17 +139,6 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
         what = f"The clock jitters by up to {significant(off, 2)} of a step"
     note = f"{what}; the channels were interpolated at equal steps of {step:.6g} s."
     return Clock(begin=float(times[0]), step=step, times=times, note=note)
-
-
-def require_step(step: float, where: str) -> None:
-    """Refuse a step between samples that no laboratory has."""
-    if not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise InputError(
-            f"The step between samples must lie between {SHORTEST_STEP:g} and {LONGEST_STEP:g} s",
-            value=f"{step:.3g} s",
-            remedy="Write the unit of the times behind their name, as in time [d], or correct the rate",
-            where=where,
-        )
 
 
 def _of_whole_rate(step: float) -> float:

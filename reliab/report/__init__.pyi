@@ -42,6 +42,7 @@ from .style import (
     PALE as PALE,
     SEQUENTIAL as SEQUENTIAL,
     VERMILION as VERMILION,
+    FigureWarning as FigureWarning,
     blank as blank,
     letters as letters,
     line as line,

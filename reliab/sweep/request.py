@@ -10,6 +10,7 @@ import numpy as np
 from reliab.errors import InputError
 from reliab.indices import Window
 from reliab.motions import Motion
+from reliab.significant import significant
 from reliab.simulation import LEAD_TOLERANCE, REDUCTION_TOLERANCE, EffectLoop, Engine, Excitation, Loop
 from reliab.simulation.hybrid_test import HybridTest
 from reliab.simulation.linear_loop import Prepared
@@ -78,8 +79,8 @@ class SweepRequest:
         if size > _MOST_BYTES:
             raise InputError(
                 f"The results of one motion may take {_MOST_BYTES / 1e9:g} GB at most",
-                value=f"{size / 1e9:.3g} GB for {len(structures):,} structures, {len(self.windows)} windows "
-                f"and {actuators:,} actuators",
+                value=f"{significant(size / 1e9)} GB for {len(structures):,} structures, "
+                f"{len(self.windows)} windows and {actuators:,} actuators",
                 remedy="Simulate fewer structures or windows at once, each part into a store of its own",
             )
 

@@ -91,7 +91,7 @@ def test_unequal_steps_are_rejected_with_their_place(tmp_path, columns, write):
 @pytest.mark.parametrize("write", FORMATS)
 def test_missing_value_is_rejected_with_its_place(tmp_path, columns, write):
     columns["measured_m"][ROW : ROW + 2] = np.nan
-    with pytest.raises(InputError, match=rf"{place(write, 'measured_m')}: Every value.*NaN, 2 in all"):
+    with pytest.raises(InputError, match=rf"{place(write, 'measured_m')}: Every value.*NaN or .*, 2 in all"):
         answer(write(tmp_path, columns))
 
 
@@ -120,7 +120,6 @@ def test_constant_signal_is_rejected(tmp_path, columns, write, name):
         (lambda t: t[::-1], "equal steps"),
         (lambda t: np.delete(np.append(t, t[-1] + t[1]), ROW), "equal steps"),
         (lambda t: np.where(np.arange(t.size) == ROW, t - 0.9 * t[1], t), "equal steps"),
-        (lambda t: t**1.02, "equal steps"),
         (lambda t: np.full_like(t, 3.0), "equal steps"),
         (lambda t: 1e3 * t, "at most 0.2 of a period"),
         (lambda t: 5e-4 * t, "at least 2 periods"),

@@ -1,5 +1,7 @@
 """Scale, offset and marks of missing samples that a file states are applied or refused, and listed."""
 
+from typing import Any
+
 import h5py
 import numpy as np
 import pytest
@@ -44,10 +46,9 @@ def by_xarray(folder):
 def classic(folder):
     with netcdf_file(folder / "t.nc", "w") as file:
         file.createDimension("time", TIME.size)
-        for name, kind, values, attributes in (
-            ("time", "d", TIME, {"units": "s"}),
-            *((name, "i", COUNTS[name], SCALES[name]) for name in COUNTS),
-        ):
+        histories: list[tuple[str, str, Any, dict[str, Any]]] = [("time", "d", TIME, {"units": "s"})]
+        histories += [(name, "i", COUNTS[name], SCALES[name]) for name in COUNTS]
+        for name, kind, values, attributes in histories:
             variable = file.createVariable(name, kind, ("time",))
             variable[:] = values
             for attribute, value in attributes.items():
@@ -96,7 +97,7 @@ def test_packed_numbers_are_unpacked_and_the_scale_is_listed(tmp_path, write):
     np.testing.assert_allclose(test.measured, MEASURED, atol=3e-6)
     np.testing.assert_allclose(test.command, COMMAND, atol=3e-6)
     measured = next(channel for channel in test.channels if channel.part == "measured")
-    assert "scale" in measured.summary()["applied"][0]
+    assert "scale" in measured.applied[0]
     assert any("scale" in note for note in test.notes)
 
 

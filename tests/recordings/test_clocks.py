@@ -127,7 +127,7 @@ def test_times_in_days_hours_and_minutes(factor, unit):
     table = {"command_m": COMMAND, "measured_m": MEASURED}
     test = read_recording(pd.DataFrame({f"Time [{unit}]": 46000.0 * (unit == "d") + factor * TIME, **table}))
     assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
-    with pytest.raises(InputError, match=r"must state their unit|must lie between"):
+    with pytest.raises(InputError, match=r"must state their unit|time step must be between"):
         read_recording(pd.DataFrame({"Time": factor * TIME, **table}))
 
 

@@ -39,7 +39,7 @@ def test_a_held_command_is_what_it_was_before(rows):
     test = read_recording(frame(held(COMMAND, rows), MEASURED))
     np.testing.assert_allclose(test.command, COMMAND, atol=2e-6)
     np.testing.assert_array_equal(test.measured, MEASURED)
-    assert f"holds each value for {rows} samples" in test.channels[0].summary()["applied"][0]
+    assert f"holds each value for {rows} samples" in test.channels[0].applied[0]
 
 
 def test_a_rest_between_motions_stays_one():

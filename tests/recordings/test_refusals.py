@@ -11,6 +11,7 @@ import reliab
 from reliab.errors import InputError
 from reliab.file_limits import LIMITS
 from reliab.recordings.readers import hierarchical, layouts, registry, text as texts
+from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
 
@@ -33,7 +34,7 @@ def with_a(value):
     [
         ({"command": MOVING[1:]}, "the same length, at least 64; found 1999 and 2000"),
         ({"command": MOVING[:63], "measured": MOVING[:63]}, "the same length, at least 64; found 63 and 63"),
-        ({"time_step": 0.0}, "time step must be between 1e-09 and 1,000 s; found 0 s"),
+        ({"time_step": 0.0}, "time step must be between 1e-06 and 1,000 s; found 0 s"),
         ({"time_step": np.nan}, "time step must be .* found nan s"),
         ({"time_step": np.inf}, "time step must be .* found inf s"),
         ({"command": 0.0 * MOVING}, "command must move; found 0 throughout"),
@@ -117,10 +118,10 @@ def test_a_test_of_more_channels_than_any_laboratory_has_is_refused(monkeypatch)
     monkeypatch.setattr(layouts, "MOST_COLUMNS", 2)
     histories = layouts._Histories()  # noqa: SLF001 - before any file is read
     for name in ("first", "first"):
-        histories.add(name, layouts.Series(values=np.zeros(3)))
+        histories.add(name, Series(values=np.zeros(3)))
     assert list(histories.series) == ["first", "first (2)"]
     with pytest.raises(InputError, match="may hold 2 channels at most"):
-        histories.add("third", layouts.Series(values=np.zeros(3)))
+        histories.add("third", Series(values=np.zeros(3)))
 
 
 def test_a_file_that_is_larger_than_any_test_is_refused_before_it_is_read(monkeypatch, tmp_path):

@@ -64,7 +64,7 @@ def laboratory(rig, **options):
         (lambda: butterworth_sections(4, 512.0, STEP), "positive and below half of the sampling rate"),
         (lambda: PhaseLeadControl(quantum=-1e-6), "controller's quantum must be finite and not negative"),
         (lambda: PhaseLeadControl(lead=math.inf), "controller's lead must be finite and not negative"),
-        (lambda: MODEL(deviations={"gain": -0.1}), "gain.* standard deviation must be finite"),
+        (lambda: MODEL(deviations={"gain": -0.1}), "gain.* standard deviation must be 0 or positive"),
         (lambda: MODEL(deviations={"delay_s": math.inf}), "delay_s.* standard deviation must be finite"),
         (lambda: load(WITHOUT_SPECIMEN, STILL), "A force needs a specimen"),
         (lambda: Sensors(force_noise=-1.0), "force noise of a sensor must be finite and not negative"),
@@ -124,5 +124,5 @@ def test_a_frame_whose_numbers_exceed_all_bounds_is_refused():
         "damping": {"ratio": 0.03},
         "specimen": {"degree_of_freedom": "1", "stiffness_n_per_m": 1e300},
     }
-    with pytest.raises(InputError, match=r"frame.toml.*must be finite numbers"):
+    with pytest.raises(InputError, match=r"frame.toml.*stiffness must be between"):
         frame_of_tables(tables, "frame.toml")

@@ -107,20 +107,20 @@ def _answer_design(demand: AssessDemand) -> None:
 
 def _answer_tests(demand: AssessDemand) -> bool:
     """Judge tests; write and print what is found; return whether all are reliable."""
-    from reliab import api
+    from reliab.api import assess as api_assess, file_report, unused
     from reliab.cli.output import progress_bar
 
     files = options.files_of(demand.tests, demand.out)
     several = len(files) != 1 or demand.test_name == "all"
     if demand.report is not None and several and files:
-        raise api.unused("report", "together with several tests, since a report is of one test")
+        raise unused("report", "together with several tests, since a report is of one test")
     if demand.corrected is not None and several and files:
-        raise api.unused("corrected", "together with several tests, since the response is that of one test")
+        raise unused("corrected", "together with several tests, since the response is that of one test")
     if demand.same_test and not several:
         raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
     with progress_bar("tests") if several else nullcontext(silent) as progress:
         verdicts: Any = demand.ask(
-            api.assess,
+            api_assess,
             *("tests", "out", "corrected", "details", "check", "json_target", "report", "same_test"),
             *(options.OF_REPORT if demand.report is not None else ()),
             test=files[0] if len(files) == 1 else files,
@@ -135,7 +135,7 @@ def _answer_tests(demand: AssessDemand) -> bool:
         return bool(verdicts.reliable)
     _write_one(verdicts, files[0], demand)
     if demand.report is not None:
-        api.file_report(
+        file_report(
             verdicts, demand.report, test=files[0], structure=demand.structure, setting=demand.setting
         )
     return bool(verdicts.reliable)

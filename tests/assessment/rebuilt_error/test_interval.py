@@ -215,7 +215,7 @@ def test_forms_that_use_the_force(outcome, noisy):
         ({"measured": np.zeros(10)}, "the same length"),
         ({"command": np.full(20480, np.nan)}, "finite"),
         ({"command": np.zeros(20480)}, "must move"),
-        ({"time_step": -1.0}, "positive"),
+        ({"time_step": -1.0}, "time step must be"),
         ({"time_step": 0.2}, "at least 10 samples"),
         ({"feedback_lag": -1e-3}, "not negative"),
     ],

@@ -199,7 +199,7 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
         ({"damping": np.eye(3)}, "of the same size"),
         ({"stiffness": np.array([[np.nan]])}, "stiffness matrix"),
         ({"interface": np.array([np.inf])}, "finite numbers"),
-        ({"specimen_mass": np.nan}, "must be finite"),
+        ({"specimen_mass": np.nan}, "specimen mass matrix must be"),
         ({"mass": -np.eye(1)}, "must not be negative"),
     ],
 )
