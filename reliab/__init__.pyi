@@ -1,35 +1,35 @@
-from .api import (
-    assess as assess,
-    calibrate as calibrate,
-    calibrate_probabilities as calibrate_probabilities,
-    compare as compare,
-    derive_criteria as derive_criteria,
-    design_test as design_test,
-    diagnose_campaign as diagnose_campaign,
-    ellipses as ellipses,
-    export_monitor as export_monitor,
-    follow_test as follow_test,
+from .app.api.assessment import assess as assess
+from .app.api.boundaries import ellipses as ellipses
+from .app.api.comparison import compare as compare
+from .app.api.criteria import derive_criteria as derive_criteria
+from .app.api.design import design_test as design_test
+from .app.api.diagnosis import diagnose_campaign as diagnose_campaign
+from .app.api.explorer import write_explorer as write_explorer
+from .app.api.following import follow_test as follow_test
+from .app.api.in_loop import export_monitor as export_monitor
+from .app.api.records import calibrate as calibrate, record as record
+from .app.api.simulated_verdicts import (
     judge_paper_cases as judge_paper_cases,
-    perform_study as perform_study,
-    record as record,
-    simulate as simulate,
-    simulate_suite as simulate_suite,
-    trace_boundaries as trace_boundaries,
-    validate_criteria as validate_criteria,
     validate_rebuilt_error as validate_rebuilt_error,
-    write_explorer as write_explorer,
 )
-from .criterion import (
-    derive_criterion as derive_criterion,
-    published_criterion as published_criterion,
-    read_ellipses as read_ellipses,
+from .app.api.simulation import simulate as simulate, simulate_suite as simulate_suite
+from .app.api.studies import perform_study as perform_study
+from .app.api.tracing import trace_boundaries as trace_boundaries
+from .app.api.validation import (
+    calibrate_probabilities as calibrate_probabilities,
+    validate_criteria as validate_criteria,
 )
-from .discrepancy import diagnose as diagnose, read_campaign as read_campaign
-from .errors import InputError as InputError
-from .motions import load_motions as load_motions
-from .recordings import read_recording as read_recording
+from .core.errors import InputError as InputError
+from .criterion.derivation import derive_criterion as derive_criterion
+from .criterion.ellipse_reading import read_ellipses as read_ellipses
+from .criterion.published import published_criterion as published_criterion
+from .discrepancy.campaign.reading import read_campaign as read_campaign
+from .discrepancy.diagnose import diagnose as diagnose
+from .motions.loading import load_motions as load_motions
+from .recordings.reading import read_recording as read_recording
 from .structures.structure import Structure as Structure
-from .study import open_study as open_study, run_study as run_study, write_report as write_report
-from .sweep import open_results as open_results
-from .validation.cross_validation import cross_validate as cross_validate
+from .study.reading import open_study as open_study
+from .study.running import run_study as run_study, write_report as write_report
+from .sweep.results import open_results as open_results
+from .validation.cross_validation.judge import cross_validate as cross_validate
 from .version import __version__ as __version__

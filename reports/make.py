@@ -20,15 +20,16 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from reliab.cli import run
-from reliab.criterion import derive_criterion, sample_of
+from reliab.app.cli import run
+from reliab.core.shipped import shipped
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
-from reliab.report import write_pdf
 from reliab.report.figures.parameter_distributions import ellipses_and_criterion
+from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
-from reliab.shipped import shipped
-from reliab.study import shipped_studies
-from reliab.sweep import open_ellipses
+from reliab.study.reading import shipped_studies
+from reliab.sweep.ellipse_file import open_ellipses
 
 if TYPE_CHECKING:
     from collections.abc import Callable

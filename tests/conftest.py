@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from reliab.shipped import shipped, shipped_folder
+from reliab.core.shipped import shipped, shipped_folder
 
 # What takes seconds to import is imported where it is needed: the process that only hands out tests does
 # without, and so does a session of one file.
@@ -270,7 +270,7 @@ def shipped_results_are_decoded_once():
 @pytest.fixture(scope="session")
 def printed_table2():
     """Ellipses of the paper's Table 2, as a dataset."""
-    from reliab.criterion import read_ellipses
+    from reliab.criterion.ellipse_reading import read_ellipses
 
     return read_ellipses(shipped("datasets", "paper/table2.csv"))
 

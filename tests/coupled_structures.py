@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
-from reliab.simulation.frames import ideal_response
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
-from reliab.structures import Partition, Specimen
-from reliab.structures.frames import exact_step, follow_load
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.simulation.frames.exact_loop import ideal_response
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
+from reliab.structures.frames.frame import exact_step, follow_load
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 
 _WELL_POSED = 1e12
 _ANY = Specimen(stiffness=1.0)  # transfer functions do not depend on it

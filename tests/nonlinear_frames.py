@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STATES, resist
 
-from reliab.compiled import compiled
-from reliab.recordings import Recording
-from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.core.compiled import compiled
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 
 STEP = 1.0 / 1024.0
 

@@ -9,8 +9,9 @@ from typing import ClassVar, Final, Self
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.sampling import Model, NormalInverseChiSquared, Parameter
+from reliab.core.arrays import Array
+from reliab.sampling.model import Model, Parameter
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 REFERENCE_PRIOR: Final = NormalInverseChiSquared(
     mean=0.0, mean_weight=0.0, degrees_of_freedom=-1.0, variance=0.0

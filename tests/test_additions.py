@@ -5,15 +5,15 @@ import sys
 import numpy as np
 import pytest
 
-from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
-from reliab.criterion.methods import METHODS, method_of
-from reliab.effects import find_effect, library
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.core.registry import read_entry_points
+from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.methods.registry import METHODS, method_of
+from reliab.effects.registry import find_effect, library
+from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
-from reliab.registry import read_entry_points
 from reliab.report.wording import meaning_of_confidence
-from reliab.simulation.compensators import compensators
+from reliab.simulation.compensators.registry import compensators
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
 

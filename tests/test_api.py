@@ -12,11 +12,11 @@ import pytest
 import xarray as xr
 
 import reliab
-from reliab import cli
-from reliab.api.channels import Channels
-from reliab.motions import MotionSuite
+from reliab.app import cli
+from reliab.app.api.channels import Channels
+from reliab.core.shipped import shipped
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.shipped import shipped
 
 PROMISED = (
     *("load_motions", "simulate", "ellipses", "derive_criterion"),
@@ -211,7 +211,7 @@ RESULTS_WITH_ROWS = {
     "criteria": lambda: reliab.derive_criteria(ellipses="real_suite", f=[1, 2], xi=0.02, method="quantile"),
     "design": lambda: reliab.design_test(f=[1, 2]),
     "ellipses": lambda: reliab.trace_boundaries(motions="synthetic", f=1.0, xi=0.02),
-    "motions": lambda: reliab.api.list_motions("synthetic"),
+    "motions": lambda: reliab.app.api.list_motions("synthetic"),
     "effects": lambda: reliab.diagnose("rig_a"),
 }
 

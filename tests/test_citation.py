@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reliab.criterion.methods import METHODS
-from reliab.effects import library
+from reliab.criterion.methods.registry import METHODS
+from reliab.effects.registry import library
 from reliab.report.sources import SOURCES
 from reliab.version import __version__
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.compiled import copy_rows
+from reliab.core.compiled import copy_rows
 
 COMPILERS = {"njit", "jit", "cfunc", "vectorize", "guvectorize"}
 PACKAGE = Path(__file__).resolve().parents[1] / "reliab"
 
 
 KERNEL = """
-from reliab.compiled import compiled
+from reliab.core.compiled import compiled
 @compiled
 def half(x):
     return x / 2
@@ -24,7 +24,7 @@ print(half(3.0))
 """
 CALLED_BY_ADDRESS = """
 from numba import types
-from reliab.compiled import compiled_callback
+from reliab.core.compiled import compiled_callback
 def half(x):
     return x / 2
 print(compiled_callback(types.float64(types.float64), half).ctypes(3.0))

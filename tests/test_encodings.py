@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import read_ellipses
-from reliab.discrepancy.campaign import Channel
+from reliab.core.encodings import as_cell, of_cell, pieces_as_utf8
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.campaign.reading import read_channels
-from reliab.encodings import as_cell, of_cell, pieces_as_utf8
-from reliab.motions import load_motions
-from reliab.recordings import StatedChannels, read_test, rows_as_written
+from reliab.motions.loading import load_motions
+from reliab.recordings.following import rows_as_written
+from reliab.recordings.reading import read_test
+from reliab.recordings.recording import StatedChannels
 
 ENCODINGS = (
     *("utf-8", "utf-8-sig", "utf-16", "utf-16-le with a mark", "utf-16-be with a mark"),

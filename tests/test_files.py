@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.files import (
+from reliab.core.errors import InputError
+from reliab.core.files import (
     UNFINISHED,
     decoding,
     folder_written_whole,
@@ -117,7 +117,7 @@ def test_the_ending_of_a_name_is_kept_for_those_who_choose_a_format_by_it(tmp_pa
 def test_the_next_writer_removes_what_a_killed_process_left(tmp_path):
     script = (
         "import os, signal, sys\n"
-        "from reliab.files import folder_written_whole, written_whole\n"
+        "from reliab.core.files import folder_written_whole, written_whole\n"
         "from pathlib import Path\n"
         "with folder_written_whole(Path(sys.argv[1])) as folder, written_whole(sys.argv[2]) as file:\n"
         "    (folder / 'a').write_text('half')\n"

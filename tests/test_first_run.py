@@ -68,7 +68,13 @@ def test_no_dependency_and_no_module_warns_when_it_is_imported_with_an_empty_hom
 
 
 def test_what_keeps_something_in_a_home_is_imported_without_one():
-    kept = ["reliab.compiled", "reliab.cli.installation", "reliab.report", "matplotlib.pyplot", "numba"]
+    kept = [
+        "reliab.core.compiled",
+        "reliab.app.cli.installation",
+        "reliab.report",
+        "matplotlib.pyplot",
+        "numba",
+    ]
     assert run(["-c", f"import {', '.join(kept)}"], HOME="/dev/null").returncode == 0
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from parsed import nodes, parsed
 
 import reliab
-from reliab.cli import application
+from reliab.app.cli import application
 
 PACKAGE = Path(reliab.__file__).parent
 STUDIES = PACKAGE.parent / "studies"

@@ -7,24 +7,27 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from reliab.assessment import assess
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.assess import assess
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN
-from reliab.criterion import read_ellipses
-from reliab.discrepancy import read_campaign
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import require_small
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.discrepancy.campaign import reading
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.files import require_small
-from reliab.indices import Window
-from reliab.motions import Motion, motion as motion_module
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.motions import motion as motion_module
 from reliab.motions.faults import Report
+from reliab.motions.motion import Motion
 from reliab.motions.readers.source import open_source
-from reliab.recordings import Recording
-from reliab.recordings.readers import hierarchical, matlab, read_tests
+from reliab.recordings.readers import hierarchical, matlab
+from reliab.recordings.readers.registry import read_tests
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, SweepRequest
+from reliab.sweep.ellipse_table import EllipseRequest
+from reliab.sweep.request import SweepRequest
+from reliab.tracking.indices.window import Window
 
 FOUR_HERTZ = Structure(frequency=4.0, damping_ratio=0.02)
 STEP = 1.0 / 256.0

@@ -7,12 +7,12 @@ import pytest
 
 import reliab
 from reliab.assessment.budget.sizes import Equipment, ordinary_equipment, read_equipment
-from reliab.errors import InputError
-from reliab.physical_range import LARGEST, RANGES, SMALLEST, require_physical
+from reliab.core.errors import InputError
+from reliab.core.physical_range import LARGEST, RANGES, SMALLEST, require_physical
+from reliab.core.shipped import shipped
 from reliab.recordings.channels_file import read_channels_file
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.simulation.hybrid_test import read_model
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.hybrid_test.model_file import read_model
 
 BEYOND = (5e-324, 1e-320, 1e300, -1e300, math.inf, math.nan)
 MODEL = """

@@ -12,35 +12,31 @@ from normal_values import NormalValues
 from parsed import nodes
 
 import reliab
-from reliab.criterion import Criterion, derive_criterion
-from reliab.criterion.laws import Table
-from reliab.criterion.methods import method_of
+from reliab.core.shipped import shipped
+from reliab.core.vocabulary import Metric
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.laws.table import Table
+from reliab.criterion.methods.registry import method_of
 from reliab.criterion.provenance import Provenance
 from reliab.discrepancy.adding import adding
-from reliab.indices.window import Window
-from reliab.motions import load_motions
-from reliab.sampling import Ensembles, sample
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.simulation.frames.frame_file import frame_of_tables
-from reliab.structures import Structure
-from reliab.sweep import (
-    EllipseRequest,
-    ScaledGrid,
-    SweepRequest,
-    compare_boundaries,
-    measure_responses,
-    predict_ellipses,
-    run_sweep,
-    trace_ellipses,
-)
+from reliab.motions.loading import load_motions
+from reliab.sampling.ensembles import Ensembles, sample
+from reliab.simulation.frames.frame_file import frame_of_tables, read_structure
+from reliab.structures.structure import Structure
+from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, limits_of_coupling, trace_frame_ellipses
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.response_measures import compare_boundaries, measure_responses
+from reliab.sweep.run import run_sweep
+from reliab.tracking.indices.window import Window
 from reliab.validation.beyond_the_model import try_rigs
-from reliab.validation.cross_validation import cross_validate, k_fold
 from reliab.validation.cross_validation.candidates import Derived
+from reliab.validation.cross_validation.folds import k_fold
+from reliab.validation.cross_validation.judge import cross_validate
 from reliab.validation.probability_calibration import probability_calibration
 from reliab.validation.rebuilt_error_study import study
-from reliab.vocabulary import Metric
 
 PACKAGE = Path(reliab.__file__).parent
 MOTIONS = load_motions("synthetic")[:2]

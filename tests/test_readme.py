@@ -13,8 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from reliab.cli import run
-from reliab.criterion import derive_criterion, read_ellipses, sample_of
+from reliab.app.cli import run
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
 
 ROOT = Path(__file__).parents[1]

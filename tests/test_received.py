@@ -17,19 +17,21 @@ from fuzz.damage import write
 from parsed import nodes
 
 import reliab
-from reliab import received
-from reliab.discrepancy import read_campaign
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.core import untrusted_files as received
+from reliab.core.errors import InputError
+from reliab.core.untrusted_files import named_within, objects_of, opened_hdf5
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.motions.checking import inspect
-from reliab.received import named_within, objects_of, opened_hdf5
-from reliab.recordings.readers import read_tests
-from reliab.report import saved_content
+from reliab.motions.loading import load_motions
+from reliab.recordings.readers.registry import read_tests
+from reliab.report.saved import saved_content
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
 from reliab.study.steps import opened
-from reliab.sweep import open_ellipses, open_results, run_sweep
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 PACKAGE = Path(reliab.__file__).parent
 FRAME = next(case["frame.toml"] for case in corpus.frames() if b"[transfer_system]" not in case["frame.toml"])

@@ -4,12 +4,12 @@ import pytest
 
 import reliab
 from reliab import discrepancy
-from reliab.assessment import ordinary_equipment
 from reliab.assessment.assess import assess
-from reliab.recordings import read_recording
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.core.shipped import shipped
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.reading import read_recording
 from reliab.renamed import renamed_method
-from reliab.shipped import shipped
-from reliab.stated_value import StatedValue
 
 STRUCTURE = reliab.Structure(frequency=1.0, damping_ratio=0.02)
 

@@ -5,8 +5,8 @@ import csv
 import pandas as pd
 import pytest
 
-from reliab.api import write_tests
-from reliab.rows import read_table, write_table
+from reliab.app.api.assessment_files import write_tests
+from reliab.core.rows import read_table, write_table
 
 FORMULA = '=HYPERLINK("http://x")'
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab import cli, shipped
-from reliab.errors import InputError
-from reliab.sweep import open_results
-from reliab.sweep.results import real_results
+from reliab.app import cli
+from reliab.core import shipped
+from reliab.core.errors import InputError
+from reliab.sweep.results import open_results, real_results
 
 ROOT = Path(__file__).parents[1]
 

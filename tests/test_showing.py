@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.assessment import default_criterion
-from reliab.recordings import read_recording
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
+from reliab.assessment.default_criterion import default_criterion
+from reliab.core.shipped import shipped
+from reliab.recordings.reading import read_recording
+from reliab.sweep.ellipse_file import open_ellipses
 
 mpl.use("Agg")
 

@@ -9,7 +9,7 @@ import pytest
 from parsed import nodes
 
 import reliab
-from reliab.significant import percent, significant
+from reliab.core.significant_digits import percent, significant
 
 ORDINARY = [*np.geomspace(0.01, 1000.0, 400).tolist(), 0.995, 9.96, 99.5, 99.96, 999.5, 999.96, 1000.0]
 

@@ -5,8 +5,8 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.errors import InputError
-from reliab.stated_value import StatedValue
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 
 IN_A_LOCALE_WITHOUT_UTF_8 = "1±0.01".encode().decode("ascii", "surrogateescape")
 

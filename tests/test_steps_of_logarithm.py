@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion import read_ellipses, shipped_ellipses, shipped_measures, shipped_windows
-from reliab.shipped import shipped
-from reliab.steps_of_logarithm import from_steps, to_steps
-from reliab.sweep import open_windows, packed, read_netcdf, write_netcdf
+from reliab.core.log_quantization import from_steps, to_steps
+from reliab.core.shipped import shipped
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures, shipped_windows
+from reliab.sweep.ellipse_file import open_windows
+from reliab.sweep.netcdf import packed, read_netcdf, write_netcdf
 
 
 @pytest.mark.parametrize("axes", [[0], [1], [0, 2], [2, 1, 0]])

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab import files
-from reliab.cli import run
-from reliab.files import UNFINISHED, folder_written_whole, write_json_file, written_whole
+from reliab.app.cli import run
+from reliab.core import files
+from reliab.core.files import UNFINISHED, folder_written_whole, write_json_file, written_whole
 
 TEST = ("sample_test", "--f", "1", "--xi", "0.02")
 

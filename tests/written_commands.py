@@ -5,7 +5,7 @@ import shlex
 
 import typer
 
-from reliab.cli import application, spread
+from reliab.app.cli import application, spread
 
 INSTALL = "python -m pip install"  # what the test's own environment has already
 

@@ -15,20 +15,16 @@ import numpy as np
 import xarray as xr
 
 import reliab
-from reliab.indices.window import Window
-from reliab.motions import Motion, load_motions
-from reliab.sweep import (
-    SweepRequest,
-    compare_boundaries,
-    measure_cut_records,
-    measure_responses,
-    open_results,
-    outlines_of,
-    packed,
-    write_compact,
-    write_ellipses,
-    write_netcdf,
-)
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.sweep.cut_records import measure_cut_records
+from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.labels import outlines_of
+from reliab.sweep.netcdf import packed, write_netcdf
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.response_measures import compare_boundaries, measure_responses
+from reliab.sweep.results import open_results, write_compact
+from reliab.tracking.indices.window import Window
 
 HERE = Path(__file__).parent
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)

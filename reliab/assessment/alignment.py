@@ -14,14 +14,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.exact_response import ExactTest
-from reliab.motions import Motion
-from reliab.recordings import Recording
-from reliab.signals import convolved
-from reliab.simulation import Excitation
-from reliab.simulation.linear_loop import cut
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.motions.motion import Motion
+from reliab.recordings.recording import Recording
+from reliab.signals.spectra import convolved
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.blocks import cut
+from reliab.structures.structure import Structure
 
 LEAST_MATCH = 0.9
 """Similarity from which on a place counts as found: 1 for equal histories, 0 for unrelated ones."""

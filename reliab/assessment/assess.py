@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget import Equipment, sizes_of_unknown
+from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown
 from reliab.assessment.contradictions import (
     limited,
     of_columns,
@@ -37,18 +37,20 @@ from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict, word_of_probability
-from reliab.criterion import Criterion
-from reliab.recordings import Recording, without_spikes
-from reliab.significant import significant
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure, whole_structure
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.significant_digits import significant
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.criterion.criterion import Criterion
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.structures.partition import whole_structure
+from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.measured_specimen import ForceChannel
+    from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.own_motion import OwnPlacement
-    from reliab.motions import Motion
-    from reliab.simulation.hybrid_test import UpdatedModel
+    from reliab.motions.motion import Motion
+    from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
 _LEAST_RATIO, _LARGEST_RATIO = 0.001, 0.5  # of a structure, where an equation of motion shows it
 _LIKE_DAMPING = ("time_shift", "filter_delay", "feedback_lag")  # what looks like a damping ratio

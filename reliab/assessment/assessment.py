@@ -11,10 +11,10 @@ from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
 from reliab.assessment.verdict import ERROR_NAMES, Word, probability_text
-from reliab.criterion import whole_is_worst
-from reliab.html_table import html_table
-from reliab.significant import percent, percent_with_interval, share_in_words, significant
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.html_table import html_table
+from reliab.core.significant_digits import percent, percent_with_interval, share_in_words, significant
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.criterion.experimental_share import whole_is_worst
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

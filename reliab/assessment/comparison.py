@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.plain_error import plain_estimate
-from reliab.assessment.rebuilt_error import Estimate
-from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, weighted_quantiles
-from reliab.errors import InputError
-from reliab.signals import correlated
-from reliab.significant import significant
-from reliab.vocabulary import Metric
+from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import Metric
+from reliab.signals.spectra import correlated
 
 if TYPE_CHECKING:
     import pandas as pd

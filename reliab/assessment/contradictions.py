@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.budget import Size, Source
+from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.tracking_index import TrackingIndex, is_noisier, power_of
 from reliab.assessment.verdict import Verdict, Word
-from reliab.recordings import Recording
-from reliab.significant import percent, significant
-from reliab.structures import Partition, is_part
-from reliab.vocabulary import MILLI
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.recording import Recording
+from reliab.structures.partition import Partition
+from reliab.structures.parts_of_structure import is_part
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error import ShownByGround
-    from reliab.assessment.measured_specimen import MeasuredSpecimen
+    from reliab.assessment.coupled_error.ground_motion import ShownByGround
+    from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.assessment.own_motion import OwnPlacement
 
 _OFF_RESONANCE = (0.5, 1.7)

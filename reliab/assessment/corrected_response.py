@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.alignment import own_ground
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.exact_response import (
@@ -17,8 +16,9 @@ from reliab.assessment.exact_response import (
 from reliab.assessment.findings import Findings
 from reliab.assessment.frame_assessment import CoupledAssessment, JudgedFrame
 from reliab.assessment.frame_responses import weights_of_storeys
-from reliab.assessment.rebuilt_error import HALF_WIDTH
-from reliab.significant import percent
+from reliab.assessment.rebuilt_error.spread import HALF_WIDTH
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent
 
 if TYPE_CHECKING:
     import xarray as xr

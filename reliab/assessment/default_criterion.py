@@ -11,26 +11,21 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.boundary import FirstOrderEllipse, predicted_ellipse
-from reliab.criterion import (
-    Criterion,
-    EllipseTable,
-    Population,
-    Position,
-    ResponseMeasures,
-    carry_to_length,
-    carry_to_response,
-    derive_criterion,
-    neighbours,
-    range_of,
-    shipped_ellipses,
-    shipped_measures,
-)
-from reliab.criterion.methods import RECOMMENDED, method_of
-from reliab.errors import InputError
-from reliab.significant import percent, significant
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI, CurveName, Metric, Side
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import MILLI, CurveName, Metric, Side
+from reliab.criterion.carrying import carry_to_length, carry_to_response
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_table import EllipseTable, neighbours
+from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.population import Population
+from reliab.criterion.response_measures import ResponseMeasures
+from reliab.criterion.scope import Position, range_of
+from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.finite_errors import predicted_ellipse
+from reliab.tracking.boundary.first_order import FirstOrderEllipse
 
 SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
 

@@ -6,17 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.default_criterion import (
     default_criterion,
     ellipses_of_nearest,
     shipped_frequencies,
 )
 from reliab.assessment.placement import carried_limits
-from reliab.criterion import Criterion, growth, promised
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import MILLI, Side
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.experimental_share import growth
+from reliab.criterion.scope import promised
 from reliab.structures.stability import critical_delay
-from reliab.vocabulary import MILLI, Side
+from reliab.structures.structure import Structure
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of the population's ground motions for which tolerable errors are stated."""

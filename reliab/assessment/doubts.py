@@ -8,7 +8,7 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
-from reliab.assessment.rebuilt_error import Estimate
+from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import (
     ERROR_NAMES,
     Verdict,
@@ -16,10 +16,11 @@ from reliab.assessment.verdict import (
     error_in_words,
     word_of_probability,
 )
-from reliab.recordings import CoupledRecording, Recording
-from reliab.significant import percent, significant
-from reliab.structures import is_of_entries
-from reliab.vocabulary import Metric
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import Metric
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.structures.parts_of_structure import is_of_entries
 
 _STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _NONLINEAR = (

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.budget import (
+from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
     Source,
@@ -18,29 +17,28 @@ from reliab.assessment.budget import (
     tolerances_of,
 )
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
-from reliab.assessment.rebuilt_error import (
-    Part,
-    Parts,
-    RebuiltError,
-    Tolerances,
-    Widening,
-    rebuild,
-)
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
+from reliab.assessment.rebuilt_error.parts import Part, Parts
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Structure, whole_structure
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.recordings.recording import Recording
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen
-    from reliab.simulation.frames import FrameUnderTest
-    from reliab.simulation.hybrid_test import UpdatedModel
+    from reliab.assessment.measured_specimen.force_channel import ForceChannel
+    from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
+    from reliab.simulation.frames.frame_file import FrameUnderTest
+    from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
@@ -332,7 +330,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
             remedy="Record the force that was fed back, in newtons",
             where=recording.name,
         )
-    from reliab.assessment.measured_specimen import rebuild_with_force
+    from reliab.assessment.measured_specimen.rebuild import rebuild_with_force
 
     return rebuild_with_force(
         recording.command,

@@ -6,15 +6,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from reliab.assessment.budget import BudgetItem, Size, Source, as_certain_as, budget_of_error
+from reliab.assessment.budget.budget import BudgetItem, budget_of_error
+from reliab.assessment.budget.sizes import Size, Source, as_certain_as
 from reliab.assessment.plain_error import plain_errors, plain_part
-from reliab.assessment.rebuilt_error import Estimate, Parts, RebuiltError, Widening
-from reliab.assessment.rebuilt_error.spread import LEVEL
-from reliab.significant import significant
-from reliab.vocabulary import PERCENT, Metric
+from reliab.assessment.rebuilt_error.parts import Parts
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
+from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error import CoupledError, DegreeError
+    from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
     from reliab.assessment.rebuilt_error.spread import DisplacementError
 
 

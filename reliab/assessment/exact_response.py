@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.substructures import Substructures
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.structures.partition import Partition
 
 _DRAWS = 64
 

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
-from reliab.assessment.budget import Size, Source
+from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.recordings import CoupledRecording, Recording
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 
 _OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
 _Error = TypeVar("_Error", bound=ErrorWithThreshold)

@@ -13,12 +13,15 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.tracking_index import TrackingIndex, track
-from reliab.recordings import CoupledRecording, Recording, without_spikes, zero_of
-from reliab.signals import CubicPath
-from reliab.significant import percent, significant
-from reliab.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.recordings.zero import zero_of
+from reliab.signals.cubic_path import CubicPath
 
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""

@@ -17,12 +17,12 @@ from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
-from reliab.criterion import Criterion
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure, stability_margin
-from reliab.structures.stability import critical_delay
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.criterion.criterion import Criterion
+from reliab.recordings.recording import Recording
+from reliab.structures.stability import critical_delay, stability_margin
+from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.own_motion import OwnPlacement

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from reliab.assessment.budget import BudgetItem
+from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.contradictions import Contradiction, of_stability
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
@@ -15,21 +15,23 @@ from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_part, plain_specimen
-from reliab.assessment.rebuilt_error import Part
+from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, verdict_by_index
-from reliab.criterion import Criterion
-from reliab.indices import TrackingOverFrequency
-from reliab.recordings import CoupledRecording, Recording
-from reliab.significant import percent_with_interval
-from reliab.simulation.frames import FrameUnderTest
-from reliab.structures import StabilityLimit, Structure
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.significant_digits import percent_with_interval
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.criterion.criterion import Criterion
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.critical_delay import StabilityLimit
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error import ShownByGround
+    from reliab.assessment.coupled_error.ground_motion import ShownByGround
 
 
 @dataclass(frozen=True, kw_only=True)

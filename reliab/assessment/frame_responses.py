@@ -12,21 +12,20 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
 from reliab.assessment.plain_error import plain_estimate
-from reliab.assessment.rebuilt_error import Estimate
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import ACCURACY
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.substructures import Substructures
 from reliab.assessment.yielding import exact_if_yielding
-from reliab.motions import Motion
-from reliab.significant import percent_with_interval, significant
-from reliab.vocabulary import MILLI, Metric
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent_with_interval, significant
+from reliab.core.vocabulary import MILLI, Metric
+from reliab.motions.motion import Motion
 
 _NEEDS = (
     "The errors of floors and storeys are stated in millimetres: to relate them to the largest response, the "

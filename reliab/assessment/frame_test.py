@@ -7,9 +7,8 @@ from typing import TypedDict, TypeVar, Unpack, overload
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.alignment import factor_of_ground
-from reliab.assessment.budget import Equipment, Size, tolerances_of
+from reliab.assessment.budget.sizes import Equipment, Size, tolerances_of
 from reliab.assessment.contradictions import (
     Contradiction,
     limited,
@@ -27,24 +26,28 @@ from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
-from reliab.assessment.measured_specimen import ForceChannel
+from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.rebuilt_error import Part
+from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.recorded_ground import require_unit_of_ground
 from reliab.assessment.tracking_index import track
 from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import Verdict
-from reliab.criterion import Criterion
-from reliab.errors import InputError
-from reliab.indices import TrackingOverFrequency
-from reliab.indices.tracking_over_frequency import tracking_over_frequency
-from reliab.motions import Motion
-from reliab.recordings import CoupledRecording, Recording
-from reliab.simulation.frames import FrameUnderTest, governing_mode
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, StabilityLimit, Structure, stability_limit
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.criterion.criterion import Criterion
+from reliab.motions.motion import Motion
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.governing_mode import governing_mode
+from reliab.structures.critical_delay import StabilityLimit, stability_limit
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
 
 _SAME_SHARE = 1e-3
 _LEAST_SHARE = 1e-6
@@ -218,7 +221,7 @@ def _of_one(
 def _of_several(
     recording: CoupledRecording, frame: FrameUnderTest, question: Question, motion: Motion | None
 ) -> CoupledAssessment:
-    from reliab.assessment.coupled_error import compare_with_ground
+    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
 
     partition, carry = frame.partition, frame.to_interface
     require_length(recording, question.structure.frequency)
@@ -324,7 +327,7 @@ def _error_of_several(
     repairs: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Rebuild the errors of all interface displacements; see `error_with_faults`."""
-    from reliab.assessment.coupled_error import rebuild_coupled
+    from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 
     sizes = {**question.sizes(test.time_step), **repairs}
     error = rebuild_coupled(

@@ -12,19 +12,19 @@ from itertools import product
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.budget import without_skew
+from reliab.assessment.budget.corrections import without_skew
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.rebuilt_error.identification import Identification, Identified, fit_spring
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import examine_ground
-from reliab.recordings import Recording
-from reliab.significant import percent, significant
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent, significant
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 _SIGNIFICANT = 3.0  # standard errors
 

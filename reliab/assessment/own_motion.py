@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 from reliab.assessment.alignment import Alignment, Padded
 from reliab.assessment.error_of_test import Question
 from reliab.assessment.tracking_index import LEVEL, TrackingIndex
-from reliab.boundary import Contour, InscribedEllipse, motion_contours
-from reliab.errors import InputError
-from reliab.indices import relative_error
-from reliab.motions import Motion
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
-from reliab.vocabulary import Metric, Side
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric, Side
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.curves import InscribedEllipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.response_error import relative_error
 
 _DRAWS = 200
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion import Criterion
-from reliab.criterion.laws import Validity
-from reliab.structures import Structure
-from reliab.vocabulary import Side
+from reliab.core.vocabulary import Side
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.laws.law import Validity
+from reliab.structures.structure import Structure
 
 _DRAWS = 200
 

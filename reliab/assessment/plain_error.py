@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error import Estimate, Part
-from reliab.vocabulary import Metric
+from reliab.assessment.rebuilt_error.parts import Part
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.core.vocabulary import Metric
 
 if TYPE_CHECKING:
-    from reliab.assessment.measured_specimen import MeasuredSpecimen
+    from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
 
 
 def finite(value: float | None) -> float | None:

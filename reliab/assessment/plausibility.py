@@ -3,15 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import require_order, require_restoring_force
 from reliab.assessment.tracking_index import white_noise_share
-from reliab.errors import InputError
-from reliab.recordings import CoupledRecording, Recording, without_spikes
-from reliab.signals import correlated
-from reliab.significant import percent, significant
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.signals.spectra import correlated
+from reliab.structures.partition import Partition
 
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""

@@ -12,16 +12,17 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.specimen_check import slipped
 from reliab.assessment.tracking_index import is_noisier
-from reliab.errors import InputError
-from reliab.recordings import Recording, without_spikes
-from reliab.signals import CubicPath
-from reliab.significant import percent, significant
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.recording import Recording
+from reliab.recordings.spikes import without_spikes
+from reliab.signals.cubic_path import CubicPath
+from reliab.structures.structure import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
 _UNRELATED = 0.9  # of the force's power, above which it follows no motion
@@ -73,9 +74,9 @@ def require_restoring_force(
     >>> require_restoring_force(moved, -40.0 * moved, 0.005)
     Traceback (most recent call last):
     ...
-    reliab.errors.InputError: The recorded force must resist the motion; found a force that acts along it, as
-    if its sign were reversed. Reverse the sign of the force: it is positive where the specimen is pushed in
-    the positive direction.
+    reliab.core.errors.InputError: The recorded force must resist the motion; found a force that acts along
+    it, as if its sign were reversed. Reverse the sign of the force: it is positive where the specimen is
+    pushed in the positive direction.
     """
     if not np.ptp(force) > 0.0:
         raise InputError(

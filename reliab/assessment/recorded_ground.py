@@ -14,11 +14,12 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.rebuilt_error.identification import Identification, identify
 from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 from reliab.assessment.recorded_force import other_unit_of_force, unit_like
-from reliab.errors import InputError
-from reliab.recordings import CoupledRecording, Part, Recording
-from reliab.significant import percent, significant
-from reliab.structures import Structure
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import STANDARD_GRAVITY
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Part, Recording
+from reliab.structures.structure import Structure
 
 UNITS_OF_GROUND: Final = {
     "m/s2": 1.0,

@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.rebuilt_error import Estimate
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.parts import follow
+from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, word_of_probability
-from reliab.errors import InputError
-from reliab.signals import correlated
-from reliab.significant import percent, significant
-from reliab.vocabulary import MILLI, PERCENT, Metric
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.signals.spectra import correlated
 
 _FEWEST_APART = 0.25  # of the largest tracking error: spread that the runs must have
 _ALIKE = 0.8  # correlation of the responses of two runs of one test

@@ -4,16 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from reliab.arrays import Array
 from reliab.assessment.default_criterion import SOURCE, criterion_of_response
 from reliab.assessment.error_of_test import Question
 from reliab.assessment.placement import Placement, place
 from reliab.assessment.tracking_index import TrackingIndex
-from reliab.boundary import ellipse_of_response
-from reliab.criterion import Criterion, Position, ResponseMeasures, compare_with_scope
-from reliab.recordings import Recording
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.response_measures import ResponseMeasures
+from reliab.criterion.scope import Position, compare_with_scope
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.first_order import ellipse_of_response
 
 
 @dataclass(frozen=True, kw_only=True)

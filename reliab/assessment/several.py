@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.same_test import SameTest, combine_runs
-from reliab.errors import InputError
-from reliab.significant import counted
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.structures import Partition
-from reliab.structures.frames import exact_step
-from reliab.threads import one_thread
+from reliab.core.arrays import Array
+from reliab.core.threads import one_thread
+from reliab.structures.frames.frame import exact_step
+from reliab.structures.partition import Partition
 
 _NO_MASS = 1e-9  # of the largest mass
 _LIGHT = 0.5  # natural frequency of a degree of freedom without mass times the time step, in radians

@@ -8,11 +8,11 @@ from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_estimate, plain_specimen
-from reliab.assessment.rebuilt_error import Widening
+from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
-from reliab.recordings import Recording
-from reliab.vocabulary import MILLI
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.recording import Recording
 
 
 def summarise(findings: Findings) -> dict[str, Any]:

@@ -28,11 +28,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.errors import ReliabError
-from reliab.indices import (
-    CommandSpectrum,
-    FrequencyEvaluation,
+from reliab.core.arrays import Array
+from reliab.core.errors import ReliabError
+from reliab.recordings.recording import FEWEST_SAMPLES, Recording
+from reliab.signals.cubic_path import CubicPath
+from reliab.signals.spectra import hann, periodogram, taper, upper_level
+from reliab.tracking.indices.frequency_evaluation import CommandSpectrum, FrequencyEvaluation
+from reliab.tracking.indices.tracking import (
     delay_by_cross_correlation,
     energy_error,
     maximum_tracking_error,
@@ -40,8 +42,6 @@ from reliab.indices import (
     rms_tracking_error,
     tracking_indicator,
 )
-from reliab.recordings import FEWEST_SAMPLES, Recording
-from reliab.signals import CubicPath, hann, periodogram, taper, upper_level
 
 _ABOVE_FLOOR = 10.0
 _SMOOTHED = 16  # bins over which a periodogram is averaged

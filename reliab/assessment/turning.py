@@ -17,9 +17,10 @@ from reliab.assessment.yielding import (
     errors_of_ductilities,
     errors_of_hardenings,
 )
-from reliab.recordings import CoupledRecording, Recording
-from reliab.signals import LowPass
-from reliab.significant import percent, significant
+from reliab.core.significant_digits import percent, significant
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.signals.filters import LowPass
 
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
 """Corners of a filter of second order on one channel [Hz], from the weakest filter that is tried."""

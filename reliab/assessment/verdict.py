@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.assessment.rebuilt_error import Estimate
-from reliab.significant import percent, percent_range, significant
-from reliab.vocabulary import Metric
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.core.significant_digits import percent, percent_range, significant
+from reliab.core.vocabulary import Metric
 
 CERTAIN: Final = 0.95
 """Probability from which on a test is called reliable; below 1 − this, not reliable."""

@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
@@ -23,9 +22,12 @@ from reliab.assessment.rebuilt_error.yielding_sweep import (
     errors_with_specimens,
     yielding_specimen,
 )
-from reliab.effects import CubicStiffness, Hysteresis, SteppedEffect
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.effect import SteppedEffect
+from reliab.effects.hysteresis import Hysteresis
+from reliab.structures.partition import Partition
 
 DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
 """Largest displacement over the yield displacement, from the smallest that is tried."""
@@ -75,8 +77,8 @@ def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEf
 def draw_yielding(rebuilt: RebuiltError) -> Spread:
     """Draw the error with specimens that yield to ductilities of one to six, each as likely as another.
 
-    >>> from reliab.assessment.rebuilt_error import rebuild
-    >>> from reliab.structures import Structure
+    >>> from reliab.assessment.rebuilt_error.rebuild import rebuild
+    >>> from reliab.structures.structure import Structure
     >>> time = np.arange(0.0, 30.0, 1.0 / 128.0)
     >>> command = 0.01 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)

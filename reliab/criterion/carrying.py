@@ -1,11 +1,11 @@
 """Ellipses of a population of ground motions, transferred to another response, length or suite.
 
 Most of the scatter of a and b between motions is known before a test. They follow from the exact response
-alone (`reliab.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself scatters by
-0.6. What is left is fitted to the population by least squares, and every motion keeps its own residual.
-Without a record, its length is known: each motion is carried to it by cutting its own record
-(`reliab.boundary.cut_records`). A criterion of the carried ellipses is then one for further motions of such a
-response, length or suite, by any method.
+alone (`reliab.tracking.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself
+scatters by 0.6. What is left is fitted to the population by least squares, and every motion keeps its own
+residual. Without a record, its length is known: each motion is carried to it by cutting its own record
+(`reliab.tracking.boundary.cut_records`). A criterion of the carried ellipses is then one for further motions
+of such a response, length or suite, by any method.
 
 The residuals of one earthquake belong together: the coefficients' covariance is that of whole earthquakes
 (Liang and Zeger 1986), and what it leaves open at the case asked for widens the residuals.
@@ -22,15 +22,15 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.ellipse_table import CUT, DIMENSIONS, EllipseTable, names_along, tabled
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
 from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scope import Position, compare_with_scope, scope_of
-from reliab.errors import InputError
-from reliab.significant import significant
-from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -187,7 +187,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
 
     Examples
     --------
-    >>> from reliab.criterion import read_ellipses
+    >>> from reliab.criterion.ellipse_reading import read_ellipses
     >>> population = read_ellipses("real_suite")
     >>> medians = [
     ...     float(np.exp(np.log(carry_to_length(population, length)["a"].sel(f=1.0, xi=0.05)).median()))

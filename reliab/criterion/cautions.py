@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.ellipse_table import EllipseTable, names_along
 from reliab.criterion.goodness_of_fit import objection
-from reliab.criterion.methods import Method
+from reliab.criterion.methods.method import Method
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.significant import percent, significant
-from reliab.vocabulary import CurveName, Metric, Side
 
 _FEW_EVENTS = 30
 _SHARED_BY = 2  # fewest motions that can be of one earthquake

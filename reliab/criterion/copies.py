@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
-from reliab.motions import are_copies
+from reliab.motions.outline import are_copies
 
 if TYPE_CHECKING:
     import xarray as xr

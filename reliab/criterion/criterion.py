@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
-from reliab.criterion.laws import Law
+from reliab.core.arrays import Array
+from reliab.core.described_files import described_text
+from reliab.core.errors import InputError
+from reliab.core.html_table import html_table
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI, PERCENT, Metric, Side
+from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
-from reliab.described_files import described_text
-from reliab.errors import InputError
-from reliab.html_table import html_table
-from reliab.physical_range import require_physical
-from reliab.significant import significant
-from reliab.vocabulary import MILLI, PERCENT, Metric, Side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +60,7 @@ class Criterion:
 
     Examples
     --------
-    >>> from reliab.criterion import published_criterion
+    >>> from reliab.criterion.published import published_criterion
     >>> criterion = published_criterion("guo_2017_12")
     >>> round(float(criterion.index(1.004, 0.0005, 1.0, 0.02)), 3)
     0.542

@@ -7,11 +7,12 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Strict
 
-from reliab.criterion.laws import Law, law_from_dict, law_to_dict
+from reliab.core.described_files import described, parse_json
+from reliab.core.errors import InputError
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.registry import law_from_dict, law_to_dict
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
-from reliab.described_files import described, parse_json
-from reliab.errors import InputError
 
 PLAIN = ("threshold", "metric", "confidence", "method", "joint")
 """Keys with plain values."""

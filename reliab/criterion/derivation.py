@@ -7,25 +7,26 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
-from reliab.criterion.laws import FITTED, FittedLaw, Table, known
+from reliab.criterion.laws.registry import FITTED, FittedLaw, known
+from reliab.criterion.laws.table import Table
 from reliab.criterion.learned_side import LearnedSide
-from reliab.criterion.methods import RECOMMENDED, Learned, Method, method_of
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.method import Learned, Method, checked_share
+from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.criterion.scope import population_of, scope_of
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
 from reliab.renamed import renamed
-from reliab.significant import percent
-from reliab.vocabulary import CurveName, Metric, Side
 
 if TYPE_CHECKING:
     from reliab.criterion.ellipse_reading import EllipseSource
@@ -173,7 +174,7 @@ def derive_criterion(
     --------
     The paper's criterion, from its printed table:
 
-    >>> from reliab.shipped import shipped
+    >>> from reliab.core.shipped import shipped
     >>> criterion = derive_criterion(shipped("datasets", "paper/table2.csv"), method="quantile")
     >>> a, b = criterion.limits(1.0, 0.02)
     >>> print(f"{a:.2e} {b:.3f}")

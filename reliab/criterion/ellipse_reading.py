@@ -12,15 +12,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.encodings import encoding_of_file
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, ordinary
-from reliab.physical_range import OF_DIMENSIONS, RANGES
+from reliab.core.encodings import encoding_of_file
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, ordinary
+from reliab.core.physical_range import OF_DIMENSIONS, RANGES
+from reliab.core.shipped import or_shipped
+from reliab.core.vocabulary import LABELS, Dimension, Metric
 from reliab.renamed import renamed
-from reliab.shipped import or_shipped
-from reliab.sweep import at_share
-from reliab.vocabulary import LABELS, Dimension, Metric
+from reliab.sweep.shares import at_share
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
 _SHARE = str(Dimension.SHARE)
@@ -188,11 +188,11 @@ def read_ellipses(
     if isinstance(source, str | Path):
         source = or_shipped(Path(source), "datasets", "ellipses.nc")
         if source.suffix == ".nc":
-            from reliab.sweep import open_ellipses
+            from reliab.sweep.ellipse_file import open_ellipses
 
             return open_ellipses(source)
         if source.is_dir():
-            from reliab.sweep import open_results
+            from reliab.sweep.results import open_results
 
             source = open_results(source)
     if isinstance(source, xr.Dataset):

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import LABELS, CurveName, Dimension, Side
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.laws.law import LARGEST
-from reliab.errors import InputError
-from reliab.vocabulary import LABELS, CurveName, Dimension, Side
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -203,7 +203,7 @@ def of_curve(ellipses: "xr.Dataset", curve: str, side: str) -> "xr.Dataset":
     InputError
         If the dataset has no such ellipses, or is of several shares of the stiffness.
     """
-    from reliab.sweep import at_share
+    from reliab.sweep.shares import at_share
 
     ellipses = at_share(ellipses)
     for name, value in ((Dimension.CURVE, curve), (Dimension.SIDE, side)):

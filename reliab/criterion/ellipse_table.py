@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, LABELS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, LABELS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +75,7 @@ class EllipseTable:
 
         Raises InputError if it is of several shares of the stiffness.
         """
-        from reliab.sweep import at_share
+        from reliab.sweep.shares import at_share
 
         ellipses = at_share(ellipses)
         lacking = [name for name in _OF_OLDER_FILES if name not in ellipses.dims]

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -126,7 +126,7 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
     """
     import xarray as xr
 
-    from reliab.sweep import share_of
+    from reliab.sweep.shares import share_of
 
     stored = share_of(ellipses)
     if stored != _WHOLE:

@@ -6,9 +6,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
 from reliab.criterion.distributions import Distribution
-from reliab.significant import significant
 
 SIGNIFICANCE = 0.05
 """Lognormality is rejected below this p-value."""

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.laws import FittedLaw, Law, Table
-from reliab.criterion.methods import Learned, Method
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.registry import FittedLaw
+from reliab.criterion.laws.table import Table
+from reliab.criterion.methods.method import Learned, Method
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.errors import InputError
 
 
 def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) -> Law:

@@ -26,7 +26,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.event_components import event_components
 
 _MOST_STEPS = 200

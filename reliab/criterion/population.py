@@ -7,7 +7,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import MILLI, CurveName, Side
 from reliab.criterion.ellipse_sample import (
     FEWEST_MOTIONS,
     is_ellipse,
@@ -20,8 +22,6 @@ from reliab.criterion.laws.law import Validity, checked_grid
 from reliab.criterion.laws.table import tents
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales
-from reliab.errors import InputError
-from reliab.vocabulary import MILLI, CurveName, Side
 
 _DIGITS = 5
 _LARGEST_LOGARITHM = 300.0  # whose exponential is still a number, as is its square

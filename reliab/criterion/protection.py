@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.carrying import carry_to_length
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
-from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +50,7 @@ def protect_over_lengths(
 
     Examples
     --------
-    >>> from reliab.criterion import read_ellipses
+    >>> from reliab.criterion.ellipse_reading import read_ellipses
     >>> protected = protect_over_lengths(read_ellipses("real_suite"))
     >>> protected.attrs["carried_to"]
     'each structure at the least favourable of 21, 39 and 90 s'

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import scipy
 
+from reliab.core.vocabulary import CurveName
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
 from reliab.version import __version__
-from reliab.vocabulary import CurveName
 
 SCHEMA_VERSION = 2
 """Version of the JSON of a criterion; version 1 had neither limits for leads nor inscribed ellipses."""

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import sample_of
-from reliab.criterion.laws import OF_MANY_MOTIONS, known
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS, known
 from reliab.criterion.learned_side import room
 from reliab.criterion.provenance import Provenance
-from reliab.vocabulary import CurveName, Metric
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.boundary import DIRECTIONS, ratio_of_delays
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import MILLI
 from reliab.criterion.scaling import scales
-from reliab.vocabulary import MILLI
+from reliab.tracking.boundary.finite_errors import DIRECTIONS, ratio_of_delays
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from reliab.boundary import FirstOrderEllipse
-    from reliab.structures import Structure
+    from reliab.structures.structure import Structure
+    from reliab.tracking.boundary.first_order import FirstOrderEllipse
 
 Places = NDArray[np.int64]
 
@@ -27,7 +27,7 @@ class BoundaryScales:
     """Multiples of the predicted ellipses' a and b at which they reach the traced boundaries."""
 
     least: Array  # The largest ellipse inside, shape (motions, f, ξ, threshold, side)
-    towards: Array  # In addition over `reliab.boundary.DIRECTIONS`, all or some of them
+    towards: Array  # In addition over `reliab.tracking.boundary.DIRECTIONS`, all or some of them
     thresholds: Array  # Errors on the boundaries [-], increasing
     sides: list[str]
     first_direction: int = 0  # Place of the first of `towards` among all directions

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Self
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 from reliab.criterion.ellipse_table import Ellipses, tabled
 from reliab.criterion.population import Population

@@ -8,8 +8,8 @@ broad-band the motion is, and hardly on the structure.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
-from reliab.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import MILLI
 
 
 def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[Array, Array]:

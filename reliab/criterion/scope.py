@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.shipped import shipped
+from reliab.core.significant_digits import share_in_words, significant
 from reliab.criterion.ellipse_table import Ellipses, tabled
-from reliab.shipped import shipped
-from reliab.significant import share_in_words, significant
 
 _TABLE = "real_suite/earthquakes.csv"
 _NAMES = {

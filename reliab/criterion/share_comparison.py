@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import LEAST_SHARE_OVER_DAMPING, growth
 
@@ -106,7 +106,7 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
         for criterion in criteria
     }
     reference = max(limits)
-    from reliab.boundary import REACH
+    from reliab.tracking.boundary.contour import REACH
 
     furthest = _NEAR_REACH * np.expm1(-REACH * xi) ** 2
     ratios = []

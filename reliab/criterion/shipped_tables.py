@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.core.files import decoding
+from reliab.core.log_quantization import NEIGHBOURS, UNKNOWN, numbers_of
+from reliab.core.shipped import shipped
+from reliab.core.untrusted_files import opened_hdf5
+from reliab.core.vocabulary import SHARE_ATTRIBUTE
 from reliab.criterion.ellipse_table import CUT, DIMENSIONS, REST, CutRecords, EllipseTable, words_of
 from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, directions_about
-from reliab.files import decoding
-from reliab.received import opened_hdf5
-from reliab.shipped import shipped
-from reliab.steps_of_logarithm import NEIGHBOURS, UNKNOWN, numbers_of
-from reliab.vocabulary import SHARE_ATTRIBUTE
 
 if TYPE_CHECKING:
     import h5py

@@ -29,7 +29,7 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
 
     Examples
     --------
-    >>> from reliab.criterion import published_criterion
+    >>> from reliab.criterion.published import published_criterion
     >>> summary = summarise(published_criterion("guo_2017_12"), 1.0, 0.02)
     >>> round(summary["amplitude_limit"], 4), round(summary["delay_limit_ms"], 2)
     (0.0073, 1.02)

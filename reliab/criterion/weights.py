@@ -26,13 +26,13 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, ordinary
+from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_table import CUT
 from reliab.criterion.scope import magnitudes_of
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, ordinary
-from reliab.shipped import shipped
 
 _COLUMNS: Final = ("quantity", "low", "high", "share")
 _QUANTITIES: Final = ("magnitude", "distance", "length", "significant_duration")

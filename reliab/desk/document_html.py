@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
-from reliab.report import CONTENT_FILE, Document, files_of
+from reliab.report.content import CONTENT_FILE, files_of
+from reliab.report.document import Document
 
 _SYMBOLS: Final = {
     "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",

@@ -8,9 +8,9 @@ import panel as pn
 from bokeh.models import BoxAnnotation, ColumnDataSource, Label, Span
 from bokeh.plotting import figure
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import PERCENT
 from reliab.desk.work import Mark, Trace
-from reliab.vocabulary import PERCENT
 
 BLUE, RED, INK = "#0b5a94", "#a3320b", "#202020"
 _COLOURS: Final = (BLUE, RED, "#1b6e3c", "#6a3d9a", "#7a5a00")

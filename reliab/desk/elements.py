@@ -10,10 +10,10 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
+from reliab.core.file_limits import LIMITS
+from reliab.core.significant_digits import percent
 from reliab.desk.jobs import Job
 from reliab.desk.memory import PageMemory
-from reliab.file_limits import LIMITS
-from reliab.significant import percent
 
 WEB: Final = Path(__file__).parent / "web"
 """Style, scripts and template."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, refuse_unwritable, written_whole
-from reliab.received import named_within
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, refuse_unwritable, written_whole
+from reliab.core.untrusted_files import named_within
 
 _LONGEST_NAME: Final = 120
 _MOST_FILES: Final = 2000  # of an archive

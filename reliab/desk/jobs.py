@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pickle import UnpicklingError
 from typing import Any, Final
 
+from reliab.core.threads import ONE_THREAD
 from reliab.desk.worker import Channel
-from reliab.threads import ONE_THREAD
 
 Tell = Callable[[Any], None]
 """Sends an intermediate result from a worker to the page."""

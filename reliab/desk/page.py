@@ -7,11 +7,11 @@ from typing import Any, ClassVar, Final
 
 import panel as pn
 
+from reliab.core.errors import InputError
 from reliab.desk.elements import button, html, progress_html, refusal
 from reliab.desk.folder import DeskFolder
 from reliab.desk.jobs import Job, Jobs
 from reliab.desk.memory import PageMemory
-from reliab.errors import InputError
 
 REFRESH: Final = 150  # ms between two looks at the work of a page
 

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 
 _PARTS: Final = ("command", "measured", "time", "force", "ground")
 

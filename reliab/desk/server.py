@@ -10,6 +10,7 @@ import panel as pn
 from panel.io.server import get_server
 from tornado.web import RedirectHandler
 
+from reliab.core.errors import InputError
 from reliab.desk.elements import WEB
 from reliab.desk.folder import DeskFolder
 from reliab.desk.guard import Guard, new_token
@@ -17,7 +18,6 @@ from reliab.desk.jobs import Jobs
 from reliab.desk.memory import Memories, PageMemory
 from reliab.desk.page import REFRESH, Desk, Page
 from reliab.desk.pages import PAGES
-from reliab.errors import InputError
 
 ADDRESS: Final = "127.0.0.1"
 _MOST_MESSAGE: Final = 40_000_000  # bytes of one message, which holds 10 MB of a dropped file

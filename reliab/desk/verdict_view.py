@@ -6,11 +6,11 @@ from typing import Any, Final
 
 import panel as pn
 
-from reliab.assessment import next_steps
+from reliab.assessment.verdict import next_steps
+from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.desk.drawings import draw_error
 from reliab.desk.elements import button, downloads, html, listed
 from reliab.desk.work import Filed, Judgement
-from reliab.significant import percent, percent_with_interval, significant
 
 _WIDTH: Final = 640.0  # of the bar, in its own units
 

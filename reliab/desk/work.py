@@ -9,22 +9,34 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.api import assess, compare_assessments, diagnose_campaign, document_of_diagnosis, document_of_rig, document_of_test, export_rig, follow_test, list_rig, record as api_record, trace_boundaries, write_corrected, write_tests
-from reliab.arrays import Array
-from reliab.assessment import Assessment, CoupledAssessment, ErrorOfTest
+from reliab.app.api.assessment import assess
+from reliab.app.api.assessment_files import document_of_test, write_corrected, write_tests
+from reliab.app.api.comparison import compare_assessments
+from reliab.app.api.diagnosis import diagnose_campaign, document_of_diagnosis
+from reliab.app.api.following import follow_test
+from reliab.app.api.records import record as api_record
+from reliab.app.api.rig_answers import document_of_rig
+from reliab.app.api.rigs import export_rig, list_rig
+from reliab.app.api.tracing import trace_boundaries
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.files import write_json_file
+from reliab.core.progress import show_task
+from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.vocabulary import MILLI
 from reliab.desk.document_html import document_html
 from reliab.desk.jobs import Tell
-from reliab.errors import InputError
-from reliab.files import write_json_file
-from reliab.progress import show_task
-from reliab.recordings import read_tests
-from reliab.report import Column, Document, Figure, Points, Table, write_pdf
-from reliab.report.figures import ranked_tests
-from reliab.significant import percent, percent_with_interval, significant
-from reliab.vocabulary import MILLI
+from reliab.recordings.readers.registry import read_tests
+from reliab.report.document import Column, Document, Figure, Points, Table
+from reliab.report.figures.tests_by_error import ranked_tests
+from reliab.report.pdf import write_pdf
 
 if TYPE_CHECKING:
-    from reliab.assessment import Comparison, FrameAssessment
+    from reliab.assessment.comparison import Comparison
+    from reliab.assessment.frame_assessment import FrameAssessment
 
     AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import IO, Any, Final
 
-from reliab.errors import ReliabError
-from reliab.progress import Progress, shows_tasks
+from reliab.core.errors import ReliabError
+from reliab.core.progress import Progress, shows_tasks
 
 _SHORTEST_STEP: Final = 0.01  # of the progress between two messages
 
@@ -85,7 +85,8 @@ def main() -> None:
 
 def _load_kernels() -> None:
     """Read and judge the test that ships, so that the user's first does not wait for it."""
-    from reliab.api import assess, record
+    from reliab.app.api.assessment import assess
+    from reliab.app.api.records import record
 
     with suppress(ReliabError):
         record("sample_test")

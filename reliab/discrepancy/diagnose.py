@@ -8,7 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.threads import one_thread
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.blocks.frame_balance import FrameBalanceBlock
@@ -28,13 +31,10 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms import ClockOffset, LateGround
-from reliab.effects import Role, Scales
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
-from reliab.signals import NoiseModel
-from reliab.simulation.hybrid_test import Motion3
-from reliab.threads import one_thread
+from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround
+from reliab.effects.effect import Role, Scales
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
 _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})

@@ -8,14 +8,14 @@ from itertools import combinations
 import numpy as np
 from scipy import fft, signal, stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.effects import Effect
-from reliab.signals import converter_step, near_mains
+from reliab.effects.effect import Effect
+from reliab.signals.noise import converter_step, near_mains
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range

@@ -2,8 +2,8 @@
 
 import math
 
+from reliab.core.errors import InputError
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.errors import InputError
 
 _YIELDS = 1e-4  # of the elastic stiffness
 _LARGEST_PART = 0.1  # of the yield displacement: largest part into which the path is divided

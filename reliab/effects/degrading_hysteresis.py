@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+from reliab.core.vocabulary import Block
 from reliab.effects.bouc_wen import BOUC_WEN, require_followed
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

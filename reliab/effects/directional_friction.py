@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
+from reliab.core.vocabulary import Block
 from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:

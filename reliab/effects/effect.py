@@ -8,11 +8,11 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.vocabulary import Block
 from reliab.effects.kernel import Kernel
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

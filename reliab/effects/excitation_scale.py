@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, RecordEffect, Role
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import LinearEffect, Parameter, Role, Setting
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Role, SteppedEffect
 from reliab.effects.offset import OFFSET, offset_parameter
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

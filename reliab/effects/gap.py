@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:

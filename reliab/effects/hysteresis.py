@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.effects.bouc_wen import BOUC_WEN, require_followed
 from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.effects.bouc_wen import require_followed
 from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.series_play import SeriesPlay
-from reliab.vocabulary import Block
 
 _LARGEST_PART = 0.1  # of the yield displacement: largest part into which the path is divided
 _MOST_PARTS = 50

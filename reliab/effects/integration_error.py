@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Effect, Parameter, Role
-from reliab.vocabulary import Block
 
 
 @dataclass(frozen=True, kw_only=True)

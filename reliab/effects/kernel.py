@@ -14,7 +14,7 @@ from numba import types
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
-from reliab.compiled import compiled_callback
+from reliab.core.compiled import compiled_callback
 
 
 class Numbers(Protocol):

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from reliab.core.registry import Registry
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
 from reliab.effects.coulomb_friction import CoulombFriction
@@ -29,7 +30,6 @@ from reliab.effects.series_play import SeriesPlay
 from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.registry import Registry
 
 ENTRY_POINT_GROUP = "reliab.effects"
 """Group under which other packages register classes derived from `Effect`."""

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _move(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.vocabulary import Block
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:

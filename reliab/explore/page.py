@@ -20,20 +20,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import (
-    MOST_AT_REST,
-    REST,
-    carry_to_length,
-    is_ellipse,
-    names_along,
-    population_of,
-    protect_over_lengths,
-)
-from reliab.errors import InputError
-from reliab.files import refuse_unwritable, require_ending, written_whole
-from reliab.sweep import at_share, share_of
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.vocabulary import CurveName
+from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.derivation import MOST_AT_REST
+from reliab.criterion.ellipse_sample import is_ellipse
+from reliab.criterion.ellipse_table import REST, names_along
+from reliab.criterion.protection import protect_over_lengths
+from reliab.criterion.scope import population_of
+from reliab.sweep.shares import at_share, share_of
 from reliab.version import __version__
-from reliab.vocabulary import CurveName
 
 _FOLDER: Final = Path(__file__).parent / "web"
 _MAIN: Final = "main"

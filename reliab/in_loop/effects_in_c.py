@@ -12,8 +12,9 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from reliab.effects import Effect, Kernel, SteppedEffect
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.effects.effect import Effect, SteppedEffect
+from reliab.effects.kernel import Kernel
 
 _NUMBERS: Final = (0, 3, 4)  # places of the arguments that are arrays: motion, coefficients, state
 _CONSTANT: Final = (0, 1, 2, 3)  # places of those that a kernel does not own, of which motion may change

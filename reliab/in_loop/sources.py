@@ -12,18 +12,43 @@ from importlib.resources import files
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import EQUATION_TOLERANCE, FALSE_ALARMS, FEWEST_AT_REST, FORCE_TRIALS, INDEPENDENT_SAMPLES, LARGEST_UNCERTAINTY, LARGE_MOTION, LONGEST_MEMORY, MEMORY, PLAY_FACTOR, POLE_ITERATIONS, SHIFT_OF_COMMAND, SHRINKING_SHARE, SIGNIFICANT_OFFSET, SINGULAR_DETERMINANT, SLOWEST_POLE, SMALLEST_DIVISOR, SMALLEST_FOLLOWING, SMALLEST_SLOPE, TIME_WITHOUT_DOUBLING, VELOCITY_NOISE, WatchedMode, delayed, tangent_structure
-from reliab.assessment.coupled_error import LOST_IN_NOISE
-from reliab.assessment.rebuilt_error import Recursion, WatchedMode, watched_modes
-from reliab.effects import Effect, Role, SteppedEffect
-from reliab.errors import InputError
+from reliab.assessment.coupled_error.coupled_error import LOST_IN_NOISE
+from reliab.assessment.rebuilt_error.initial import FEWEST_AT_REST, SHIFT_OF_COMMAND, SIGNIFICANT_OFFSET
+from reliab.assessment.rebuilt_error.loop_energy import (
+    FALSE_ALARMS,
+    INDEPENDENT_SAMPLES,
+    LARGE_MOTION,
+    LARGEST_UNCERTAINTY,
+    MEMORY,
+    PLAY_FACTOR,
+    POLE_ITERATIONS,
+    SINGULAR_DETERMINANT,
+    SLOWEST_POLE,
+    SMALLEST_FOLLOWING,
+    WatchedMode,
+    watched_modes,
+)
+from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
+from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.running_specimen import (
+    EQUATION_TOLERANCE,
+    FORCE_TRIALS,
+    LONGEST_MEMORY,
+    SMALLEST_DIVISOR,
+    SMALLEST_SLOPE,
+    VELOCITY_NOISE,
+)
+from reliab.assessment.rebuilt_error.running_test import SHRINKING_SHARE, TIME_WITHOUT_DOUBLING
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import Metric
+from reliab.effects.effect import Effect, Role, SteppedEffect
 from reliab.in_loop.effects_in_c import functions_in_c
-from reliab.recordings import LARGEST_READING
-from reliab.significant import significant
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.recordings.recording import LARGEST_READING
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.partition import Partition
 
 TEMPLATES = ("reliab_monitor.h", "reliab_monitor.c", "example.c", "README.md")
 CONFIGURATION = "reliab_monitor_config.h"
@@ -121,11 +146,7 @@ class LoopMonitor:
     @cached_property
     def linear(self) -> Partition:
         """The structure with the linear specimen."""
-        return (
-            tangent_structure(self.structure)
-            if isinstance(self.structure, HybridTest)
-            else self.structure
-        )
+        return tangent_structure(self.structure) if isinstance(self.structure, HybridTest) else self.structure
 
     @property
     def degrees_of_freedom(self) -> int:

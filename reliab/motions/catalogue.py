@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
-from reliab.encodings import of_cell
+from reliab.core.encodings import of_cell
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared

@@ -7,7 +7,9 @@ from statistics import median
 
 import numpy as np
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.loading import (
@@ -23,8 +25,6 @@ from reliab.motions.quality import Copies, find_flaws
 from reliab.motions.readers.reading import Declared, Reading
 from reliab.motions.readers.source import is_file, is_folder
 from reliab.motions.record import RecordFile
-from reliab.significant import significant
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _LIKENESS = 50.0
 """Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""

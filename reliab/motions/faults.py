@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from reliab.errors import InputError
-from reliab.received import named_within
+from reliab.core.errors import InputError
+from reliab.core.untrusted_files import named_within
 
 T = TypeVar("T")
 

@@ -17,10 +17,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.motion import Motion
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _PERIOD_BAND = (0.25, 20.0)  # Hz, Rathje and others (1998)
 _FREQUENCY_INTERVAL = 0.05  # Hz, the largest that they allow

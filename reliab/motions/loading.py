@@ -16,7 +16,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
 from reliab.motions.catalogue import CATALOGUE, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.motion import Motion
@@ -26,7 +27,6 @@ from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
-from reliab.physical_range import require_physical
 
 _COMPONENTS = frozenset(("K-NET",))
 """Formats whose endings name a component, such as ``.NS`` and ``.EW``."""
@@ -290,7 +290,7 @@ def declare(time_step: float | None, units: str | None) -> Declared:
 
 def _entries(source: str | Path, declared: Declared, faults: list[Fault]) -> list[MotionEntry]:
     if source in BUILT_IN:
-        from reliab.motions.synthetic import synthetic_suite
+        from reliab.motions.synthetic.suite import synthetic_suite
 
         return list(synthetic_suite().entries)
     path = Path(source)

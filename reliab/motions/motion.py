@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.vocabulary import STANDARD_GRAVITY
 
 MOST_SAMPLES = 2_000_000
 """Largest number of samples of a motion; its simulation then takes about 1.5 GB on each processor."""
@@ -109,8 +109,8 @@ def require_short(samples: int, name: str) -> None:
     >>> require_short(10_000_000, "long")
     Traceback (most recent call last):
     ...
-    reliab.errors.InputError: long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep the
-    strong part of the record, or resample it.
+    reliab.core.errors.InputError: long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep
+    the strong part of the record, or resample it.
     """
     if samples > MOST_SAMPLES:
         raise InputError(

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.motions.motion import Motion
 
 _CORNER = 4.0  # Hz, above which filters and time steps of two versions of a record differ

@@ -11,8 +11,8 @@ from operator import itemgetter
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.significant import significant
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
 
 _FEWEST = 100  # samples, below which a record tells nothing of these
 _EQUAL = 1e-6  # of the peak, up to which two samples are the same

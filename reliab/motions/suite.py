@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Protocol, overload
 
-from reliab.errors import InputError
-from reliab.html_table import html_table
+from reliab.core.errors import InputError
+from reliab.core.html_table import html_table
+from reliab.core.significant_digits import counted
 from reliab.motions.motion import Motion
-from reliab.significant import counted
 
 _SHOWN = 100  # motions in a table
 

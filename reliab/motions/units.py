@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass
 from enum import StrEnum
 
-from reliab.errors import InputError
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY
 
 
 class AccelerationUnit(StrEnum):

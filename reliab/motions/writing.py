@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from reliab.encodings import as_cell
-from reliab.errors import InputError
-from reliab.files import folder_written_whole, refuse_unwritable
+from reliab.core.encodings import as_cell
+from reliab.core.errors import InputError
+from reliab.core.files import folder_written_whole, refuse_unwritable
 from reliab.motions.catalogue import CATALOGUE, COLUMNS
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite

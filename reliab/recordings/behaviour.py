@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.recordings.recording import LARGEST_READING
 
 _MOST_SAMPLES: Final = 1 << 16  # that are looked at, where the first history moves most

@@ -17,15 +17,16 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 from reliab.recordings.behaviour import white_noise
 from reliab.recordings.recording import Recording
-from reliab.signals import converter_step, low_pass, smoothed
-from reliab.significant import percent
-from reliab.stated_value import StatedValue
-from reliab.vocabulary import MILLI
+from reliab.signals.filters import low_pass, smoothed
+from reliab.signals.noise import converter_step
 
 _RADII: Array = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
 _STRETCHES = 8  # each gives an estimate of its own

@@ -5,12 +5,12 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from reliab.described_files import described, read_toml
-from reliab.errors import InputError
-from reliab.physical_range import Physical
+from reliab.core.described_files import described, read_toml
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import Part, Stated, StatedChannels
-from reliab.stated_value import StatedValue
-from reliab.vocabulary import MILLI
 
 _RULE: Final = "The channels of a laboratory must be described in TOML"
 _REMEDY: Final = "Compare with the page on recordings of the documentation"

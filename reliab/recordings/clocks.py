@@ -13,14 +13,15 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI
 from reliab.recordings.holds import Hold, find_hold
 from reliab.recordings.naming import describe
-from reliab.recordings.readers import Columns
 from reliab.recordings.readers.attributes import RATES, STEPS, plain
-from reliab.recordings.readers.columns import seconds_between
+from reliab.recordings.readers.columns import Columns, seconds_between
 from reliab.recordings.recording import (
     DISPLACEMENTS,
     LARGEST_READING,
@@ -30,9 +31,7 @@ from reliab.recordings.recording import (
 from reliab.recordings.time_stamps import Clock, clock_of
 from reliab.recordings.units import TIMES, Unit, unit_of
 from reliab.recordings.words import Quantity
-from reliab.signals import CubicPath
-from reliab.significant import significant
-from reliab.vocabulary import MILLI
+from reliab.signals.cubic_path import CubicPath
 
 _EVEN: Final = 0.01  # relative, by which rates may differ and still be one
 _LEAST_SHARED: Final = 0.9

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.recordings.readers import Columns, is_frame, read_frame
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.readers.columns import Columns, is_frame, read_frame
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import (
     DISPLACEMENTS,
@@ -22,7 +23,6 @@ from reliab.recordings.recording import (
     require_few_samples,
     require_finite,
 )
-from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,15 +7,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError, naming
-from reliab.physical_range import require_physical
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError, naming
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI
 from reliab.recordings.following import Rows
 from reliab.recordings.holds import find_hold
 from reliab.recordings.recording import DISPLACEMENTS
 from reliab.recordings.zero import extent_of_test, zero_of
-from reliab.significant import significant
-from reliab.vocabulary import MILLI
 
 _ROWS_FOR_STEP = 64
 _GAP = 0.6  # of a step that a sample may come late or early after the one before

@@ -16,19 +16,19 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.encodings import pieces_as_utf8
-from reliab.errors import InputError
-from reliab.files import ordinary
+from reliab.core.arrays import Array
+from reliab.core.encodings import pieces_as_utf8
+from reliab.core.errors import InputError
+from reliab.core.files import ordinary
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
-from reliab.recordings.readers import Columns, Series
 from reliab.recordings.readers.cells import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
+from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.header import header_of
 from reliab.recordings.readers.text import begins_table, delimiter_of
 from reliab.recordings.reading import require_clear_numbers, stated_in
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, Channel, Part, Stated
-from reliab.stated_value import StatedValue
 
 _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 _FEWEST: Final = 50  # changes from which the clock of a channel is known
 _CLEAR: Final = 4.0  # smallest changes of a change that no rounding makes after a repeated value

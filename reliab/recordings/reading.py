@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError, naming
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError, naming
+from reliab.core.significant_digits import significant
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.behaviour import compare, explained, moves
 from reliab.recordings.clocks import at_one_clock, with_paired_times
-from reliab.recordings.readers import Columns, is_frame, read_frame, read_tests
+from reliab.recordings.readers.columns import Columns, is_frame, read_frame
+from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import (
     DISPLACEMENTS,
@@ -24,8 +27,6 @@ from reliab.recordings.recording import (
 )
 from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
 from reliab.recordings.zero import extent_of_test
-from reliab.significant import significant
-from reliab.stated_value import StatedValue
 
 if TYPE_CHECKING:
     import pandas as pd

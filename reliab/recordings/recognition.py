@@ -12,7 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
 from reliab.recordings.behaviour import Likeness, compare, explained, moves
 from reliab.recordings.naming import (
     WITHOUT_ROLE,
@@ -26,11 +27,10 @@ from reliab.recordings.naming import (
     votes,
     words_of,
 )
-from reliab.recordings.readers import Columns
+from reliab.recordings.readers.columns import Columns
 from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, QUANTITY_OF, Channel, Part, Stated
 from reliab.recordings.units import UNITS, Unit, unit_of
 from reliab.recordings.words import Quantity, Role
-from reliab.significant import significant
 
 _SIMILAR = 0.7
 _LEAST_ALIKE, _MOST_ALIKE = 0.5, 0.9  # correlation of columns that are no pair, and of some that may be one

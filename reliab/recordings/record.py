@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.encodings import as_text
-from reliab.files import decoding, ordinary, require_small, written_whole
-from reliab.physical_range import RANGES
-from reliab.received import objects_of, opened_hdf5
-from reliab.recordings.readers import Series
+from reliab.core.encodings import as_text
+from reliab.core.files import decoding, ordinary, require_small, written_whole
+from reliab.core.physical_range import RANGES
+from reliab.core.shipped import checksum_of
+from reliab.core.untrusted_files import objects_of, opened_hdf5
+from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.hierarchical import STATED, text_of
 from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
-from reliab.shipped import checksum_of
 from reliab.version import __version__
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.words import Quantity
-from reliab.stated_value import StatedValue
 
 FEWEST_SAMPLES = 64
 """Samples below which no index is evaluated."""

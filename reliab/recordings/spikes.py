@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.recordings.recording import Recording
 
 _QUANTILE = 0.995  # of the steps between samples, nearly the largest one of a history that moves

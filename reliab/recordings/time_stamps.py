@@ -5,12 +5,12 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.recordings.readers import Columns
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.recordings.readers.columns import Columns
 from reliab.recordings.recording import FEWEST_SAMPLES
-from reliab.significant import significant
 
 _EVEN: Final = 0.01  # share of a step by which a time may be off and still count as equal
 _FEW: Final = 0.01  # share of unusual steps up to which they are faults, and not the rounding of the times

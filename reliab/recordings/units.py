@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.recordings.words import Quantity
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _POUND: Final = 4.4482216152605  # N
 

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.recordings.behaviour import white_noise
 
 _LEAST = 0.02  # of the command's span: another zero below which nothing is said

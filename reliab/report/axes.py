@@ -12,9 +12,9 @@ from matplotlib.ft2font import FT2Font
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import Metric
 from reliab.report.style import RC
-from reliab.significant import significant
-from reliab.vocabulary import Metric
 
 _STEPS = ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 _LEAST_PLAIN, _GREATEST_PLAIN = 1e-2, 1e4

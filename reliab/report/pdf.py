@@ -12,7 +12,7 @@ from typing import Any, Final, cast
 
 import typst
 
-from reliab.files import decoding, refuse_unwritable, written_whole
+from reliab.core.files import decoding, refuse_unwritable, written_whole
 from reliab.report.content import files_of
 from reliab.report.document import Document
 from reliab.report.saved import CONTENT_REMEDY, CONTENT_RULE

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from reliab.criterion import Provenance, installed_versions
+from reliab.criterion.provenance import Provenance, installed_versions
 
 
 def provenance_of(

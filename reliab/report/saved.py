@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
-from reliab.described_files import parse_json
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, folder_written_whole, ordinary
-from reliab.received import named_within
+from reliab.core.described_files import parse_json
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, folder_written_whole, ordinary
+from reliab.core.untrusted_files import named_within
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
 from reliab.report.prose import require_formula

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from reliab.errors import InputError
-from reliab.files import ordinary
+from reliab.core.errors import InputError
+from reliab.core.files import ordinary
 from reliab.report.prose import literal
 
 PAPERS: Final = {"a4": "a4", "letter": "us-letter"}

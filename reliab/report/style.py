@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 
 COLUMN_WIDTH: Final = 160.0
 """Width of the text column of a report [mm]."""

@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from reliab.criterion.methods import METHODS
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Metric
+from reliab.criterion.methods.registry import METHODS
 from reliab.report.prose import Math, Piece
-from reliab.significant import percent
-from reliab.vocabulary import Metric
 
 ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
 """The errors of the whole test in mathematics."""

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.rig.memory import Memory
 from reliab.rig.rig_table import RigTable
 

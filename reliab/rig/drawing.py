@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.rig.learning import Learned
+from reliab.core.arrays import Array
+from reliab.rig.learning.learned import Learned
 from reliab.rig.memory import Memory, NextTest
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 DRAWS: Final = 1000
 

@@ -6,10 +6,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.rig.learning import places_in_day, warmth
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import PERCENT
+from reliab.rig.learning.circumstances import places_in_day, warmth
 from reliab.rig.watching import watch
-from reliab.vocabulary import PERCENT
 
 _LIMITS: Final = {"gain": 1.6, "delay": 1.0, "noise": 1.6}
 """By cause the factor of its limits: the delay is watched most closely."""

@@ -8,14 +8,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.assessment import typical_ellipse
-from reliab.errors import InputError
+from reliab.assessment.default_criterion import typical_ellipse
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import MILLI
 from reliab.rig.drift import drift_chart
-from reliab.rig.learning import Circumstances, Learned, learn, places_in_day, warmth
+from reliab.rig.learning.circumstances import Circumstances, places_in_day, warmth
+from reliab.rig.learning.learned import Learned, learn
 from reliab.rig.rig_table import RigTable
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI
+from reliab.structures.structure import Structure
 
 FEWEST: Final = 3
 MOST: Final = 1000

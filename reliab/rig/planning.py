@@ -7,13 +7,13 @@ from typing import Any, Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.assessment import ellipses_of_motions
+from reliab.assessment.default_criterion import ellipses_of_motions
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
 from reliab.rig.drawing import Draws, draw_tests, learn_tests
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
-from reliab.significant import significant
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 SHARE: Final = 0.95
 _SMALLEST_FACTOR, _LARGEST_FACTOR = 0.02, 50.0

@@ -6,17 +6,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment import typical_ellipse
-from reliab.boundary import first_order_ellipse
+from reliab.assessment.default_criterion import typical_ellipse
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import MILLI
 from reliab.rig.drawing import DRAWS, draw_tests, learn_tests, learn_tracking
-from reliab.rig.learning import Circumstances, Learned
+from reliab.rig.learning.circumstances import Circumstances
+from reliab.rig.learning.learned import Learned
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
-from reliab.significant import significant
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.first_order import first_order_ellipse
 
 LEVEL: Final = 0.9
 _ENDS: Final = (0.05, 0.5, 0.95)

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from reliab.described_files import read_json
-from reliab.errors import InputError
-from reliab.files import refuse_unwritable, write_json_file, written_whole
+from reliab.core.described_files import read_json
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, write_json_file, written_whole
 from reliab.rig.drift import drift_chart
 from reliab.rig.rig_table import CHANGE, STATE, RigTable, cached_rows, cached_text, ordered_table, row_of
 from reliab.rig.rig_test import SCHEMA, RigTest
@@ -71,7 +71,7 @@ class RigFolder:
 
         `terms` is what was stated when it was assessed.
         """
-        from reliab.recordings import write_record
+        from reliab.recordings.record import write_record
 
         with refuse_unwritable("The folder of a rig must be writable", where=self.path):
             for name in (_RECORDS, _TESTS):

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.encodings import as_cell, of_cell
+from reliab.core.arrays import Array
+from reliab.core.encodings import as_cell, of_cell
 from reliab.rig.rig_test import COLUMNS, TEXTS
 
 STATE: Final = "file_state"

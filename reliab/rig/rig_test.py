@@ -8,11 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.assessment import Assessment, FrameAssessment
-from reliab.boundary import ellipse_of_response
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.vocabulary import MILLI
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.recording import Recording
+from reliab.tracking.boundary.first_order import ellipse_of_response
 
 SCHEMA: Final = "reliab rig test 1"
 """Value of `schema` in the JSON of a test."""

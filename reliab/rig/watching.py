@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 _WIDE: Final = 5.0  # spread of odd tests
 _SUPPOSED: Final = (0.25, 25.0)  # odd tests, of so many, that are supposed before any is seen

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.errors import IncompleteError, InputError
-from reliab.files import decoding, ordinary, written_whole
-from reliab.received import objects_of, opened_hdf5
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.files import decoding, ordinary, written_whole
+from reliab.core.untrusted_files import objects_of, opened_hdf5
 
 if TYPE_CHECKING:
     import h5py

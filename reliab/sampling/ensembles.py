@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
 from reliab.sampling.chain_file import ChainFile
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.model import Model

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.sampling.model import Model
 
 if TYPE_CHECKING:

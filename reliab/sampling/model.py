@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 if TYPE_CHECKING:
     from emcee.moves import Move

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.files import written_whole
+from reliab.core.arrays import Array
+from reliab.core.files import written_whole
 
 if TYPE_CHECKING:
     import pandas as pd

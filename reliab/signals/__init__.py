@@ -1,5 +1,1 @@
 """Noise, converters, filters and spectra of measured channels: once, for all rooms."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

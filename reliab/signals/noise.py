@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 from reliab.signals.spectra import binned
 
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, read_only
+from reliab.core.arrays import Array, read_only
 
 
 def convolved(history: Array, kernel: Array) -> Array:

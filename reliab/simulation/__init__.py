@@ -1,5 +1,1 @@
 """A hybrid test simulated: engines, effects in time, compensators, integrators, transfer systems."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 TRACKS = 6
 _SQUARES, _, LATEST, _LEFT, _PEAK, _RIGHT = range(TRACKS)

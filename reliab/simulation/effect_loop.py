@@ -6,15 +6,15 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.effects import Role
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.effects.effect import Role
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 LARGEST_PHASE_STEP = 0.04
 """Largest ω₀h of a step [rad]: a and b of a linear loop are then within 1e-3 of those of the exact one."""
@@ -35,7 +35,7 @@ class EffectLoop:
 
     Raises InputError if the model has no structure.
 
-    >>> from reliab.effects import find_effect
+    >>> from reliab.effects.registry import find_effect
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))
     >>> lag = find_effect("first_order_lag")(time_constant_s=0.002)
     >>> loop = EffectLoop(

@@ -20,9 +20,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.significant import significant
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
 from reliab.simulation.deviation import Deviation
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_stepping, spectral
@@ -34,7 +34,7 @@ from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.responses import Responses
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.simulation.linear_loop.structure_batch import Prepared
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 _OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05
 """Beyond the critical delay only the fact that an RMS^R exceeds the first matters: above it the

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)

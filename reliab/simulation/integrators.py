@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.effects import Kernel, Numbers
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.effects.kernel import Kernel, Numbers
+from reliab.structures.structure import Structure
 
 
 @dataclass(frozen=True, kw_only=True)

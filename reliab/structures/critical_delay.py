@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
 from reliab.structures.partition import Partition
 
 _ON_AXIS = 1e-6  # real part over modulus of an eigenvalue that may lie on the imaginary axis

@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.effects import Effect, Role
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.significant import significant
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.effects.effect import Effect, Role
 from reliab.structures.frames.frame import (
     Frame,
     mass_orthonormal,

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 PARTS: Final = ("floor_mass", "storey_stiffness", "storey_damping", "mode_frequency", "mode_damping_ratio")
 """Parts of a structure by name, each followed by its number from the ground up or from the slowest mode."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.structures.frames import Frame
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.structures.frames.frame import Frame
 
 
 @dataclass(frozen=True, kw_only=True)

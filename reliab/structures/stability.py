@@ -19,8 +19,8 @@ that range, within which no root lies in 0 ≤ Re s ≤ 1/|τ| either.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.structures.structure import Structure
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from reliab.physical_range import require_physical
+from reliab.core.physical_range import require_physical
 
 
 @dataclass(frozen=True, kw_only=True)

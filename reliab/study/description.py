@@ -11,11 +11,11 @@ from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from reliab.criterion.laws import FITTED, known
-from reliab.criterion.methods import RECOMMENDED, method_of
-from reliab.errors import InputError
-from reliab.indices import Window
-from reliab.physical_range import Physical
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.criterion.laws.registry import FITTED, known
+from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.tracking.indices.window import Window
 
 _Value = TypeVar("_Value")
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Final
 
-from reliab.errors import InputError
-from reliab.shipped import shipped_folder
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped_folder
 from reliab.study.kind import Kind
 
 PACKAGE: Final = "reliab_studies"

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reliab.progress import Show
-from reliab.report import Document
+from reliab.core.progress import Show
+from reliab.report.document import Document
 from reliab.study.description import Study
 from reliab.study.stages import Stage
 

@@ -7,13 +7,16 @@ from typing import Final
 
 import xarray as xr
 
-from reliab.errors import InputError
-from reliab.indices import Window
-from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.study.description import RecordsStudy, SimulatedStudy
 from reliab.study.stages import digest
-from reliab.sweep import REAL, at_share, open_results, stored_results
-from reliab.validation.cross_validation import StoredTruth
+from reliab.sweep.results import REAL, open_results, stored_results
+from reliab.sweep.shares import at_share
+from reliab.tracking.indices.window import Window
+from reliab.validation.cross_validation.truth import StoredTruth
 
 RESULTS: Final = "results.zarr"
 SYNTHETIC: Final = "synthetic"

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from reliab.described_files import described, read_toml
-from reliab.errors import InputError
+from reliab.core.described_files import described, read_toml
+from reliab.core.errors import InputError
 from reliab.study.description import Study
 from reliab.study.folders import FILE, kind_of, shipped_folders
 from reliab.study.kinds import KINDS

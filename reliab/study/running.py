@@ -4,9 +4,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from reliab.files import decoding, refuse_links
-from reliab.progress import Show, quietly
-from reliab.report import Document, Setting, write_pdf
+from reliab.core.files import decoding, refuse_links
+from reliab.core.progress import Show, quietly
+from reliab.report.document import Document
+from reliab.report.pdf import write_pdf
+from reliab.report.setting import Setting
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
 from reliab.study.reading import study_from

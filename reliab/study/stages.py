@@ -22,16 +22,16 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from reliab.criterion import installed_versions
-from reliab.described_files import read_json
-from reliab.errors import IncompleteError, InputError
-from reliab.files import (
+from reliab.core.described_files import read_json
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.files import (
     UNFINISHED,
     refuse_unwritable,
     remove_abandoned,
     written_by_one_process,
     written_whole,
 )
+from reliab.criterion.provenance import installed_versions
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20

@@ -8,35 +8,30 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.criterion import Criterion, Derivation, without_copies
-from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, known
-from reliab.criterion.methods import Quantile, method_of
-from reliab.errors import InputError
-from reliab.files import written_whole
-from reliab.indices import Window
-from reliab.progress import Show
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.progress import Show
+from reliab.core.vocabulary import Metric
+from reliab.criterion.copies import without_copies
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.methods.quantile import Quantile
+from reliab.criterion.methods.registry import method_of
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, SimulatedStudy
 from reliab.study.material import RESULTS, Material
 from reliab.study.stages import Stage, read_result
-from reliab.sweep import (
-    measure_cut_records,
-    open_ellipses,
-    outlines_of,
-    read_netcdf,
-    run_sweep,
-    sweep_request,
-    write_ellipses,
-    write_netcdf,
-)
-from reliab.validation.cross_validation import (
-    Candidate,
-    CrossValidation,
-    Derived,
-    Printed,
-    cross_validate,
-    folds_of,
-)
-from reliab.vocabulary import Metric
+from reliab.sweep.cut_records import measure_cut_records
+from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.labels import outlines_of
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
+from reliab.sweep.plain import sweep_request
+from reliab.sweep.run import run_sweep
+from reliab.tracking.indices.window import Window
+from reliab.validation.cross_validation.candidates import Candidate, Derived, Printed
+from reliab.validation.cross_validation.counts import CrossValidation
+from reliab.validation.cross_validation.folds import folds_of
+from reliab.validation.cross_validation.judge import cross_validate
 
 ELLIPSES: Final = "ellipses.nc"
 CRITERIA: Final = "criteria.json"

@@ -5,14 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.boundary import CUT_LENGTHS, exact_response, ratios_of_cut_record
-from reliab.indices import Window
-from reliab.motions import Motion, arias_times
-from reliab.received import opened_hdf5
-from reliab.shipped import shipped
-from reliab.structures import Structure
+from reliab.core.shipped import shipped
+from reliab.core.untrusted_files import opened_hdf5
+from reliab.motions.intensity import arias_times
+from reliab.motions.motion import Motion
+from reliab.structures.structure import Structure
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import share_of
+from reliab.tracking.boundary.cut_records import CUT_LENGTHS, ratios_of_cut_record
+from reliab.tracking.boundary.first_order import exact_response
+from reliab.tracking.indices.window import Window
 
 _ONSET = 0.01  # share of the Arias intensity that has passed at the onset of shaking
 _SHIPPED = "real_suite/ellipses.nc"
@@ -29,7 +31,7 @@ def measure_cut_records(
     Returns `a_cut` and `b_cut` [-], a and b of a cut record over those of the whole one, over (motion, f, xi,
     length).
 
-    >>> from reliab.motions import load_motions
+    >>> from reliab.motions.loading import load_motions
     >>> measured = measure_cut_records(load_motions("synthetic")[:2], [1.0], [0.02, 0.05], 1.0)
     >>> bool((measured["a_cut"].sel(length=10.0) < 1.5).all())
     True

@@ -1,8 +1,8 @@
 """The labelled dataset of ellipses and other curves fitted to the boundaries of many ground motions.
 
-One row is one side of one boundary. A side has no ellipse for the reasons that `reliab.vocabulary.NoEllipse`
-lists; a and b are then NaN, or zero where the loop's other effects alone exceed the threshold, and
-the variable `no_ellipse` gives the reason. Nowhere is a or b negative or infinite.
+One row is one side of one boundary. A side has no ellipse for the reasons that
+`reliab.core.vocabulary.NoEllipse` lists; a and b are then NaN, or zero where the loop's other effects alone
+exceed the threshold, and the variable `no_ellipse` gives the reason. Nowhere is a or b negative or infinite.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,10 +10,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.arrays import Array
-from reliab.boundary import Contour, Curve, Ellipse, InscribedEllipse
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric, NoEllipse, Side
 from reliab.sweep.labels import with_labels
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric, NoEllipse, Side
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.curves import Curve, Ellipse, InscribedEllipse
 
 COLUMNS = ("a", "b", "sse", "n", "no_ellipse")
 """Values stored for a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""

@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.errors import InputError
-from reliab.files import refuse_unwritable, require_ending
-from reliab.indices import Window
-from reliab.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, require_ending
+from reliab.core.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, SHARE_ATTRIBUTE, CurveName, Dimension, Side
+from reliab.tracking.indices.window import Window
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
 _LENGTH = "length"

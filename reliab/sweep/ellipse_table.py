@@ -7,21 +7,25 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from reliab.arrays import Array
-from reliab.boundary import Curve, Ellipse, first_order_ellipse, motion_contours, suite_contours
-from reliab.errors import InputError
-from reliab.indices import Window, relative_error
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.simulation import EffectLoop, Engine, Loop
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
+from reliab.motions.motion import Motion
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.structure import Structure
 from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates, outlines_of
 from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
 from reliab.sweep.shares import for_each_share
-from reliab.vocabulary import SHARE_ATTRIBUTE, Metric, Side
+from reliab.tracking.boundary.curves import Curve, Ellipse
+from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 _MOTIONS_AT_A_TIME = 64
 """Number of motions that are traced together; limits the memory."""
@@ -235,7 +239,7 @@ def predict_ellipses(
 
     Examples
     --------
-    >>> from reliab.motions import load_motions
+    >>> from reliab.motions.loading import load_motions
     >>> request = EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), thresholds=(0.01, 0.02))
     >>> predicted = predict_ellipses(load_motions("synthetic")[:2], request)
     >>> np.unique((predicted["a"].sel(threshold=0.02) / predicted["a"].sel(threshold=0.01)).values.round(6))

@@ -10,25 +10,29 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from reliab.arrays import Array
-from reliab.boundary import AMPLITUDE_STEP, Curve, motion_contours
-from reliab.errors import InputError
-from reliab.indices import Window, relative_error
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.indices.response_error import response_error
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.simulation import Excitation
-from reliab.simulation.frames import FrameLoop, FrameUnderTest, stable_with
-from reliab.structures import stability_limit
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import MILLI, Metric, Side
+from reliab.motions.motion import Motion
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.exact_loop import stable_with
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.structures.critical_delay import stability_limit
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import excitation_of
-from reliab.vocabulary import MILLI, Metric, Side
+from reliab.tracking.boundary.contour import AMPLITUDE_STEP
+from reliab.tracking.boundary.curves import Curve
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.response_error import relative_error, response_error
+from reliab.tracking.indices.window import Window
 
 if TYPE_CHECKING:
-    from reliab.boundary import SolvedLoop
-    from reliab.simulation.transfer_systems import ActuatorMatrix, TransferSystem
+    from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
+    from reliab.tracking.boundary.suite_boundary import SolvedLoop
 
 _WORST = "the interface displacement whose error is largest"
 _FEW_AMPLITUDES = 0.01

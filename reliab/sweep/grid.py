@@ -8,12 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.boundary import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretched
-from reliab.errors import InputError
-from reliab.simulation.linear_loop import Cells
-from reliab.structures import Structure
-from reliab.vocabulary import Dimension
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Dimension
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.contour import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretched
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4
 

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.motions import Motion, outline_of
-from reliab.vocabulary import LABELS, Dimension
+from reliab.core.vocabulary import LABELS, Dimension
+from reliab.motions.motion import Motion
+from reliab.motions.outline import outline_of
 
 
 def with_labels(dataset: xr.Dataset) -> xr.Dataset:

@@ -10,12 +10,12 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, ordinary, written_whole
-from reliab.received import objects_of, opened_hdf5
-from reliab.significant import significant
-from reliab.steps_of_logarithm import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, ordinary, written_whole
+from reliab.core.log_quantization import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
+from reliab.core.significant_digits import significant
+from reliab.core.untrusted_files import objects_of, opened_hdf5
 
 
 def packed(

@@ -4,14 +4,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
 
-from reliab.errors import InputError
-from reliab.indices import Window
-from reliab.motions import Motion, MotionSuite, load_motions
-from reliab.simulation import Engine
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
+from reliab.simulation.engine import Engine
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.several import Names, Numbers, several
+from reliab.tracking.indices.window import Window
 
 Motions = MotionSuite | Motion | str | Path
 """Ground motions, one of them, or what `load_motions` reads."""
@@ -78,7 +80,7 @@ class StatedStructures:
 def _test(model: str | Path | HybridTest) -> HybridTest:
     if isinstance(model, HybridTest):
         return model
-    from reliab.simulation.hybrid_test import read_model
+    from reliab.simulation.hybrid_test.model_file import read_model
 
     return read_model(model).test
 

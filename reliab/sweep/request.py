@@ -7,16 +7,19 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from reliab.errors import InputError
-from reliab.indices import Window
-from reliab.motions import Motion
-from reliab.significant import significant
-from reliab.simulation import LEAD_TOLERANCE, REDUCTION_TOLERANCE, EffectLoop, Engine, Excitation, Loop
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.linear_loop import Prepared
-from reliab.structures import Structure
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import Dimension
+from reliab.motions.motion import Motion
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.linear_loop.cells import LEAD_TOLERANCE, REDUCTION_TOLERANCE
+from reliab.simulation.linear_loop.structure_batch import Prepared
+from reliab.structures.structure import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
-from reliab.vocabulary import Dimension
+from reliab.tracking.indices.window import Window
 
 MOST_STRUCTURES = 10_000
 """Largest number of structures of a sweep, which takes a minute and more for one motion."""
@@ -183,7 +186,7 @@ def excitation_of(motion: Motion, window: Window) -> Excitation:
     `window`: part of the record over which the error is computed. Returns the whole record, with the bounds
     of the window [s].
 
-    >>> from reliab.motions import load_motions
+    >>> from reliab.motions.loading import load_motions
     >>> motion = load_motions("synthetic")[0]
     >>> excitation_of(motion, Window()).time_step == motion.time_step
     True

@@ -6,20 +6,15 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from reliab.boundary import (
-    DIRECTIONS,
-    FirstOrderEllipse,
-    first_order_ellipse,
-    predicted_ellipse,
-    scales_of_contour,
-)
-from reliab.indices import Window
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.structures import Structure
+from reliab.core.progress import Progress, silent
+from reliab.motions.motion import Motion
+from reliab.structures.structure import Structure
 from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import excitation_of
 from reliab.sweep.results_accessor import ResultsAccessor, contours_of
+from reliab.tracking.boundary.finite_errors import DIRECTIONS, predicted_ellipse, scales_of_contour
+from reliab.tracking.boundary.first_order import FirstOrderEllipse, first_order_ellipse
+from reliab.tracking.indices.window import Window
 
 
 def measure_responses(
@@ -49,7 +44,7 @@ def measure_responses(
 
     Examples
     --------
-    >>> from reliab.motions import load_motions
+    >>> from reliab.motions.loading import load_motions
     >>> measured = measure_responses(load_motions("synthetic")[:1], [1.0], [0.02, 0.05])
     >>> bool(measured["effective_duration"].max() < measured["duration"].max())
     True

@@ -15,10 +15,11 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.errors import InputError
-from reliab.files import decoding
-from reliab.shipped import or_shipped, shipped
-from reliab.steps_of_logarithm import STEP
+from reliab.core.errors import InputError
+from reliab.core.files import decoding
+from reliab.core.log_quantization import STEP
+from reliab.core.shipped import or_shipped, shipped
+from reliab.core.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.netcdf import numbered, read_netcdf, stepped, write_netcdf
 from reliab.sweep.store_layout import (
@@ -30,7 +31,6 @@ from reliab.sweep.store_layout import (
     read_attributes,
     require_readable,
 )
-from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 
 REAL: Final = "real_suite"
 """Name of the results and ellipses of 100 real ground motions that ship."""

@@ -7,18 +7,19 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.boundary import REACH, Contour, Curve, ErrorSurfaces, furthest_lead, trace_contours
-from reliab.errors import InputError
-from reliab.files import decoding
-from reliab.progress import Progress, silent
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.files import decoding
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
+from reliab.structures.structure import Structure
 from reliab.sweep.cut_records import with_known_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED
-from reliab.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
+from reliab.tracking.boundary.contour import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
+from reliab.tracking.boundary.curves import Curve
 
 _MOTIONS_AT_A_TIME = 32  # motions
 

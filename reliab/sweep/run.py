@@ -9,9 +9,9 @@ from itertools import groupby, islice, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reliab.errors import IncompleteError, InputError
-from reliab.motions import MotionSuite
-from reliab.progress import Progress, silent
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.progress import Progress, silent
+from reliab.motions.suite import MotionSuite
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import solve_motion
 from reliab.sweep.store import EncodedMotion, ResultsStore, StoreAccess

@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import xarray as xr
 
-from reliab.errors import InputError
-from reliab.progress import Progress
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress
+from reliab.core.vocabulary import SHARE_ATTRIBUTE, Dimension
 from reliab.sweep.labels import with_labels
-from reliab.vocabulary import SHARE_ATTRIBUTE, Dimension
 
 _WHOLE = 1.0
 

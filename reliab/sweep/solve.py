@@ -7,17 +7,21 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.indices import Window, evaluate_sums, relative_error
-from reliab.motions import Motion
-from reliab.simulation import Engine, Excitation
-from reliab.simulation.linear_loop import Cells, Prepared, QuadraturePair, StructureBatch, TrackedCells
-from reliab.simulation.linear_loop.tracking_sums import tracking_sums
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Engine
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.cells import Cells
+from reliab.simulation.linear_loop.structure_batch import Prepared, StructureBatch
+from reliab.simulation.linear_loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
 from reliab.sweep.grid import Grid
 from reliab.sweep.request import SweepRequest, excitation_of, loop_of
-from reliab.vocabulary import Metric
+from reliab.tracking.indices.frequency_evaluation import evaluate_sums
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
 _SHORTEST = 0.1  # of the longest delay; d/τ of shorter ones is that of this one

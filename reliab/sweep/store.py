@@ -30,9 +30,15 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
-from reliab.errors import IncompleteError, InputError
-from reliab.files import UNFINISHED, decoding, refuse_unwritable, remove_abandoned, written_by_one_process
-from reliab.motions import Motion
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.files import (
+    UNFINISHED,
+    decoding,
+    refuse_unwritable,
+    remove_abandoned,
+    written_by_one_process,
+)
+from reliab.motions.motion import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
 from reliab.sweep.store_layout import (

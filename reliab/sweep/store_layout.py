@@ -21,11 +21,11 @@ from numcodecs.checksum32 import CRC32C
 from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, Crc32cCodec
 
-from reliab.errors import InputError
-from reliab.files import decoding, ordinary, refuse_links, unfinished_name
+from reliab.core.errors import InputError
+from reliab.core.files import decoding, ordinary, refuse_links, unfinished_name
+from reliab.core.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
-from reliab.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 
 _COMPRESSOR: Final = "zstd"
 _LEVEL: Final = 1

@@ -12,19 +12,24 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from reliab.boundary import motion_contours
-from reliab.criterion import Criterion
-from reliab.effects import DelayDrift, Effect, FirstOrderLag, SecondOrderDynamics
-from reliab.indices import relative_error
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.indices.response_error import response_error
-from reliab.motions import Motion, resample
-from reliab.progress import Progress, silent
-from reliab.simulation import Actuator, Excitation, Loop
-from reliab.simulation.compensators import Compensator, InverseCompensation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import Metric
+from reliab.criterion.criterion import Criterion
+from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.effect import Effect
+from reliab.effects.first_order_lag import FirstOrderLag
+from reliab.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.motions.motion import Motion, resample
+from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.response_error import relative_error, response_error
 
 RATE_HZ = 1024.0
 

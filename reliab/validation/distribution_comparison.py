@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.criterion import DISTRIBUTIONS, Distribution, Lognormal
+from reliab.criterion.distributions import DISTRIBUTIONS, Distribution, Lognormal
 
 TAIL = 0.05
 """The quantile by which tails are judged, that of a criterion at 95 %."""

@@ -9,12 +9,14 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import Population, scales
-from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, FittedLaw, Law
-from reliab.criterion.methods import Scatter
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import CurveName
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, FittedLaw
+from reliab.criterion.methods.bound import Scatter
+from reliab.criterion.population import Population
+from reliab.criterion.scaling import scales
 from reliab.validation.distribution_comparison import leave_one_event_out
-from reliab.vocabulary import CurveName
 
 _PRINTED_CONFIDENCE = 0.95
 
@@ -113,7 +115,8 @@ def compare_laws(
 
     Examples
     --------
-    >>> from reliab.criterion.laws import Dimensionless, Exponential
+    >>> from reliab.criterion.laws.dimensionless import Dimensionless
+    >>> from reliab.criterion.laws.exponential import Exponential
     >>> rng = np.random.default_rng(1)
     >>> f, xi, dims = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.1]), ("motion", "f", "xi")
     >>> a, b = (s * np.exp(rng.normal(-1.0, 0.5, (30, 3, 2))) for s in scales(f[:, None], xi[None, :]))

@@ -5,7 +5,7 @@ from typing import Final
 
 import pandas as pd
 
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
 
 HARDENING: Final = 0.02
 """Stiffness after yielding over the elastic one [-]."""

@@ -18,7 +18,8 @@ from pydantic import BaseModel
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from reliab.effects import Role, library
+from reliab.effects.effect import Role
+from reliab.effects.registry import library
 
 Schema = dict[str, Any]
 

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.shipped import shipped
-from reliab.study import Kind, Stage, Study, digest, made_with, read_result
+from reliab.core.progress import Show
+from reliab.core.shipped import shipped
+from reliab.report.document import Document
+from reliab.study.description import Study
+from reliab.study.kind import Kind
+from reliab.study.stages import Stage, digest, made_with, read_result
 
 EVALUATION: Final = "evaluation.json"
 

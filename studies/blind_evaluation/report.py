@@ -7,11 +7,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab import report as rp
-from reliab.effects import library
-from reliab.report.prose import prose
-from reliab.significant import percent, percent_range
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import percent, percent_range
+from reliab.core.vocabulary import PERCENT
+from reliab.effects.registry import library
+from reliab.report.axes import name_axes, plain
+from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.style import BLUE, GREY, INK, blank, panels, styled
+from reliab.report.wording import spelled_out
 
 _GROUPS = (
     "One effect that exceeds the noise",
@@ -23,7 +28,7 @@ _GROUPS = (
 _AMONG, _FAINT, _ONE_CHANNEL = " among several", "faint ", "one channel "
 _NOTHING = ("none", "miscalibrated")
 _FEWEST_BINS = 3
-_SHARE = rp.Fixed(decimals=1, factor=PERCENT)
+_SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
 def blind_evaluation_report(
@@ -31,13 +36,13 @@ def blind_evaluation_report(
     title: str,
     runs: Sequence[Mapping[str, Any]],
     provenance: Mapping[str, object],
-    notes: Sequence[rp.Prose] = (),
-) -> rp.Document:
+    notes: Sequence[Prose] = (),
+) -> Document:
     """Report what was measured on blind campaigns."""
     last = runs[-1]
     rates_with_target = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
     gap = last["closed_fraction"]
-    return rp.Document(
+    return Document(
         kind="Blind evaluation of diagnoses",
         title=title,
         verdict=prose(
@@ -49,9 +54,7 @@ def blind_evaluation_report(
             failed=len(last["failures"]),
         ),
         facts={
-            "Campaigns": ", ".join(
-                f"{count} {rp.spelled_out(kind)}" for kind, count in last["kinds"].items()
-            ),
+            "Campaigns": ", ".join(f"{count} {spelled_out(kind)}" for kind, count in last["kinds"].items()),
             "Gap closed on held-out tests": prose(
                 "{middle} in the median, {low} or more in 95 % of {n} campaigns",
                 middle=percent(gap["q50"]),
@@ -67,28 +70,28 @@ def blind_evaluation_report(
             _limits(notes),
             *_earlier(runs),
         ),
-        provenance=rp.provenance_of(
+        provenance=provenance_of(
             {**provenance, **{f"seeds, code {run['code']}": run["seeds"] for run in runs}}
         ),
     )
 
 
-def _rates(run: Mapping[str, Any]) -> rp.Section:
+def _rates(run: Mapping[str, Any]) -> Section:
     rates = {**run["rates"], "90 % intervals that cover": run["coverage"]}
     rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in rates.items() if rate["of"]]
     columns = (
-        rp.Column(key="what", heading="What", wide=True),
-        rp.Column(key="count", heading="Times", number=rp.Whole()),
-        rp.Column(key="of", heading="Of", number=rp.Whole()),
+        Column(key="what", heading="What", wide=True),
+        Column(key="count", heading="Times", number=Whole()),
+        Column(key="of", heading="Of", number=Whole()),
         *(
-            rp.Column(key=key, heading=heading, unit="%", number=_SHARE)
+            Column(key=key, heading=heading, unit="%", number=_SHARE)
             for key, heading in (("share", "Share"), ("low", "From"), ("high", "To"))
         ),
-        rp.Column(key="wanted", heading="Target"),
+        Column(key="wanted", heading="Target"),
     )
     caption = "What was measured on the last run, with Wilson's 95 % intervals."
-    table = rp.Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
-    return rp.Section(title="How often it is right", blocks=(table,))
+    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:rates")
+    return Section(title="How often it is right", blocks=(table,))
 
 
 def _target(rate: Mapping[str, Any]) -> str:
@@ -100,7 +103,7 @@ def _target(rate: Mapping[str, Any]) -> str:
     return f"at {'most' if rate['at_most'] else 'least'} {percent(target)}"
 
 
-def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[rp.Section, ...]:
+def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[Section, ...]:
     """Rates of all runs, each with the code of its time; nothing where there is one."""
     if len(runs) == 1:
         return ()
@@ -115,37 +118,37 @@ def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[rp.Section, ...]:
     )
     filled = frame.fillna("–").reset_index(names="what")
     columns = (
-        rp.Column(key="what", heading="What", wide=True),
-        *(rp.Column(key=code, heading=f"Code {code}") for code in frame.columns),
+        Column(key="what", heading="What", wide=True),
+        *(Column(key=code, heading=f"Code {code}") for code in frame.columns),
     )
     caption = "All runs in their order; each was made on campaigns that nobody had seen before."
-    table = rp.Table(frame=filled, columns=columns, caption=caption, label="tab:runs")
-    return (rp.Section(title="Earlier runs", blocks=(table,), appendix=True),)
+    table = Table(frame=filled, columns=columns, caption=caption, label="tab:runs")
+    return (Section(title="Earlier runs", blocks=(table,), appendix=True),)
 
 
-def _confusion(run: Mapping[str, Any]) -> rp.Section:
+def _confusion(run: Mapping[str, Any]) -> Section:
     """Draw the first group, and tabulate all, each with what was answered otherwise."""
     groups: dict[str, dict[str, Mapping[str, int]]] = {}
     for truth, answers in run["confusion"].items():
         groups.setdefault(_group(truth), {})[truth] = answers
     group_names = [name for name in _GROUPS if name in groups]
     columns = (
-        rp.Column(key="group", heading="Hidden", wide=True),
-        rp.Column(key="kinds", heading="Kinds", number=rp.Whole()),
-        rp.Column(key="of", heading="Times", number=rp.Whole()),
-        rp.Column(key="right", heading="Answered so", number=rp.Whole()),
-        rp.Column(key="otherwise", heading="Otherwise", wide=True),
+        Column(key="group", heading="Hidden", wide=True),
+        Column(key="kinds", heading="Kinds", number=Whole()),
+        Column(key="of", heading="Times", number=Whole()),
+        Column(key="right", heading="Answered so", number=Whole()),
+        Column(key="otherwise", heading="Otherwise", wide=True),
     )
-    return rp.Section(
+    return Section(
         title="Which effects are confused",
         blocks=(
-            rp.Table(
+            Table(
                 frame=pd.DataFrame([_counted(name, groups[name]) for name in group_names]),
                 columns=columns,
                 caption="What is hidden against what is answered; verdicts without a name in brackets.",
                 label="tab:confusion",
             ),
-            rp.Figure(
+            RpFigure(
                 drawing=discrepancy_confusion(groups[group_names[0]]),
                 caption=f"{group_names[0]}: what is hidden against what is answered.",
                 label="fig:confusion",
@@ -158,7 +161,7 @@ def _confusion(run: Mapping[str, Any]) -> rp.Section:
 def _counted(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
     """Count the answers of a group that are what was hidden, and name the others."""
     others = [
-        f"{count} × {rp.spelled_out(truth)} as {rp.spelled_out(answer)}"
+        f"{count} × {spelled_out(truth)} as {spelled_out(answer)}"
         for truth, answers in truths.items()
         for answer, count in answers.items()
         if answer != _answer_to(truth)
@@ -191,14 +194,14 @@ def _group(truth: str) -> str:
     return alone if truth in library() else outside
 
 
-def _probabilities(run: Mapping[str, Any]) -> rp.Section:
+def _probabilities(run: Mapping[str, Any]) -> Section:
     """Draw stated probabilities against shares, or say them where they are too few for a curve."""
     bins = pd.DataFrame(run["reliability"]["bins"])
     title = "Whether stated probabilities are kept"
     if len(bins) >= _FEWEST_BINS:
         caption = "How often effects were right that were named with a probability; the numbers count them."
-        figure = rp.Figure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability")
-        return rp.Section(title=title, blocks=(figure,))
+        figure = RpFigure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability")
+        return Section(title=title, blocks=(figure,))
     sentences = (
         prose(
             "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
@@ -210,47 +213,44 @@ def _probabilities(run: Mapping[str, Any]) -> rp.Section:
         )
         for row in bins.to_dict("records")
     )
-    return rp.Section(title=title, blocks=tuple(rp.Paragraph(text=sentence) for sentence in sentences))
+    return Section(title=title, blocks=tuple(Paragraph(text=sentence) for sentence in sentences))
 
 
-def _failures(run: Mapping[str, Any]) -> rp.Section:
+def _failures(run: Mapping[str, Any]) -> Section:
     title = "Every campaign that was answered wrongly"
     if not run["failures"]:
-        return rp.Section(title=title, blocks=(rp.Paragraph(text="There was none."),))
+        return Section(title=title, blocks=(Paragraph(text="There was none."),))
     rows = [
         {
             "campaign": str(failure["campaign"]).removeprefix("campaign_"),
-            "seen": rp.spelled_out(failure["observation"]),
-            "noise": f"{rp.spelled_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
-            "truth": ", ".join(
-                f"{rp.spelled_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items()
-            )
+            "seen": spelled_out(failure["observation"]),
+            "noise": f"{spelled_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{spelled_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
             or "nothing",
-            "answer": ", ".join(map(rp.spelled_out, failure["named"]))
-            or rp.spelled_out(str(failure["verdict"])),
+            "answer": ", ".join(map(spelled_out, failure["named"])) or spelled_out(str(failure["verdict"])),
         }
         for failure in run["failures"]
     ]
     columns = (
-        rp.Column(key="campaign", heading="Seed"),
-        rp.Column(key="seen", heading="Observed"),
-        rp.Column(key="noise", heading="Noise"),
-        rp.Column(key="truth", heading="Hidden, over the noise", wide=True),
-        rp.Column(key="answer", heading="Answer", wide=True),
+        Column(key="campaign", heading="Seed"),
+        Column(key="seen", heading="Observed"),
+        Column(key="noise", heading="Noise"),
+        Column(key="truth", heading="Hidden, over the noise", wide=True),
+        Column(key="answer", heading="Answer", wide=True),
     )
     caption = "Failures of the last run; the level is that of the effect over the noise of its channel."
-    return rp.Section(
+    return Section(
         title=title,
-        blocks=(rp.Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:failures"),),
+        blocks=(Table(frame=pd.DataFrame(rows), columns=columns, caption=caption, label="tab:failures"),),
     )
 
 
-def _limits(notes: Sequence[rp.Prose]) -> rp.Section:
+def _limits(notes: Sequence[Prose]) -> Section:
     points = (
         "An effect must be named when it exceeds the noise in its own channel after calibration.",
         "Shares of few campaigns are uncertain: the intervals say how much.",
     )
-    return rp.Section(title="How to read this", blocks=(rp.Points(items=(*points, *notes)),))
+    return Section(title="How to read this", blocks=(Points(items=(*points, *notes)),))
 
 
 _HEIGHT = 76.0
@@ -258,7 +258,7 @@ _ROW, _EDGE = 4.6, 42.0
 _DARK = 0.55
 
 
-@rp.styled
+@styled
 def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
     """Draw how often effects that were named with a stated probability were right.
 
@@ -266,21 +266,21 @@ def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
     count. Result: share that was right over the stated probability; on the diagonal statements are
     calibrated.
     """
-    figure, axes = rp.panels(height=_HEIGHT, width=_HEIGHT + 14.0)
+    figure, axes = panels(height=_HEIGHT, width=_HEIGHT + 14.0)
     place = axes[0, 0]
-    place.plot([0.0, 1.0], [0.0, 1.0], color=rp.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+    place.plot([0.0, 1.0], [0.0, 1.0], color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
     reach = np.maximum([bins["share"] - bins["low"], bins["high"] - bins["share"]], 0.0)
-    place.errorbar(bins["mean_stated"], bins["share"], yerr=reach, fmt="o", color=rp.BLUE, capsize=2.5)
+    place.errorbar(bins["mean_stated"], bins["share"], yerr=reach, fmt="o", color=BLUE, capsize=2.5)
     for row in bins.itertuples():
         place.annotate(
             f"{row.of}", (row.mean_stated, row.share), (4, -9), textcoords="offset points", fontsize=7.0
         )
     place.set(xlim=(-0.02, 1.04), ylim=(-0.02, 1.04), aspect="equal")
-    rp.name_axes(place, "Stated probability [-]", "Share that is right [-]")
+    name_axes(place, "Stated probability [-]", "Share that is right [-]")
     return figure
 
 
-@rp.styled
+@styled
 def discrepancy_confusion(counts: Mapping[str, Mapping[str, int]]) -> Figure:
     """Draw which effects were given which names.
 
@@ -288,20 +288,20 @@ def discrepancy_confusion(counts: Mapping[str, Mapping[str, int]]) -> Figure:
     """
     table = pd.DataFrame(counts).T.fillna(0).astype(int)
     table = table[sorted(table.columns, key=lambda name: _place(str(name), list(counts)))]
-    figure = rp.blank(height=_ROW * len(table) + _EDGE)
+    figure = blank(height=_ROW * len(table) + _EDGE)
     axes = figure.subplots()
     shares = table.to_numpy() / np.maximum(table.to_numpy().sum(axis=1, keepdims=True), 1)
     axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
     axes.grid(visible=False)
     for (row, column), count in np.ndenumerate(table.to_numpy()):
         if count:
-            colour = "white" if shares[row, column] > _DARK else rp.INK
+            colour = "white" if shares[row, column] > _DARK else INK
             axes.text(column, row, f"{count}", ha="center", va="center", color=colour, fontsize=6.5)
     axes.set_xticks(
         range(table.shape[1]), [_worded(name) for name in table.columns], rotation=90.0, fontsize=6.5
     )
     axes.set_yticks(range(table.shape[0]), [_worded(name) for name in table.index], fontsize=6.5)
-    rp.name_axes(axes, "Answer", "Truth")
+    name_axes(axes, "Answer", "Truth")
     return figure
 
 
@@ -311,4 +311,4 @@ def _place(name: str, truths: list[str]) -> tuple[bool, int, str]:
 
 
 def _worded(name: object) -> str:
-    return rp.plain(str(name).replace("_", " "))
+    return plain(str(name).replace("_", " "))

@@ -8,22 +8,15 @@ from typing import Annotated, Final
 import pandas as pd
 from pydantic import Field
 
-from reliab.errors import InputError
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.shipped import or_shipped
-from reliab.study import (
-    Kind,
-    MotionsTable,
-    Records,
-    RecordsStudy,
-    Stage,
-    StructuresTable,
-    Table,
-    digest,
-    made_with,
-)
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.core.shipped import or_shipped
+from reliab.report.document import Document
+from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, digest, made_with
 
 TESTS: Final = "tests.csv"
 LEVELS: Final = "levels.csv"
@@ -53,7 +46,7 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
     records = Records(study)
 
     def work(folder: Path) -> None:
-        from reliab.structures import Structure
+        from reliab.structures.structure import Structure
 
         from .tolerances import compare_levels, compare_limits, tolerances
 

@@ -7,10 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.significant import counted, percent
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes
+from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.style import INK, letters, line, panels, styled
+from reliab.report.wording import values
 
 from .tolerances import FARTHEST
 
@@ -20,7 +25,7 @@ _NAMES = {
     "coulomb": "Coulomb friction",
     "cubic": "cubic spring",
 }
-_RATIO = rp.Fixed(decimals=2)
+_RATIO = Fixed(decimals=2)
 
 
 def ductility_report(
@@ -30,7 +35,7 @@ def ductility_report(
     limits: pd.DataFrame,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report tolerances of nonlinear over those of linear tests.
 
     `limits`: as `compare_limits` gives it, with `alpha` and `threshold` [-].
@@ -39,7 +44,7 @@ def ductility_report(
     narrower = float((overall["narrower"] * overall["tests"]).sum() / overall["tests"].sum())
     threshold = float(limits["threshold"].iloc[0])
     structures = limits[["f", "xi"]].drop_duplicates()
-    return rp.Document(
+    return Document(
         kind="Tolerance and ductility",
         title=title,
         verdict=prose(
@@ -53,18 +58,18 @@ def ductility_report(
         facts={
             "Motions": str(int(overall["motions"].max())),
             "Earthquakes": str(int(overall["events"].max())),
-            "Structures": f"{rp.values(sorted(set(structures['f'])), 'Hz')} with "
-            f"{rp.values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
+            "Structures": f"{values(sorted(set(structures['f'])), 'Hz')} with "
+            f"{values(sorted(set(PERCENT * structures['xi'])), '%')} damping",
             "Error": f"{percent(threshold)} RMS",
             "Purpose": purpose,
             "To do next": "judge a test with a nonlinear specimen by its own error, with reliab assess",
         },
         blocks=(_method(limits), _levels(levels, overall), _limits(limits)),
-        provenance=rp.provenance_of(provenance),
+        provenance=provenance_of(provenance),
     )
 
 
-def _method(limits: pd.DataFrame) -> rp.Section:
+def _method(limits: pd.DataFrame) -> Section:
     text = prose(
         "The specimen carries {alpha} of the structure's stiffness. Its level is scaled by the linear "
         "response: $R$ is the peak of the linear response over the yield displacement; friction and cubic "
@@ -78,22 +83,22 @@ def _method(limits: pd.DataFrame) -> rp.Section:
         alpha=percent(float(limits["alpha"].iloc[0])),
         threshold=percent(float(limits["threshold"].iloc[0])),
     )
-    return rp.Section(title="What is compared", blocks=(rp.Paragraph(text=text),))
+    return Section(title="What is compared", blocks=(Paragraph(text=text),))
 
 
-def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> rp.Section:
+def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
     overall = levels[levels["f"].isna()]
     medians = overall.pivot_table(
         index=["specimen", "level"], columns="direction", values="q50"
     ).reset_index()
     frame = narrowest.merge(medians, on=["specimen", "level"], sort=False)
     frame["name"] = [_NAMES.get(kind, kind) for kind in frame["specimen"]]
-    return rp.Section(
+    return Section(
         title="Tolerance over the level of the specimen",
         blocks=(
-            rp.Points(items=tuple(_by_kind(frame))),
+            Points(items=tuple(_by_kind(frame))),
             _table_of_levels(frame),
-            rp.Figure(
+            RpFigure(
                 drawing=tolerance_over_level(levels),
                 caption="Tolerance over that of the linear test: median, middle half and 90 % of the tests "
                 "over all structures. Below 1 the nonlinear test is the more demanding one.",
@@ -104,22 +109,22 @@ def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> rp.Section:
     )
 
 
-def _table_of_levels(frame: pd.DataFrame) -> rp.Table:
-    share = rp.Fixed(decimals=1, factor=PERCENT)
+def _table_of_levels(frame: pd.DataFrame) -> Table:
+    share = Fixed(decimals=1, factor=PERCENT)
     columns = (
-        rp.Column(key="name", heading="Specimen", wide=True),
-        rp.Column(key="level", heading="Level", number=rp.Shortest()),
-        rp.Column(key="ductility", heading="Ductility", number=_RATIO),
-        rp.Column(key="tests", heading="Tests", number=rp.Whole()),
-        rp.Column(key="lost", heading="Lost", number=rp.Whole()),
+        Column(key="name", heading="Specimen", wide=True),
+        Column(key="level", heading="Level", number=Shortest()),
+        Column(key="ductility", heading="Ductility", number=_RATIO),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="lost", heading="Lost", number=Whole()),
         *(
-            rp.Column(key=key, heading=heading, number=_RATIO, group="Median tolerance over linear")
+            Column(key=key, heading=heading, number=_RATIO, group="Median tolerance over linear")
             for key, heading in (("late", "Delay"), ("large", "Gain > 1"), ("small", "Gain < 1"))
         ),
-        rp.Column(key="q05", heading="5 %", number=_RATIO, group="Narrowest direction"),
-        rp.Column(key="narrower", heading="Below 1", unit="%", number=share, group="Narrowest direction"),
-        rp.Column(key="low", heading="From", unit="%", number=share, group="Narrowest direction"),
-        rp.Column(key="high", heading="To", unit="%", number=share, group="Narrowest direction"),
+        Column(key="q05", heading="5 %", number=_RATIO, group="Narrowest direction"),
+        Column(key="narrower", heading="Below 1", unit="%", number=share, group="Narrowest direction"),
+        Column(key="low", heading="From", unit="%", number=share, group="Narrowest direction"),
+        Column(key="high", heading="To", unit="%", number=share, group="Narrowest direction"),
     )
     caption = (
         "Tolerance over that of the linear test. Ductility is the median peak of the exact response over "
@@ -127,12 +132,12 @@ def _table_of_levels(frame: pd.DataFrame) -> rp.Table:
         "share of tests that tolerate less than the linear one with its 95 % interval over earthquakes. Lost "
         "tests, whose exact response runs away, are not counted."
     )
-    return rp.Table(frame=frame, columns=columns, caption=caption, label="tab:levels")
+    return Table(frame=frame, columns=columns, caption=caption, label="tab:levels")
 
 
-def _by_kind(frame: pd.DataFrame) -> list[rp.Prose]:
+def _by_kind(frame: pd.DataFrame) -> list[Prose]:
     """Say for each kind what was measured over its levels."""
-    items: list[rp.Prose] = []
+    items: list[Prose] = []
     for kind, group in frame.groupby("name", sort=False):
         shares = [percent(share, decimals=1) for share in (group["narrower"].min(), group["narrower"].max())]
         items.append(
@@ -141,8 +146,8 @@ def _by_kind(frame: pd.DataFrame) -> list[rp.Prose]:
                 "{least:.2f} to {most:.2f} times the linear one; {narrower} of the tests of a level tolerate "
                 "less than the linear test in some direction.",
                 kind=str(kind),
-                first=rp.Shortest()(group["level"].min()).digits,
-                last=rp.Shortest()(group["level"].max()).digits,
+                first=Shortest()(group["level"].min()).digits,
+                last=Shortest()(group["level"].max()).digits,
                 least=group["late"].min(),
                 most=group["late"].max(),
                 narrower=" to ".join(dict.fromkeys(shares)),
@@ -151,10 +156,10 @@ def _by_kind(frame: pd.DataFrame) -> list[rp.Prose]:
     return items
 
 
-def _limits(limits: pd.DataFrame) -> rp.Section:
+def _limits(limits: pd.DataFrame) -> Section:
     if limits["delay_ms"].isna().all():
         text = "Too few ground motions for a limit that 95 % of them keep."
-        return rp.Section(title="Limits that 95 % of the motions keep", blocks=(rp.Paragraph(text=text),))
+        return Section(title="Limits that 95 % of the motions keep", blocks=(Paragraph(text=text),))
     ratios = limits.assign(
         delay=limits["delay_ms"] / limits["linear_delay_ms"],
         gain=limits["amplitude"] / limits["linear_amplitude"],
@@ -168,20 +173,20 @@ def _limits(limits: pd.DataFrame) -> rp.Section:
     ).reset_index()
     frame["name"] = [_NAMES.get(kind, kind) for kind in frame["specimen"]]
     columns = (
-        rp.Column(key="name", heading="Specimen", wide=True),
-        rp.Column(key="level", heading="Level", number=rp.Shortest()),
-        rp.Column(key="delay_least", heading="Least", number=_RATIO, group="Delay alone"),
-        rp.Column(key="delay_most", heading="Most", number=_RATIO, group="Delay alone"),
-        rp.Column(key="gain_least", heading="Least", number=_RATIO, group="Amplitude error alone"),
-        rp.Column(key="gain_most", heading="Most", number=_RATIO, group="Amplitude error alone"),
+        Column(key="name", heading="Specimen", wide=True),
+        Column(key="level", heading="Level", number=Shortest()),
+        Column(key="delay_least", heading="Least", number=_RATIO, group="Delay alone"),
+        Column(key="delay_most", heading="Most", number=_RATIO, group="Delay alone"),
+        Column(key="gain_least", heading="Least", number=_RATIO, group="Amplitude error alone"),
+        Column(key="gain_most", heading="Most", number=_RATIO, group="Amplitude error alone"),
     )
     caption = (
         "The delay alone and the amplitude error alone that 95 % of the motions tolerate, over those of the "
         "linear structure; least and most over the structures. Below 1 a criterion for linear structures "
         "promises too much for this specimen. A response that runs away tolerates nothing."
     )
-    table = rp.Table(frame=frame, columns=columns, caption=caption, label="tab:limits")
-    return rp.Section(title="Limits that 95 % of the motions keep", blocks=(table,))
+    table = Table(frame=frame, columns=columns, caption=caption, label="tab:limits")
+    return Section(title="Limits that 95 % of the motions keep", blocks=(table,))
 
 
 _HEIGHT = 122.0
@@ -201,34 +206,34 @@ _TITLES = {
 }
 
 
-@rp.styled
+@styled
 def tolerance_over_level(levels: pd.DataFrame) -> Figure:
     """Draw quantiles of the tolerance over that of the linear test, one panel for each kind of specimen."""
     kinds = list(dict.fromkeys(levels["specimen"]))
     columns = min(2, len(kinds))
     rows = -(-len(kinds) // columns)
-    figure, axes = rp.panels(rows, columns, height=_HEIGHT * rows / 2.0 + 8.0, share_y=True)
-    rp.letters(axes, tuple(_TITLES.get(kind, kind) for kind in kinds))
+    figure, axes = panels(rows, columns, height=_HEIGHT * rows / 2.0 + 8.0, share_y=True)
+    letters(axes, tuple(_TITLES.get(kind, kind) for kind in kinds))
     overall = levels[levels["f"].isna()]
     for rank, (kind, place) in enumerate(zip(kinds, axes.ravel(), strict=False)):
         _draw(place, overall[overall["specimen"] == kind])
         first = rank % columns == 0
-        rp.name_axes(place, _LEVELS.get(kind, "Level [-]"), "Tolerance over linear [-]" if first else "")
+        name_axes(place, _LEVELS.get(kind, "Level [-]"), "Tolerance over linear [-]" if first else "")
     for place in axes.ravel()[len(kinds) :]:
         place.set_axis_off()
-    rp.label_logarithmic(axes[0, 0].yaxis, most=7)
-    rp.legend_below(figure, axes[0, 0], columns=3)
+    label_logarithmic(axes[0, 0].yaxis, most=7)
+    legend_below(figure, axes[0, 0], columns=3)
     return figure
 
 
 def _draw(place: Axes, levels: pd.DataFrame) -> None:
     """Draw one kind of specimen: its levels side by side, the directions around each."""
     present = sorted(set(levels["level"]))
-    place.axhline(1.0, color=rp.INK, linewidth=0.9)
+    place.axhline(1.0, color=INK, linewidth=0.9)
     for rank, (direction, name) in enumerate(_DIRECTIONS.items()):
         quantiles = levels[levels["direction"] == direction].set_index("level").loc[present]
         at = np.arange(len(present)) + _SPACING * (rank - 1)
-        look = rp.line(rank, marker=True) | {"linestyle": "none"}
+        look = line(rank, marker=True) | {"linestyle": "none"}
         place.vlines(at, quantiles["q05"], quantiles["q95"], color=look["color"], linewidth=0.8)
         place.vlines(at, quantiles["q25"], quantiles["q75"], color=look["color"], linewidth=2.6)
         place.plot(at, quantiles["q50"], label=name, markersize=4.6, **look)

@@ -4,20 +4,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.effects import (
-    CoulombFriction,
-    CubicStiffness,
-    Effect,
-    Hysteresis,
-    Kernel,
-    Numbers,
-    Parameter,
-    Role,
-    SteppedEffect,
-)
-from reliab.errors import InputError
-from reliab.structures import Structure
-from reliab.vocabulary import Block
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Block
+from reliab.effects.coulomb_friction import CoulombFriction
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.effect import Effect, Parameter, Role, SteppedEffect
+from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.kernel import Kernel, Numbers
+from reliab.structures.structure import Structure
 
 HARDENING: Final = 0.02
 """Stiffness after yielding over the elastic one [-], of bilinear and Bouc–Wen specimens."""

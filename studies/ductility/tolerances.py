@@ -14,14 +14,16 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from reliab.arrays import Array
-from reliab.boundary import first_order_ellipse
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.simulation import EffectLoop, Excitation, peak_of_history
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Structure
-from reliab.validation.cross_validation import event_bootstrap
+from reliab.core.arrays import Array
+from reliab.core.progress import Progress, silent
+from reliab.motions.motion import Motion
+from reliab.simulation.deviation import peak_of_history
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.validation.cross_validation.counts import event_bootstrap
 
 from .specimens import SPECIMENS, NonlinearSpecimen
 

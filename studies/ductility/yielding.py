@@ -14,14 +14,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.boundary import motion_contours
-from reliab.compiled import compiled
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
-from reliab.validation import HARDENING
+from reliab.core.compiled import compiled
+from reliab.core.progress import Progress, silent
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.suite_boundary import motion_contours
 from reliab.validation.cross_validation.counts import event_bootstrap
+from reliab.validation.yielding import HARDENING
 
 REDUCTIONS: Final = (2.0, 4.0)
 """Peak of the linear response over the yield displacement, R [-]."""

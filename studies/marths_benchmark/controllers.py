@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 
 from .plant import nominal_plant
 from .structure import RATE

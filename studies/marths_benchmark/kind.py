@@ -7,11 +7,14 @@ from typing import Annotated, Any, Final
 
 from pydantic import AfterValidator, Field
 
-from reliab.errors import InputError
-from reliab.files import written_whole
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.study import Kind, Names, Records, RecordsStudy, Stage, Table, made_with, read_result
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.progress import Show
+from reliab.report.document import Document
+from reliab.study.description import Names, RecordsStudy, Table
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, made_with, read_result
 
 from .controllers import CONTROLLERS, find_controller
 

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 from .controllers import Controller, filter_coefficients
 from .plant import CoupledPlant

@@ -20,12 +20,14 @@ from typing import Any, Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of
-from reliab.assessment.coupled_error import CoupledError, rebuild_coupled
-from reliab.assessment.rebuilt_error import Recursion, Tolerances
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
+from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of
+from reliab.assessment.coupled_error.coupled_error import CoupledError
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.arrays import Array
+from reliab.core.progress import Progress, silent
+from reliab.motions.motion import Motion
 
 from .controllers import PERFECT, find_controller
 from .loop import MultiAxialRun, newmark, reference, run_perfect, run_test

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 
 NOMINAL: Final = "nominal"
 """What the plant of the benchmark is called in results; others by their number."""

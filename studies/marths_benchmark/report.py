@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.significant import percent
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.document import Column, Document, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
 
 from .controllers import PERFECT
 from .outcomes import DEGREES
@@ -35,11 +37,11 @@ def marths_report(
     threshold: float,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report the benchmark from its tests."""
     rows = [dict(test) for test in tests]
     judged = _judged(rows)
-    return rp.Document(
+    return Document(
         kind="Virtual multi-axial benchmark",
         title=title,
         verdict=_verdict(judged, threshold),
@@ -53,11 +55,11 @@ def marths_report(
             "Purpose": purpose,
         },
         blocks=(_criteria(rows), _uncertain(rows), _errors(judged, threshold)),
-        provenance=rp.provenance_of(provenance),
+        provenance=provenance_of(provenance),
     )
 
 
-def _counted(rows: Sequence[Mapping[str, Any]]) -> rp.Prose:
+def _counted(rows: Sequence[Mapping[str, Any]]) -> Prose:
     lost = sum(bool(row["lost"]) for row in rows)
     plants = len({row["plant"] for row in rows}) - 1
     return prose(
@@ -89,7 +91,7 @@ def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     )
 
 
-def _verdict(judged: pd.DataFrame, threshold: float) -> rp.Prose:
+def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     if judged.empty:
         return "No test was kept."
     largest = judged.groupby(["name", "motion", "plant"], sort=False)["true"].max()
@@ -110,16 +112,16 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> rp.Prose:
     )
 
 
-def _criteria(rows: Sequence[Mapping[str, Any]]) -> rp.Section:
+def _criteria(rows: Sequence[Mapping[str, Any]]) -> Section:
     """Criteria of the nominal plant, beside their values with perfect actuators."""
     nominal = [row for row in rows if row["plant"] == NOMINAL and not row["lost"]]
     frame = pd.DataFrame([{**_spread(row), "motion": row["motion"]} for row in nominal])
     columns = (
-        rp.Column(key="name", heading="Controller", wide=True),
-        rp.Column(key="motion", heading="Motion"),
+        Column(key="name", heading="Controller", wide=True),
+        Column(key="motion", heading="Motion"),
         *_columns(_SHOWN),
     )
-    text = rp.Paragraph(
+    text = Paragraph(
         text="J7 to J10 compare with the undivided structure. The bay that was taken away from it is "
         "idealised and differs from the frame that is tested, so that perfect actuators do not bring "
         "these criteria to zero. What a controller adds is the difference from the value of perfect "
@@ -129,19 +131,19 @@ def _criteria(rows: Sequence[Mapping[str, Any]]) -> rp.Section:
         "Nominal plant. J1, J2: delay and RMS of tracking, first and second actuator; J5, J7: x and θ "
         "against the computed node and the undivided structure. J4 is J1 in the benchmark's code."
     )
-    return rp.Section(
+    return Section(
         title="Criteria and their floor",
-        blocks=(text, rp.Table(frame=frame, columns=columns, caption=caption, label="tab:criteria")),
+        blocks=(text, Table(frame=frame, columns=columns, caption=caption, label="tab:criteria")),
     )
 
 
-def _columns(criteria: Sequence[tuple[str, str]]) -> tuple[rp.Column, ...]:
+def _columns(criteria: Sequence[tuple[str, str]]) -> tuple[Column, ...]:
     return tuple(
-        rp.Column(
+        Column(
             key=f"{name} {place}",
             heading=str(place + 1) if name in {"J1", "J2"} else _SIGNS[place],
             unit=unit,
-            number=rp.Fixed(decimals=1),
+            number=Fixed(decimals=1),
             group=name,
         )
         for name, unit in criteria
@@ -154,7 +156,7 @@ def _spread(row: Mapping[str, Any]) -> dict[str, Any]:
     return {"name": _NAMES[row["controller"]], **values}
 
 
-def _uncertain(rows: Sequence[Mapping[str, Any]]) -> rp.Section:
+def _uncertain(rows: Sequence[Mapping[str, Any]]) -> Section:
     """Means over the uncertain plants, and how many tests were lost."""
     uncertain = [row for row in rows if row["plant"] != NOMINAL]
     content = []
@@ -168,32 +170,32 @@ def _uncertain(rows: Sequence[Mapping[str, Any]]) -> rp.Section:
     names = [f"{name} {place}" for name, _ in _SHOWN for place in range(2)]
     frame = pd.DataFrame(content, columns=["name", "tests", "lost", *names])
     columns = (
-        rp.Column(key="name", heading="Controller", wide=True),
-        rp.Column(key="tests", heading="Tests", number=rp.Whole()),
-        rp.Column(key="lost", heading="Lost", number=rp.Whole()),
+        Column(key="name", heading="Controller", wide=True),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="lost", heading="Lost", number=Whole()),
         *_columns(_SHOWN),
     )
     caption = "Means over the tests of uncertain plants that were not lost."
-    return rp.Section(
+    return Section(
         title="Uncertain plants",
-        blocks=(rp.Table(frame=frame, columns=columns, caption=caption, label="tab:uncertain"),),
+        blocks=(Table(frame=frame, columns=columns, caption=caption, label="tab:uncertain"),),
     )
 
 
-def _errors(judged: pd.DataFrame, threshold: float) -> rp.Section:
-    number = rp.Fixed(decimals=2, factor=PERCENT)
+def _errors(judged: pd.DataFrame, threshold: float) -> Section:
+    number = Fixed(decimals=2, factor=PERCENT)
     nominal = judged[judged["plant"] == NOMINAL]
     columns = (
-        rp.Column(key="name", heading="Controller", wide=True),
-        rp.Column(key="motion", heading="Motion"),
-        rp.Column(key="degree", heading=""),
-        rp.Column(key="true", heading="True", unit="%", number=number),
+        Column(key="name", heading="Controller", wide=True),
+        Column(key="motion", heading="Motion"),
+        Column(key="degree", heading=""),
+        Column(key="true", heading="True", unit="%", number=number),
         *(
-            rp.Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
+            Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
             for key, heading in (("value", "Value"), ("low", "From"), ("high", "To"))
         ),
         *(
-            rp.Column(key=key, heading=heading, unit="%", number=number, group="Ordinary equipment")
+            Column(key=key, heading=heading, unit="%", number=number, group="Ordinary equipment")
             for key, heading in zip(_ORDINARY, ("From", "To"), strict=True)
         ),
     )
@@ -212,10 +214,10 @@ def _errors(judged: pd.DataFrame, threshold: float) -> rp.Section:
         "True and rebuilt errors of the nominal plant: with everything exact but the noise, as it is in the "
         "simulation, and with what ordinary equipment leaves unknown."
     )
-    return rp.Section(
+    return Section(
         title="The error of each test",
         blocks=(
-            rp.Paragraph(text=text),
-            rp.Table(frame=nominal, columns=columns, caption=caption, label="tab:errors"),
+            Paragraph(text=text),
+            Table(frame=nominal, columns=columns, caption=caption, label="tab:errors"),
         ),
     )

@@ -11,10 +11,10 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.shipped import shipped
-from reliab.structures import Partition
-from reliab.structures.frames import modal_damping
+from reliab.core.arrays import Array
+from reliab.core.shipped import shipped
+from reliab.structures.frames.frame import modal_damping
+from reliab.structures.partition import Partition
 
 RATE: Final = 1024.0
 """Sampling rate [Hz]."""

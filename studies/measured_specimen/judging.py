@@ -6,14 +6,14 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from reliab.arrays import Array
-from reliab.assessment import assess
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.progress import Progress
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.assessment.assess import assess
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress
+from reliab.core.stated_value import StatedValue
+from reliab.motions.motion import Motion
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 from .simulated_tests import SimulatedTest, simulate
 from .specimens import FAMILIES

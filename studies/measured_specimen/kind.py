@@ -6,11 +6,14 @@ from typing import Annotated, Any, Final
 
 from pydantic import AfterValidator, Field
 
-from reliab.errors import InputError
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.study import Kind, MotionsTable, Names, Records, RecordsStudy, Stage, Table, made_with
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.report.document import Document
+from reliab.study.description import MotionsTable, Names, RecordsStudy, Table
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, made_with
 
 from .specimens import FAMILIES
 

@@ -6,15 +6,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.significant import counted, percent
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import legend_below, name_axes, plain
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.style import GREY, line, panels, styled
 
 from .judging import ALL, compare_with_stated
 
-_SHARE = rp.Fixed(decimals=0, factor=PERCENT)
-_SMALL_SHARE = rp.Fixed(decimals=1, factor=PERCENT)
+_SHARE = Fixed(decimals=0, factor=PERCENT)
+_SMALL_SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
 def measured_specimen_report(
@@ -25,13 +29,13 @@ def measured_specimen_report(
     threshold: float,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report errors of tests whose specimen is known by its force only.
 
     `threshold`: error up to which a test is good [-].
     """
     overall = rates[rates["family"] == ALL].iloc[0]
-    return rp.Document(
+    return Document(
         kind="Specimens known by their force",
         title=title,
         verdict=prose(
@@ -51,11 +55,11 @@ def measured_specimen_report(
             "Purpose": purpose,
         },
         blocks=(_method(), _errors(tests, rates), _verdicts(rates), _corrected(rates), *_linear(tests)),
-        provenance=rp.provenance_of(provenance),
+        provenance=provenance_of(provenance),
     )
 
 
-def _method() -> rp.Section:
+def _method() -> Section:
     text = prose(
         "Structures of 0.5 to 2 Hz with 2 to 5 % damping, of whose stiffness the specimen bears 20 to 100 % "
         "before it yields; actuators with a gain, a lag, a delay and in some tests play; white noise on "
@@ -64,73 +68,73 @@ def _method() -> rp.Section:
         "that learn them. Where the interval is called a 90 % interval, it is meant for such tests: the "
         "scatter that stands for what a representation misses was settled on other tests of these families."
     )
-    return rp.Section(title="What is simulated", blocks=(rp.Paragraph(text=text),))
+    return Section(title="What is simulated", blocks=(Paragraph(text=text),))
 
 
-def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> rp.Section:
+def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
     judged = tests.dropna(subset=["value"])
-    blocks: tuple[rp.Block, ...] = (
-        rp.Figure(
+    blocks: tuple[Block, ...] = (
+        RpFigure(
             drawing=ratios_by_family(judged),
             caption="Computed over true error of each test, with its 90 % interval.",
             label="fig:ratios",
             leads=True,
         ),
-        rp.Table(
+        Table(
             frame=rates,
             columns=(
-                rp.Column(key="family", heading="Specimen", wide=True),
-                rp.Column(key="tests", heading="Tests", number=rp.Whole()),
-                rp.Column(key="near", heading="10 %", unit="%", number=_SHARE, group="within"),
-                rp.Column(key="wide", heading="25 %", unit="%", number=_SHARE, group="within"),
-                rp.Column(key="held", heading="Interval holds", unit="%", number=_SHARE),
+                Column(key="family", heading="Specimen", wide=True),
+                Column(key="tests", heading="Tests", number=Whole()),
+                Column(key="near", heading="10 %", unit="%", number=_SHARE, group="within"),
+                Column(key="wide", heading="25 %", unit="%", number=_SHARE, group="within"),
+                Column(key="held", heading="Interval holds", unit="%", number=_SHARE),
             ),
             caption="Tests whose computed error comes near the true one, and whose interval holds it.",
             label="tab:errors",
         ),
     )
-    return rp.Section(title="Computed and true errors", blocks=blocks)
+    return Section(title="Computed and true errors", blocks=blocks)
 
 
-def _verdicts(rates: pd.DataFrame) -> rp.Section:
+def _verdicts(rates: pd.DataFrame) -> Section:
     columns = (
-        rp.Column(key="family", heading="Specimen", wide=True),
-        rp.Column(key="bad", heading="Bad tests", number=rp.Whole()),
-        rp.Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SMALL_SHARE),
-        rp.Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
-        rp.Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),
-        rp.Column(key="undecided", heading="Undecided", unit="%", number=_SHARE),
+        Column(key="family", heading="Specimen", wide=True),
+        Column(key="bad", heading="Bad tests", number=Whole()),
+        Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SMALL_SHARE),
+        Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
+        Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),
+        Column(key="undecided", heading="Undecided", unit="%", number=_SHARE),
     )
     caption = "Verdicts: accepted bad tests and undecided ones among all, the others among good tests."
-    return rp.Section(
+    return Section(
         title="Verdicts",
-        blocks=(rp.Table(frame=rates, columns=columns, caption=caption, label="tab:verdicts"),),
+        blocks=(Table(frame=rates, columns=columns, caption=caption, label="tab:verdicts"),),
     )
 
 
-def _corrected(rates: pd.DataFrame) -> rp.Section:
+def _corrected(rates: pd.DataFrame) -> Section:
     columns = (
-        rp.Column(key="family", heading="Specimen", wide=True),
-        rp.Column(key="left", heading="Error that is left", unit="%", number=_SHARE),
-        rp.Column(key="inside", heading="Samples in the band", unit="%", number=_SHARE),
+        Column(key="family", heading="Specimen", wide=True),
+        Column(key="left", heading="Error that is left", unit="%", number=_SHARE),
+        Column(key="inside", heading="Samples in the band", unit="%", number=_SHARE),
     )
     caption = (
         "RMS error of the corrected response over that of the measured one, median of the tests, and samples "
         "of the exact response within the 90 % band."
     )
-    return rp.Section(
+    return Section(
         title="The corrected response",
-        blocks=(rp.Table(frame=rates, columns=columns, caption=caption, label="tab:corrected"),),
+        blocks=(Table(frame=rates, columns=columns, caption=caption, label="tab:corrected"),),
     )
 
 
-def _linear(tests: pd.DataFrame) -> tuple[rp.Section, ...]:
+def _linear(tests: pd.DataFrame) -> tuple[Section, ...]:
     """Say what tests of linear specimens lose; nothing where none was judged."""
     lost = compare_with_stated(tests)
     if not lost:
         return ()
     number = int(lost["tests"])
-    text: rp.Prose = prose(
+    text: Prose = prose(
         "{tests} judged as if the specimen were stated as linear, too: {agree} of the verdicts are the same, "
         "{opposed} opposite ones; the interval of the error is {width:.2f} times as wide in the median, and "
         "{widest:.2f} times or more in 5 %.",
@@ -142,7 +146,7 @@ def _linear(tests: pd.DataFrame) -> tuple[rp.Section, ...]:
         width=lost["width"],
         widest=lost["widest"],
     )
-    return (rp.Section(title="What a linear specimen loses", blocks=(rp.Paragraph(text=text),)),)
+    return (Section(title="What a linear specimen loses", blocks=(Paragraph(text=text),)),)
 
 
 _HEIGHT = 122.0
@@ -151,19 +155,19 @@ _SPREAD = 0.7  # between marks of the tests of a family
 _BESIDE = 0.13  # between marks of tests with less and with more noise
 
 
-@rp.styled
+@styled
 def ratios_by_family(tests: pd.DataFrame) -> Figure:
     """Draw the computed error over the true one with its interval, one mark a test.
 
     `tests`: columns `family`, `decibels`, `true`, `value`, `low` and `high`, one row a test. Result: ratios
     [-] on a logarithmic scale, the band of 10 % shaded; what lies outside is drawn at the edge.
     """
-    figure, axes = rp.panels(height=_HEIGHT)
+    figure, axes = panels(height=_HEIGHT)
     place = axes[0, 0]
     families = list(dict.fromkeys(tests["family"]))
-    place.axvspan(0.9, 1.1, color=rp.GREY, alpha=0.15, linewidth=0.0)
+    place.axvspan(0.9, 1.1, color=GREY, alpha=0.15, linewidth=0.0)
     for rank, (decibels, rows) in enumerate(tests.groupby(tests["decibels"].astype(int), sort=False)):
-        look = {**rp.line(rank, marker=True), "linestyle": "none", "fillstyle": "none", "markersize": 3.0}
+        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none", "markersize": 3.0}
         of_family = rows.groupby("family")
         number = of_family.cumcount() / of_family["family"].transform("size")
         height = rows["family"].map(families.index) + _SPREAD * (number - 0.5) + _BESIDE * rank
@@ -171,12 +175,12 @@ def ratios_by_family(tests: pd.DataFrame) -> Figure:
             np.clip(rows[name] / rows["true"], _LEAST, _MOST) for name in ("value", "low", "high")
         )
         place.hlines(height, low, high, color=look["color"], linewidth=0.6)
-        place.plot(ratio, height, label=rp.plain(f"noise of {decibels} dB"), **look)
+        place.plot(ratio, height, label=plain(f"noise of {decibels} dB"), **look)
     ticks = [0.3, 0.5, 0.75, 1.0, 1.25, 2.0, 3.0]
     place.set(xscale="log", xlim=(_LEAST, _MOST), ylim=(len(families) - 0.4, -0.6))
     place.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     place.minorticks_off()
-    place.set_yticks(range(len(families)), [rp.plain(name) for name in families])
-    rp.name_axes(place, "Computed over true error [-]", "")
-    rp.legend_below(figure, place, columns=2)
+    place.set_yticks(range(len(families)), [plain(name) for name in families])
+    name_axes(place, "Computed over true error [-]", "")
+    legend_below(figure, place, columns=2)
     return figure

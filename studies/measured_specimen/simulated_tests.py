@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 from .specimens import FAMILIES, PARAMETERS, STATES, resist
 

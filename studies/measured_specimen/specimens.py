@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 STATES: Final = 10
 """Length of the state of a specimen."""

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.vocabulary import MILLI, PERCENT, STANDARD_GRAVITY
+from reliab.core.vocabulary import MILLI, PERCENT, STANDARD_GRAVITY
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
 
 from .cases import DELAY_STEPS
 from .printed import (

@@ -15,20 +15,17 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import Criterion
-from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.indices.response_error import response_error
-from reliab.motions import Motion, resample, truncate
-from reliab.simulation import Actuator
-from reliab.simulation.compensators import (
-    Compensator,
-    Feedforward,
-    InverseCompensation,
-    PolynomialExtrapolation,
-)
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import MILLI
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.motions.motion import Motion, resample, truncate
+from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.compensators.feedforward import Feedforward
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.compensators.polynomial_extrapolation import PolynomialExtrapolation
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import (
     CentralDifference,
     ChenRicles,
@@ -36,8 +33,9 @@ from reliab.simulation.integrators import (
     Integrator,
     OperatorSplitting,
 )
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.response_error import response_error
 
 from .printed import (
     FIVE_PERCENT,

@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import Final
 
-from reliab.motions import load_motions
-from reliab.progress import Show
-from reliab.study import Stage, motion_by_name
-from reliab.sweep import write_netcdf
+from reliab.core.progress import Show
+from reliab.motions.loading import load_motions
+from reliab.study.material import motion_by_name
+from reliab.study.stages import Stage
+from reliab.sweep.netcdf import write_netcdf
 
 CASES: Final = "cases.nc"
 

@@ -12,14 +12,16 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from reliab.boundary import Contour, motion_contours
-from reliab.indices import relative_error
-from reliab.motions import Motion
-from reliab.simulation import Excitation, Loop
+from reliab.core.vocabulary import Metric
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
-from reliab.structures import Structure
 from reliab.structures.stability import critical_delay
-from reliab.vocabulary import Metric
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.response_error import relative_error
 
 from .printed import (
     AMPLITUDES,

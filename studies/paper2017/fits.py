@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import curve_fit
 
-from reliab.criterion import Lognormal
+from reliab.criterion.distributions import Lognormal
 
 from .printed import SHARE
 

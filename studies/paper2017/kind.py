@@ -4,22 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from reliab.errors import InputError
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.study import (
-    ELLIPSES,
-    Kind,
-    Material,
-    SimulatedStudy,
-    Stage,
-    made_with,
-    motion_by_name,
-    opened,
-    simulation,
-    tracing,
-)
-from reliab.sweep import open_ellipses, write_netcdf
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.report.document import Document
+from reliab.study.description import SimulatedStudy
+from reliab.study.kind import Kind
+from reliab.study.material import Material, motion_by_name
+from reliab.study.stages import Stage, made_with
+from reliab.study.steps import ELLIPSES, opened, simulation, tracing
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.netcdf import write_netcdf
 
 from .cases_stage import CASES, paper_cases
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.stats import gmean, shapiro
 
-from reliab.criterion import SIGNIFICANCE
-from reliab.significant import significant
+from reliab.core.significant_digits import significant
+from reliab.criterion.goodness_of_fit import SIGNIFICANCE
 
 from .fits import exponential, quantile
 from .printed import (

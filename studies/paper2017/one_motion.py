@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reliab.structures import Structure
+from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.structures.stability import critical_delay
-from reliab.vocabulary import MILLI, PERCENT
+from reliab.structures.structure import Structure
 
 from .fits import exponential, proportional
 from .printed import (

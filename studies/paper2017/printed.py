@@ -13,8 +13,8 @@ from typing import Final, Self
 import numpy as np
 import pandas as pd
 
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 
 EXAMPLE: Final = "KOBE/NIS000"
 """The motion of the paper's example."""

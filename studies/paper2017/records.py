@@ -7,11 +7,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.arrays import Array
-from reliab.boundary import Contour, Cosine, Curve, Ellipse, Parabola
-from reliab.criterion import EllipseSample, is_ellipse
-from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.vocabulary import CurveName, Metric, Side
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import CurveName, Metric, Side
+from reliab.criterion.ellipse_sample import EllipseSample, is_ellipse
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.curves import Cosine, Curve, Ellipse, Parabola
 
 from .fits import quantile
 from .printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT

@@ -6,10 +6,13 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.study import Kind, Records, RecordsStudy, Stage, Table, made_with
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.report.document import Document
+from reliab.study.description import RecordsStudy, Table
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, made_with
 
 TESTS: Final = "tests.csv"
 SHARES: Final = "shares.csv"

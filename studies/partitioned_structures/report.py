@@ -5,9 +5,11 @@ from collections.abc import Mapping
 import pandas as pd
 from reliab_studies.validation.report import error_beyond_the_model
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.vocabulary import PERCENT
+from reliab.core.vocabulary import PERCENT
+from reliab.report.document import Column, Document, Figure, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
 
 from .running import PREDICTIONS, ratios
 
@@ -27,11 +29,11 @@ def partitioned_structures_report(
     shares: pd.DataFrame,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report predictions against simulated errors."""
     completed = tests[~tests["lost"]]
     table = ratios(completed).assign(name=lambda frame: [_NAMES[name] for name in frame["prediction"]])
-    return rp.Document(
+    return Document(
         kind="Partitioned structures",
         title=title,
         verdict=_verdict(table.set_index("prediction")),
@@ -47,11 +49,11 @@ def partitioned_structures_report(
             "Purpose": purpose,
         },
         blocks=(_predictions(table, completed), _by_structure(completed), _shares(shares)),
-        provenance=rp.provenance_of(provenance),
+        provenance=provenance_of(provenance),
     )
 
 
-def _verdict(table: pd.DataFrame) -> rp.Prose:
+def _verdict(table: pd.DataFrame) -> Prose:
     """Name the prediction that scatters least, with its ratios, and the one that is furthest off."""
     best, worst = str(table["scatter"].idxmin()), str((table["median"] - 1.0).abs().idxmax())
     low, high, median = table["low"][best], table["high"][best], table["median"][worst]
@@ -66,12 +68,12 @@ def _verdict(table: pd.DataFrame) -> rp.Prose:
     )
 
 
-def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> rp.Section:
+def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
     columns = (
-        rp.Column(key="name", heading="Prediction", wide=True),
-        rp.Column(key="tests", heading="Tests", number=rp.Whole()),
+        Column(key="name", heading="Prediction", wide=True),
+        Column(key="tests", heading="Tests", number=Whole()),
         *(
-            rp.Column(key=key, heading=heading, number=rp.Fixed(decimals=3), group="Predicted over simulated")
+            Column(key=key, heading=heading, number=Fixed(decimals=3), group="Predicted over simulated")
             for key, heading in (
                 ("median", "Median"),
                 ("scatter", "Scatter"),
@@ -92,54 +94,52 @@ def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> rp.Section:
         ]
     ).dropna()
     blocks = (
-        rp.Table(frame=table, columns=columns, caption=caption, label="tab:predictions"),
-        rp.Figure(
+        Table(frame=table, columns=columns, caption=caption, label="tab:predictions"),
+        Figure(
             drawing=error_beyond_the_model(long, prediction="Predicted error"),
             caption="Simulated error of every test over three predictions of it; on the line they agree.",
             label="fig:predictions",
             leads=True,
         ),
     )
-    return rp.Section(title="Predicted against simulated error", blocks=blocks)
+    return Section(title="Predicted against simulated error", blocks=blocks)
 
 
-def _by_structure(tests: pd.DataFrame) -> rp.Section:
+def _by_structure(tests: pd.DataFrame) -> Section:
     relative = tests[["structure"]].copy()
     for name in PREDICTIONS:
         relative[name] = tests[name] / tests["error"]
     frame = relative.groupby("structure", sort=False).median().reset_index()
     columns = (
-        rp.Column(key="structure", heading="Structure", wide=True),
+        Column(key="structure", heading="Structure", wide=True),
         *(
-            rp.Column(
-                key=name, heading=_SHORT[name], number=rp.Fixed(decimals=2), group="Median of the ratio"
-            )
+            Column(key=name, heading=_SHORT[name], number=Fixed(decimals=2), group="Median of the ratio")
             for name in PREDICTIONS
         ),
     )
     caption = (
         "Predicted over simulated error by structure, for the predictions of the table above in its order."
     )
-    table = rp.Table(frame=frame, columns=columns, caption=caption, label="tab:structures")
-    return rp.Section(title="By structure", blocks=(table,))
+    table = Table(frame=frame, columns=columns, caption=caption, label="tab:structures")
+    return Section(title="By structure", blocks=(table,))
 
 
-def _shares(shares: pd.DataFrame) -> rp.Section:
-    share = rp.Fixed(decimals=2, factor=PERCENT)
+def _shares(shares: pd.DataFrame) -> Section:
+    share = Fixed(decimals=2, factor=PERCENT)
     columns = (
-        rp.Column(key="structure", heading="Structure", wide=True),
-        rp.Column(key="mode", heading="Mode", number=rp.Whole()),
-        rp.Column(key="f", heading="f", unit="Hz", number=rp.Fixed(decimals=2)),
-        rp.Column(key="xi", heading="ξ", unit="%", number=share),
+        Column(key="structure", heading="Structure", wide=True),
+        Column(key="mode", heading="Mode", number=Whole()),
+        Column(key="f", heading="f", unit="Hz", number=Fixed(decimals=2)),
+        Column(key="xi", heading="ξ", unit="%", number=share),
         *(
-            rp.Column(key=key, heading=heading, unit="%", number=share, group="The specimen's share")
+            Column(key=key, heading=heading, unit="%", number=share, group="The specimen's share")
             for key, heading in (("alpha", "Stiffness"), ("damping", "Damping"), ("mass", "Mass"))
         ),
-        rp.Column(key="critical_delay_ms", heading="Critical delay", unit="ms", number=rp.Fixed(decimals=2)),
+        Column(key="critical_delay_ms", heading="Critical delay", unit="ms", number=Fixed(decimals=2)),
     )
     caption = "Modes of the structures and the specimen's share in each; the critical delay is exact."
-    return rp.Section(
+    return Section(
         title="Structures",
-        blocks=(rp.Table(frame=shares, columns=columns, caption=caption, label="tab:shares"),),
+        blocks=(Table(frame=shares, columns=columns, caption=caption, label="tab:shares"),),
         appendix=True,
     )

@@ -15,33 +15,30 @@ import pandas as pd
 from numpy.typing import NDArray
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
-from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import rebuild
-from reliab.criterion import growth
-from reliab.criterion.laws import Dimensionless, Equation18
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.indices.tracking_over_frequency import tracking_over_frequency
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.shipped import shipped
-from reliab.simulation import Excitation
-from reliab.simulation.compensators import ModelInverse
-from reliab.simulation.frames import governing_mode, place_of_governing_mode
-from reliab.simulation.laboratory import Rig, Run, Sensors, run_laboratory
-from reliab.simulation.linear_loop import respond
-from reliab.simulation.transfer_systems import TransferFunction
-from reliab.structures import (
-    Partition,
-    Specimen,
-    Structure,
-    drift_interface,
-    floor_interface,
-    stability_limit,
-    with_specimen,
-)
-from reliab.structures.frames import Frame, modal_damping, shear_frame
-from reliab.sweep import open_ellipses
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.shipped import shipped
+from reliab.criterion.experimental_share import growth
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.motions.motion import Motion
+from reliab.simulation.compensators.model_inverse import ModelInverse
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.governing_mode import governing_mode, place_of_governing_mode
+from reliab.simulation.laboratory.laboratory import Rig, Run, Sensors, run_laboratory
+from reliab.simulation.linear_loop.spectral import respond
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, drift_interface, floor_interface, with_specimen
+from reliab.structures.structure import Structure
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.tracking_over_frequency import tracking_over_frequency
 
 RATE: Final = 4096.0
 """Sampling rate of the laboratory [Hz]."""

@@ -11,21 +11,21 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
-from reliab.simulation.compensators import (
-    AdaptiveInverse,
-    AdaptiveModelBased,
-    AdaptiveTimeSeries,
-    Compensator,
-    Feedforward,
-    InverseCompensation,
-    ModelInverse,
-    PhaseLeadControl,
-)
-from reliab.simulation.laboratory import Rig, Sensors
-from reliab.simulation.transfer_systems import ServoHydraulic
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, PlanarFrame, modal_damping
+from reliab.core.errors import InputError
+from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
+from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
+from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries
+from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.compensators.feedforward import Feedforward
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.compensators.model_inverse import ModelInverse
+from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
+from reliab.simulation.laboratory.laboratory import Rig, Sensors
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import PlanarFrame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 
 RATE: Final = 4096.0
 """Sampling rate [Hz]."""

@@ -8,23 +8,16 @@ from typing import Annotated, Any, Final
 import pandas as pd
 from pydantic import AfterValidator, Field
 
-from reliab.errors import InputError
-from reliab.files import written_whole
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.shipped import shipped
-from reliab.study import (
-    Kind,
-    Names,
-    Records,
-    RecordsStudy,
-    Stage,
-    Table,
-    digest,
-    made_with,
-    read_result,
-)
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.core.shipped import shipped
+from reliab.report.document import Document
+from reliab.study.description import Names, RecordsStudy, Table
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, digest, made_with, read_result
 
 from .benchmark import benchmark_compensator
 from .outcomes import STANDARD

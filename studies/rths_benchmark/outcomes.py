@@ -13,15 +13,15 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from reliab.arrays import Array
-from reliab.assessment import word_of_probability
-from reliab.assessment.rebuilt_error import rebuild
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.simulation.laboratory import Run, run_laboratory
-from reliab.structures import Partition
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.verdict import word_of_probability
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.motions.motion import Motion
+from reliab.simulation.laboratory.laboratory import Run, run_laboratory
+from reliab.structures.partition import Partition
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 
 from .benchmark import (
     CASES,

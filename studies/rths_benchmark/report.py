@@ -7,10 +7,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.significant import counted, percent
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.style import line, panels, styled
+from reliab.report.wording import spelled_out
 
 from .outcomes import NOMINAL, summary
 
@@ -32,18 +37,18 @@ def rths_benchmark_report(
     threshold: float,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report the benchmark.
 
     `threshold`: error up to which a test is good [-].
     """
     rows = [dict(test) for test in tests]
     table, judged = summary(rows), _judged(rows)
-    blocks: list[rp.Block] = [_compensators(table, rows)]
+    blocks: list[Block] = [_compensators(table, rows)]
     if published is not None:
         blocks.append(_published(published))
     blocks.append(_errors(judged, threshold))
-    return rp.Document(
+    return Document(
         kind="Virtual hybrid-simulation benchmark",
         title=title,
         verdict=_verdict(judged, threshold),
@@ -63,7 +68,7 @@ def rths_benchmark_report(
             "Purpose": purpose,
         },
         blocks=tuple(blocks),
-        provenance=rp.provenance_of(provenance),
+        provenance=provenance_of(provenance),
     )
 
 
@@ -79,7 +84,7 @@ def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
                 "rebuilt": row["rebuilt"]["rms"]["value"],
                 "low": row["rebuilt"]["rms"]["low"],
                 "high": row["rebuilt"]["rms"]["high"],
-                "verdict": rp.spelled_out(row["rebuilt"]["verdict"]),
+                "verdict": spelled_out(row["rebuilt"]["verdict"]),
             }
             for row in rows
             if row["plant"] == NOMINAL and not row["lost"]
@@ -88,7 +93,7 @@ def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     )
 
 
-def _verdict(judged: pd.DataFrame, threshold: float) -> rp.Prose:
+def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     """Answer the question of the report with the tests of the nominal plant."""
     if judged.empty:
         return "No test of the nominal plant was kept."
@@ -120,10 +125,10 @@ def _lost(count: int) -> str:
 
 
 def _worded(name: str) -> str:
-    return _NAMES.get(name, rp.spelled_out(name))
+    return _NAMES.get(name, spelled_out(name))
 
 
-def _published(published: pd.DataFrame) -> rp.Section:
+def _published(published: pd.DataFrame) -> Section:
     emulated = published[published["variant"] == "emulated"]
     exact = published[published["variant"] == "exact"]
     both = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
@@ -136,9 +141,9 @@ def _published(published: pd.DataFrame) -> rp.Section:
         for variant, rows in published.groupby("variant")
     }
     columns = (
-        rp.Column(key="criterion", heading=""),
+        Column(key="criterion", heading=""),
         *(
-            rp.Column(key=f"{key} {case}", heading=heading, number=rp.Fixed(decimals=1), group=f"case {case}")
+            Column(key=f"{key} {case}", heading=heading, number=Fixed(decimals=1), group=f"case {case}")
             for case in both["case"].unique()
             for key, heading in headings.items()
         ),
@@ -157,69 +162,67 @@ def _published(published: pd.DataFrame) -> rp.Section:
         "The benchmark's Table 3 compared with means over noise histories; J1 in ms, the others in %, in "
         "the order of its code."
     )
-    return rp.Section(
+    return Section(
         title="The published table",
         blocks=(
-            rp.Paragraph(text=text),
-            rp.Table(frame=frame.reset_index(), columns=columns, caption=caption, label="tab:three"),
+            Paragraph(text=text),
+            Table(frame=frame.reset_index(), columns=columns, caption=caption, label="tab:three"),
         ),
     )
 
 
-def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> rp.Section:
+def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Section:
     frame = table.assign(
         name=[_worded(name) for name in table["compensator"]], share=table["lost"] / table["tests"]
     )
     columns = (
-        rp.Column(key="name", heading="Compensator", wide=True),
-        rp.Column(key="plants", heading="Plants"),
-        rp.Column(key="tests", heading="Tests", number=rp.Whole()),
-        rp.Column(key="share", heading="Lost", unit="%", number=rp.Fixed(decimals=1, factor=PERCENT)),
-        rp.Column(key="over_force_limit", heading="Over 8.9 kN", number=rp.Whole()),
-        rp.Column(key="J1", heading="J1", unit="ms", number=rp.Fixed(decimals=2)),
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="plants", heading="Plants"),
+        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="share", heading="Lost", unit="%", number=Fixed(decimals=1, factor=PERCENT)),
+        Column(key="over_force_limit", heading="Over 8.9 kN", number=Whole()),
+        Column(key="J1", heading="J1", unit="ms", number=Fixed(decimals=2)),
         *(
-            rp.Column(key=name, heading=name, unit="%", number=rp.Fixed(decimals=1))
+            Column(key=name, heading=name, unit="%", number=Fixed(decimals=1))
             for name in _CRITERIA
             if name in {"J2", "J4", "J6"}
         ),
-        rp.Column(key="A", heading="A", number=rp.Fixed(decimals=4)),
-        rp.Column(key="d_ms", heading="d", unit="ms", number=rp.Fixed(decimals=2)),
+        Column(key="A", heading="A", number=Fixed(decimals=4)),
+        Column(key="d_ms", heading="d", unit="ms", number=Fixed(decimals=2)),
     )
     caption = (
         "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
         "J4 of the measured first floor and J6 of the second floor against the undivided structure."
     )
     completed = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
-    blocks: list[rp.Block] = [
-        rp.Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")
-    ]
+    blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
     if completed:
         drawing = benchmark_spread(pd.DataFrame(completed))
         text = "First floor against the undivided structure (J4), by compensator and case, for all plants."
-        blocks.append(rp.Figure(drawing=drawing, caption=text, label="fig:spread", leads=True))
-    return rp.Section(title="Compensators", blocks=tuple(blocks))
+        blocks.append(RpFigure(drawing=drawing, caption=text, label="fig:spread", leads=True))
+    return Section(title="Compensators", blocks=tuple(blocks))
 
 
-def _errors(judged: pd.DataFrame, threshold: float) -> rp.Section:
-    number = rp.Fixed(decimals=2, factor=PERCENT)
+def _errors(judged: pd.DataFrame, threshold: float) -> Section:
+    number = Fixed(decimals=2, factor=PERCENT)
     columns = (
-        rp.Column(key="name", heading="Compensator", wide=True),
-        rp.Column(key="case", heading="Case", number=rp.Whole()),
-        rp.Column(key="motion", heading="Motion"),
-        rp.Column(key="rms", heading="True", unit="%", number=number),
+        Column(key="name", heading="Compensator", wide=True),
+        Column(key="case", heading="Case", number=Whole()),
+        Column(key="motion", heading="Motion"),
+        Column(key="rms", heading="True", unit="%", number=number),
         *(
-            rp.Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
+            Column(key=key, heading=heading, unit="%", number=number, group="Rebuilt from the test")
             for key, heading in (("rebuilt", "Value"), ("low", "From"), ("high", "To"))
         ),
-        rp.Column(key="verdict", heading=f"Verdict at {percent(threshold)}"),
+        Column(key="verdict", heading=f"Verdict at {percent(threshold)}"),
     )
     caption = (
         "RMS error of the piston over the peak of the reference, with the 90 % interval that the test's own "
         "command and measured displacement give; nominal plant."
     )
-    return rp.Section(
+    return Section(
         title="The error of each test",
-        blocks=(rp.Table(frame=judged, columns=columns, caption=caption, label="tab:errors"),),
+        blocks=(Table(frame=judged, columns=columns, caption=caption, label="tab:errors"),),
         appendix=True,
     )
 
@@ -229,23 +232,23 @@ _WIDTH = 120.0
 _SPREAD = 0.16
 
 
-@rp.styled
+@styled
 def benchmark_spread(tests: pd.DataFrame) -> Figure:
     """Draw J4 of every test over the case, one mark for each compensator.
 
     `tests`: columns `name`, `case` and `J4` [%], one row a test. Result: J4 [%] on a logarithmic scale.
     """
-    figure, axes = rp.panels(height=_HEIGHT, width=_WIDTH)
+    figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
     groups = list(tests.groupby("name", sort=False))
     for rank, (name, errors) in enumerate(groups):
         shift = _SPREAD * (rank - 0.5 * (len(groups) - 1))
-        look = {**rp.line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-        place.plot(errors["case"] + shift, errors["J4"].astype(float), label=rp.plain(str(name)), **look)
+        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+        place.plot(errors["case"] + shift, errors["J4"].astype(float), label=plain(str(name)), **look)
     cases = np.unique(tests["case"])
     values = tests["J4"].astype(float)
     place.set(xticks=cases, yscale="log", ylim=(0.8 * values.min(), 1.25 * values.max()))
-    rp.label_logarithmic(place.yaxis)
-    rp.name_axes(place, "Case of the benchmark [-]", "Error of the first floor, J4 [%]")
-    rp.legend_below(figure, place, columns=2)
+    label_logarithmic(place.yaxis)
+    name_axes(place, "Case of the benchmark [-]", "Error of the first floor, J4 [%]")
+    legend_below(figure, place, columns=2)
     return figure

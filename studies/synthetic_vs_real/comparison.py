@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.motions import Motion, measure
-from reliab.simulation import Excitation
+from reliab.motions.intensity import measure
+from reliab.motions.motion import Motion
+from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 PERIODS: tuple[float, ...] = tuple(np.geomspace(0.1, 4.0, 24).round(3).tolist())
 """Periods at which spectra are compared [s]."""

@@ -8,34 +8,34 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion import records_checksum
-from reliab.errors import InputError
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.shipped import shipped
-from reliab.study import (
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.core.shipped import shipped
+from reliab.criterion.provenance import records_checksum
+from reliab.report.document import Document
+from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
+from reliab.study.kind import Kind
+from reliab.study.material import SYNTHETIC, Material
+from reliab.study.stages import Stage, digest, made_with
+from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
-    SYNTHETIC,
-    CriterionTable,
-    Kind,
-    Material,
-    SimulatedStudy,
-    Stage,
-    TransferTable,
     candidates,
     derivation,
     derivation_of,
-    digest,
-    made_with,
     opened,
     simulation,
     tracing,
 )
-from reliab.sweep import REAL, open_ellipses, open_results, real_results, write_netcdf
-from reliab.validation import earthquakes_among
-from reliab.validation.cross_validation import CrossValidation, StoredTruth, cross_validate, from_another
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.netcdf import write_netcdf
+from reliab.sweep.results import REAL, open_results, real_results
+from reliab.validation.cross_validation.counts import CrossValidation
+from reliab.validation.cross_validation.folds import from_another
+from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.truth import StoredTruth
+from reliab.validation.earthquakes import earthquakes_among
 
 MEASURES: Final = "measures.csv"
 SPECTRA: Final = "spectra.nc"
@@ -65,7 +65,7 @@ def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: SuitesStudy, folder: Path) -> Document:
     """Compare the suites."""
-    from reliab.report.sections import rates_table
+    from reliab.report.sections.rates import rates_table
 
     from .report import suites_report
 

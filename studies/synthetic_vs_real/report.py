@@ -10,11 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import ks_2samp
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.report.sections import limits_section, method_section, rates_section
-from reliab.significant import percent, percent_range
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import percent, percent_range
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Significant
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.method import limits_section, method_section
+from reliab.report.sections.rates import rates_section
+from reliab.report.sources import SOURCES
+from reliab.report.style import letters, line, panels, styled
+from reliab.report.wording import listed
 
 _WORDS = {
     "peak_acceleration": ("Peak acceleration", "m/s²"),
@@ -36,7 +43,7 @@ def suites_report(
     confidence: float,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Compare suites of ground motions, the first being the reference.
 
     `measures`: by the name of the suite, one row for each motion: `event`, `peak_acceleration` [m/s²],
@@ -46,32 +53,32 @@ def suites_report(
     of the criteria [-].
     """
     names, containment = list(measures), _containment(coverage, confidence)
-    blocks: list[rp.Block] = [_measures(measures), _limits(limits, names, confidence)]
+    blocks: list[Block] = [_measures(measures), _limits(limits, names, confidence)]
     if spectra:
         blocks.insert(1, _spectra(spectra))
     if coverage is not None and len(coverage):
         division = f"learned from {names[-1]}, judged on {names[0]}"
         blocks.append(rates_section(coverage, confidence=confidence, division=division))
     blocks += [limits_section(()), method_section(None, experimental_fraction=1.0, window="record")]
-    return rp.Document(
+    return Document(
         kind="Comparison of suites",
         title=title,
         verdict=_verdict(limits, names, containment, confidence),
         tone="bad" if containment is not None and containment["high"] < confidence else "plain",
         facts={
-            "Suites": rp.listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
+            "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
             "Purpose": purpose,
         },
         blocks=tuple(blocks),
-        provenance=rp.provenance_of(provenance),
-        sources=rp.SOURCES,
+        provenance=provenance_of(provenance),
+        sources=SOURCES,
     )
 
 
 def _verdict(
     limits: pd.DataFrame, names: Sequence[str], containment: pd.Series | None, confidence: float
-) -> rp.Prose:
+) -> Prose:
     reference, compared = names[0], names[-1]
     ratios = _ratios(limits, reference, compared)
     ending = (
@@ -116,7 +123,7 @@ def _ratios(limits: pd.DataFrame, reference: str, compared: str) -> pd.DataFrame
     return ratios
 
 
-def _measures(measures: Mapping[str, pd.DataFrame]) -> rp.Section:
+def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
     reference, *others = measures
     rows = [
         _row(column, measures[reference], measures[compared], compared)
@@ -124,10 +131,10 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> rp.Section:
         for column in MEASURES
         if column in measures[reference] and column in measures[compared]
     ]
-    return rp.Section(
+    return Section(
         title="Measures of the motions",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "@fig:measures shows the suites motion by motion, @tab:measures their medians and "
                     "spreads (standard deviation of the logarithm). The distance is the largest difference "
@@ -135,13 +142,13 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> rp.Section:
                     " that no p-value is given."
                 )
             ),
-            rp.Figure(
+            RpFigure(
                 drawing=suite_measures(measures),
                 caption="Where the lines differ, the suites differ.",
                 label="fig:measures",
                 leads=True,
             ),
-            rp.Table(
+            Table(
                 frame=pd.DataFrame(rows),
                 columns=_columns(reference),
                 caption=prose(
@@ -153,16 +160,16 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> rp.Section:
     )
 
 
-def _columns(reference: str) -> tuple[rp.Column, ...]:
+def _columns(reference: str) -> tuple[Column, ...]:
     return (
-        rp.Column(key="measure", heading="Measure"),
-        rp.Column(key="suite", heading="Suite"),
-        rp.Column(key="unit", heading="Unit"),
-        rp.Column(key="reference_median", heading=reference, number=rp.Significant(), group="median"),
-        rp.Column(key="median", heading="suite", number=rp.Significant(), group="median"),
-        rp.Column(key="reference_spread", heading=reference, number=rp.Fixed(), group="spread"),
-        rp.Column(key="spread", heading="suite", number=rp.Fixed(), group="spread"),
-        rp.Column(key="distance", heading="Distance", number=rp.Fixed()),
+        Column(key="measure", heading="Measure"),
+        Column(key="suite", heading="Suite"),
+        Column(key="unit", heading="Unit"),
+        Column(key="reference_median", heading=reference, number=Significant(), group="median"),
+        Column(key="median", heading="suite", number=Significant(), group="median"),
+        Column(key="reference_spread", heading=reference, number=Fixed(), group="spread"),
+        Column(key="spread", heading="suite", number=Fixed(), group="spread"),
+        Column(key="distance", heading="Distance", number=Fixed()),
     )
 
 
@@ -181,36 +188,36 @@ def _row(column: str, reference: pd.DataFrame, compared: pd.DataFrame, name: str
     }
 
 
-def _spectra(spectra: Mapping[str, xr.DataArray]) -> rp.Section:
-    figure = rp.Figure(
+def _spectra(spectra: Mapping[str, xr.DataArray]) -> Section:
+    figure = RpFigure(
         drawing=suite_spectra(spectra),
         caption="Median response spectra with the middle two thirds of the motions.",
         label="fig:spectra",
     )
-    return rp.Section(title="Response spectra", blocks=(figure,))
+    return Section(title="Response spectra", blocks=(figure,))
 
 
-def _limits(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> rp.Section:
+def _limits(limits: pd.DataFrame, names: Sequence[str], confidence: float) -> Section:
     wide = limits.assign(amplitude=np.sqrt(limits["a"]), delay=np.sqrt(limits["b"])).pivot_table(
         index=["f", "xi"], columns="suite", values=["amplitude", "delay"]
     )
     wide.columns = pd.Index([" ".join(name) for name in wide.columns.to_flat_index()])
     columns = [
-        rp.Column(key=f"{value} {name}", heading=name, unit=unit, number=rp.Fixed(factor=factor), group=group)
+        Column(key=f"{value} {name}", heading=name, unit=unit, number=Fixed(factor=factor), group=group)
         for value, unit, factor, group in (
             ("amplitude", "%", PERCENT, "amplitude error"),
             ("delay", "ms", 1.0, "delay"),
         )
         for name in names
     ]
-    return rp.Section(
+    return Section(
         title="Criteria of the suites",
         blocks=(
-            rp.Table(
+            Table(
                 frame=wide.reset_index(),
                 columns=(
-                    rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
-                    rp.Column(key="xi", heading=prose("$xi$"), unit="-", number=rp.Shortest()),
+                    Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
+                    Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
                     *columns,
                 ),
                 caption=prose(
@@ -240,7 +247,7 @@ _COLUMNS = 3
 _QUANTILES = (0.16, 0.5, 0.84)
 
 
-@rp.styled
+@styled
 def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the distribution of each measure over the motions of each suite.
 
@@ -251,44 +258,44 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
         name: axis for name, axis in MEASURES.items() if all(name in table for table in suites.values())
     }
     rows = -(-len(measures) // _COLUMNS)
-    figure, axes = rp.panels(rows, _COLUMNS, height=_HEIGHT * rows / 2.0, share_y=True)
-    rp.letters(axes)
+    figure, axes = panels(rows, _COLUMNS, height=_HEIGHT * rows / 2.0, share_y=True)
+    letters(axes)
     for place in axes.ravel()[len(measures) :]:
         place.set_axis_off()
     for number, (place, (column, name)) in enumerate(zip(axes.ravel(), measures.items(), strict=False)):
         for rank, (suite, table) in enumerate(suites.items()):
-            look = rp.line(rank)
-            place.ecdf(table[column].dropna().to_numpy(), label=rp.plain(suite), **look)
+            look = line(rank)
+            place.ecdf(table[column].dropna().to_numpy(), label=plain(suite), **look)
         place.set_xscale("log")
-        rp.label_logarithmic(place.xaxis, most=4)
-        rp.name_axes(place, name, "Share below [-]" if number % _COLUMNS == 0 else "")
-    rp.legend_below(figure, axes[0, 0])
+        label_logarithmic(place.xaxis, most=4)
+        name_axes(place, name, "Share below [-]" if number % _COLUMNS == 0 else "")
+    legend_below(figure, axes[0, 0])
     return figure
 
 
-@rp.styled
+@styled
 def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Figure:
     """Draw the median response spectrum of each suite with the middle two thirds of the motions.
 
     `suites`: spectral accelerations [m/s²] over (motion, period [s]) by the name of the suite. Result:
     spectral acceleration [m/s²] over period [s]: medians, and 16 to 84 % as bands and thin lines.
     """
-    figure, axes = rp.panels(height=_SPECTRUM_HEIGHT)
+    figure, axes = panels(height=_SPECTRUM_HEIGHT)
     place = axes[0, 0]
     place.set(xscale="log", yscale="log")
     for rank, (name, spectra) in enumerate(suites.items()):
-        _band(place, spectra, rp.plain(name), rank)
+        _band(place, spectra, plain(name), rank)
     periods = np.concatenate([spectra["period"].values for spectra in suites.values()])
     place.set_xlim(periods.min(), periods.max())
-    rp.label_logarithmic(place.xaxis, place.yaxis, most=7)
-    rp.name_axes(place, "Period [s]", "Spectral acceleration [m/s²]")
-    rp.legend_below(figure, place, columns=3)
+    label_logarithmic(place.xaxis, place.yaxis, most=7)
+    name_axes(place, "Period [s]", "Spectral acceleration [m/s²]")
+    legend_below(figure, place, columns=3)
     return figure
 
 
 def _band(axes: Axes, spectra: xr.DataArray, name: str, rank: int) -> None:
     low, median, high = np.quantile(spectra.transpose("motion", "period").values, _QUANTILES, axis=0)
-    periods, look = spectra["period"].values, rp.line(rank)
+    periods, look = spectra["period"].values, line(rank)
     axes.fill_between(periods, low, high, color=look["color"], alpha=0.13, linewidth=0.0)
     for edge in (low, high):
         axes.plot(periods, edge, **{**look, "linewidth": 0.6})

@@ -18,13 +18,13 @@ import pandas as pd
 from numpy.typing import NDArray
 from reliab_studies.paper2017.printed import CLOSE, ONE_HERTZ, TWO_PERCENT
 
-from reliab.arrays import Array
-from reliab.boundary import Ellipse
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.progress import Progress, silent
-from reliab.significant import percent
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.significant_digits import percent
+from reliab.motions.motion import Motion
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.curves import Ellipse
 
 from .hidden_difference import Difference, differences, logarithms, simulated_ellipse
 

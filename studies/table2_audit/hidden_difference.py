@@ -8,12 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.boundary import Ellipse, motion_contours
-from reliab.motions import Motion
-from reliab.significant import significant
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import significant
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 Pair = tuple[float, float]
 

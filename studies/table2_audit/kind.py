@@ -6,12 +6,15 @@ from typing import Final
 
 import pandas as pd
 
-from reliab.errors import InputError
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.shipped import shipped
-from reliab.study import Kind, Records, RecordsStudy, Stage, digest, made_with
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.core.shipped import shipped
+from reliab.report.document import Document
+from reliab.study.description import RecordsStudy
+from reliab.study.kind import Kind
+from reliab.study.material import Records
+from reliab.study.stages import Stage, digest, made_with
 
 ROWS: Final = "table2.csv"
 

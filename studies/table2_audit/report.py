@@ -7,11 +7,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 from reliab_studies.paper2017.printed import CLOSE
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.report.sections import limits_section, method_section
-from reliab.significant import percent
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes
+from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Scientific, Significant
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.method import limits_section, method_section
+from reliab.report.sources import SOURCES
+from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
 
 from .audit import LARGEST_CHANCE, NONE_FOUND
 
@@ -21,14 +26,14 @@ def table_audit_report(
     title: str,
     rows: pd.DataFrame,
     provenance: Mapping[str, object],
-    notes: Sequence[rp.Prose] = (),
-) -> rp.Document:
+    notes: Sequence[Prose] = (),
+) -> Document:
     """Report which rows of Table 2 come back, and what differs in the others."""
     rows = rows.fillna({"difference": "", "detail": ""})
     disagreeing = rows[~rows["agrees"]]
     explained = disagreeing[disagreeing["difference"] != NONE_FOUND]
     before, after = (_root_mean_square(disagreeing[name]) for name in ("gap_before", "gap_after"))
-    return rp.Document(
+    return Document(
         kind="Audit of a published table",
         title=title,
         verdict=prose(
@@ -57,16 +62,16 @@ def table_audit_report(
             method_section(None, experimental_fraction=1.0, window="record"),
             _all(rows),
         ),
-        provenance=rp.provenance_of(provenance),
-        sources=rp.SOURCES,
+        provenance=provenance_of(provenance),
+        sources=SOURCES,
     )
 
 
-def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> rp.Section:
-    return rp.Section(
+def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
+    return Section(
         title="Rows that disagree",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "For each row that disagrees, other time steps, shorter and longer stretches of the "
                     "record, and the other component of the same recording are tried. A difference is named "
@@ -76,7 +81,7 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> rp.Section:
                     share=percent(LARGEST_CHANCE),
                 )
             ),
-            rp.Figure(
+            RpFigure(
                 drawing=table_rows(rows),
                 caption=(
                     "Every row by its ratios; a row that is explained moves to the crossing of the lines."
@@ -90,7 +95,7 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> rp.Section:
     )
 
 
-def _ratios(disagreeing: pd.DataFrame) -> rp.Table:
+def _ratios(disagreeing: pd.DataFrame) -> Table:
     """Tabulate rows that disagree before and after their hidden difference, the worst first."""
     ratios = disagreeing.assign(
         a_ratio=disagreeing["a"] / disagreeing["a_printed"],
@@ -100,17 +105,17 @@ def _ratios(disagreeing: pd.DataFrame) -> rp.Table:
         difference=disagreeing["difference"].str.cat(disagreeing["detail"], sep="; ").str.removesuffix("; "),
     ).sort_values("gap_before", ascending=False)
     before, after = prose("before"), prose("after")
-    chance = rp.Fixed(decimals=1, factor=PERCENT)
-    return rp.Table(
+    chance = Fixed(decimals=1, factor=PERCENT)
+    return Table(
         frame=ratios,
         columns=(
-            rp.Column(key="record", heading="Record"),
-            rp.Column(key="a_ratio", heading=prose("$a$"), number=rp.Fixed(), group=before),
-            rp.Column(key="b_ratio", heading=prose("$b$"), number=rp.Fixed(), group=before),
-            rp.Column(key="difference", heading="Difference", wide=True),
-            rp.Column(key="a_closed", heading=prose("$a$"), number=rp.Fixed(), group=after),
-            rp.Column(key="b_closed", heading=prose("$b$"), number=rp.Fixed(), group=after),
-            rp.Column(key="chance", heading="Chance", unit="%", number=chance),
+            Column(key="record", heading="Record"),
+            Column(key="a_ratio", heading=prose("$a$"), number=Fixed(), group=before),
+            Column(key="b_ratio", heading=prose("$b$"), number=Fixed(), group=before),
+            Column(key="difference", heading="Difference", wide=True),
+            Column(key="a_closed", heading=prose("$a$"), number=Fixed(), group=after),
+            Column(key="b_closed", heading=prose("$b$"), number=Fixed(), group=after),
+            Column(key="chance", heading="Chance", unit="%", number=chance),
         ),
         caption=(
             "Rows that disagree by more than 10 %, the worst first: simulated over printed a and b, before "
@@ -121,27 +126,27 @@ def _ratios(disagreeing: pd.DataFrame) -> rp.Table:
     )
 
 
-def _all(rows: pd.DataFrame) -> rp.Section:
+def _all(rows: pd.DataFrame) -> Section:
     worded = rows.assign(
         a_ratio=rows["a"] / rows["a_printed"],
         b_ratio=rows["b"] / rows["b_printed"],
     )
     a, b, error = prose("$a$ [-]"), prose("$b$ [ms²]"), prose("error [ms⁴]")
-    return rp.Section(
+    return Section(
         title="All rows",
         blocks=(
-            rp.Table(
+            Table(
                 frame=worded,
                 columns=(
-                    rp.Column(key="record", heading="Record"),
-                    rp.Column(key="a_printed", heading="printed", number=rp.Scientific(), group=a),
-                    rp.Column(key="a", heading="simulated", number=rp.Scientific(), group=a),
-                    rp.Column(key="a_ratio", heading="ratio", number=rp.Fixed(), group=a),
-                    rp.Column(key="b_printed", heading="printed", number=rp.Significant(), group=b),
-                    rp.Column(key="b", heading="simulated", number=rp.Significant(), group=b),
-                    rp.Column(key="b_ratio", heading="ratio", number=rp.Fixed(), group=b),
-                    rp.Column(key="error_printed", heading="printed", number=rp.Significant(), group=error),
-                    rp.Column(key="error", heading="simulated", number=rp.Significant(), group=error),
+                    Column(key="record", heading="Record"),
+                    Column(key="a_printed", heading="printed", number=Scientific(), group=a),
+                    Column(key="a", heading="simulated", number=Scientific(), group=a),
+                    Column(key="a_ratio", heading="ratio", number=Fixed(), group=a),
+                    Column(key="b_printed", heading="printed", number=Significant(), group=b),
+                    Column(key="b", heading="simulated", number=Significant(), group=b),
+                    Column(key="b_ratio", heading="ratio", number=Fixed(), group=b),
+                    Column(key="error_printed", heading="printed", number=Significant(), group=error),
+                    Column(key="error", heading="simulated", number=Significant(), group=error),
                 ),
                 caption=prose(
                     "Every row of Table 2, printed and simulated from the raw record; “error” is the sum of "
@@ -159,32 +164,32 @@ def _root_mean_square(gaps: pd.Series) -> float:
     return float(np.sqrt(np.mean(np.square(finite)))) if len(finite) else 0.0
 
 
-@rp.styled
+@styled
 def table_rows(rows: pd.DataFrame) -> Figure:
     """Draw simulated over printed ellipse parameters, row by row.
 
     Panels before and after; b over a, each as a ratio.
     """
-    figure, axes = rp.panels(1, 2, height=78.0, share_x=True, share_y=True)
-    rp.letters(axes, ("as simulated", "with the differences that were named"))
+    figure, axes = panels(1, 2, height=78.0, share_x=True, share_y=True)
+    letters(axes, ("as simulated", "with the differences that were named"))
     explained = ~rows["agrees"] & rows["difference"].isin(["time step", "duration", "component"])
     groups = (
-        ("row that agrees", rows["agrees"], {"color": rp.GREY, "marker": "o", "fillstyle": "none"}),
-        ("difference named", explained, {"color": rp.BLUE, "marker": "s"}),
-        ("none found", ~rows["agrees"] & ~explained, {"color": rp.VERMILION, "marker": "x"}),
+        ("row that agrees", rows["agrees"], {"color": GREY, "marker": "o", "fillstyle": "none"}),
+        ("difference named", explained, {"color": BLUE, "marker": "s"}),
+        ("none found", ~rows["agrees"] & ~explained, {"color": VERMILION, "marker": "x"}),
     )
     for place, ending in zip(axes[0], ("", "_after"), strict=True):
         for label, selection, style in groups:
             points = rows[selection]
             ratios = [points[f"{name}{ending}"] / points[f"{name}_printed"] for name in ("a", "b")]
             place.plot(*ratios, linestyle="", markersize=3.6, label=label, **style)
-        place.axhline(1.0, color=rp.INK, linewidth=0.5)
-        place.axvline(1.0, color=rp.INK, linewidth=0.5)
+        place.axhline(1.0, color=INK, linewidth=0.5)
+        place.axvline(1.0, color=INK, linewidth=0.5)
         place.set_xscale("log")
         place.set_yscale("log")
-        rp.label_logarithmic(place.xaxis)
-        rp.label_logarithmic(place.yaxis)
-        rp.name_axes(place, "$a$, simulated over printed [-]", "")
+        label_logarithmic(place.xaxis)
+        label_logarithmic(place.yaxis)
+        name_axes(place, "$a$, simulated over printed [-]", "")
     axes[0, 0].set_ylabel("$b$, simulated over printed [-]")
-    rp.legend_below(figure, axes[0, 0])
+    legend_below(figure, axes[0, 0])
     return figure

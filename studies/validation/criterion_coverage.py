@@ -13,9 +13,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample
-from reliab.criterion.methods import BoundMethod, limits
-from reliab.progress import Progress, silent
+from reliab.core.progress import Progress, silent
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.methods.bound import BoundMethod, limits
 
 _FURTHER = 200_000  # motions that stand for the population
 
@@ -88,7 +88,9 @@ def simulate_coverage(
 ) -> Coverage:
     """Derive limits from many synthetic suites and find their true content.
 
-    >>> from reliab.criterion.methods import Predictive, Quantile
+    >>> from reliab.criterion.methods.predictive import Predictive
+
+    >>> from reliab.criterion.methods.quantile import Quantile
     >>> truth = Truth(n_events=20, motions_per_event=1, event_share=0.0)
     >>> for method in (Quantile(), Predictive()):
     ...     print(round(simulate_coverage(method, truth, 0.95, suites=200).mean, 2))

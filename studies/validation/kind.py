@@ -9,33 +9,32 @@ import pandas as pd
 from pydantic import Field
 from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
-from reliab.criterion import records_checksum
-from reliab.motions import Motion, MotionSuite, load_motions
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.rows import read_table, write_table
-from reliab.structures import Structure
-from reliab.study import (
+from reliab.core.progress import Show
+from reliab.core.rows import read_table, write_table
+from reliab.core.vocabulary import Metric
+from reliab.criterion.provenance import records_checksum
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
+from reliab.report.document import Document
+from reliab.structures.structure import Structure
+from reliab.study.description import CriterionStudy, ValidationTable
+from reliab.study.kind import Kind
+from reliab.study.material import SYNTHETIC, Material
+from reliab.study.stages import Stage, made_with
+from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
-    SYNTHETIC,
-    CriterionStudy,
-    Kind,
-    Material,
-    Stage,
-    ValidationTable,
     derivation,
     derivation_of,
     judgement,
-    made_with,
     opened,
     refusals_of,
     simulation,
     tracing,
     validations_of,
 )
-from reliab.sweep import open_ellipses
-from reliab.vocabulary import Metric
+from reliab.sweep.ellipse_file import open_ellipses
 
 BEYOND: Final = "beyond_the_model.csv"
 REBUILT: Final = "rebuilt_error_tests.csv"
@@ -75,9 +74,9 @@ def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
-    from reliab.report.kinds.criterion import no_criterion_report
-    from reliab.report.sections import rates_table
-    from reliab.validation.cross_validation import tabulate
+    from reliab.report.kinds.criterion.report import no_criterion_report
+    from reliab.report.sections.rates import rates_table
+    from reliab.validation.cross_validation.counts import tabulate
 
     from .report import validation_report
 
@@ -123,7 +122,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     structure = _structure(study)
 
     def work(folder: Path) -> None:
-        from reliab.validation import TEST_COLUMNS, rigs_of_delay, try_rigs
+        from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
 
         criteria = derivation_of(folder).criteria
         if not criteria:
@@ -160,7 +159,8 @@ def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Sta
     confidence = study.criterion.confidences[0]
 
     def work(folder: Path) -> None:
-        from reliab.validation.rebuilt_error_study import Design, try_tests
+        from reliab.validation.rebuilt_error_study.design import Design
+        from reliab.validation.rebuilt_error_study.study import try_tests
 
         design = Design.for_motions(
             motions,

@@ -8,9 +8,9 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import Population
-from reliab.criterion.laws import Dimensionless
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.population import Population
 from reliab.validation.distribution_comparison import leave_one_event_out
 
 

@@ -6,31 +6,28 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.significant import counted, percent
-from reliab.validation.rebuilt_error_study import (
-    LINEAR,
-    OWN_BOUNDARY,
-    PLAIN,
-    REBUILT,
-    RIGHT,
-    WITH_MODEL,
-    summarised,
-)
-from reliab.vocabulary import PERCENT
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain as rp_plain
+from reliab.report.document import Column, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.style import GREY, INK, letters, line, panels, styled
+from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
+from reliab.validation.rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
+from reliab.validation.rebuilt_error_study.study import summarised
 
 _NAMES = {"guo_2017_15": "equation (15)", "guo_2017_18": "equation (18)"}
 
 
-def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> rp.Section:
+def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     """Report what the rebuilt error is worth beside criteria.
 
     `threshold`: error up to which a test is good [-].
     """
     by_judge = tests.assign(judge=tests["judge"].replace(_NAMES))
     tables = summarised(by_judge)
-    return rp.Section(
+    return Section(
         title="The error of the test itself",
         blocks=(
             _opening(tables["looks"], threshold),
@@ -42,11 +39,11 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> rp.Section:
     )
 
 
-def _opening(looks: pd.DataFrame, threshold: float) -> rp.Paragraph:
+def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
     """Say how tests were judged, and how often specimens look nonlinear."""
     nonlinear = looks.set_index("specimen")["looks_nonlinear"].drop(LINEAR)
     linear = looks.set_index(["specimen", "sensor"])["looks_nonlinear"][LINEAR, PLAIN.sensor]
-    return rp.Paragraph(
+    return Paragraph(
         text=prose(
             "The same simulated tests, judged by the error that is rebuilt from command and measured "
             "displacement, and by $A$ and $d$ with criteria and with the boundary of the test's own "
@@ -65,7 +62,7 @@ def _opening(looks: pd.DataFrame, threshold: float) -> rp.Paragraph:
     )
 
 
-def _population(tests: pd.DataFrame) -> rp.Paragraph:
+def _population(tests: pd.DataFrame) -> Paragraph:
     """Say of which tests the numbers on linear specimens are."""
     accepted = tests[
         (tests["specimen"] == LINEAR)
@@ -74,7 +71,7 @@ def _population(tests: pd.DataFrame) -> rp.Paragraph:
         & (tests["judge"] == REBUILT)
     ]
     structures = accepted[["f", "xi", "alpha"]].drop_duplicates()
-    return rp.Paragraph(
+    return Paragraph(
         text=prose(
             "The numbers on linear specimens are those of {n}: {rigs} under {motions}, "
             "on {structures}, with true errors of {least} to {most}. They hold for tests like "
@@ -93,12 +90,12 @@ def _population(tests: pd.DataFrame) -> rp.Paragraph:
     )
 
 
-def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[rp.Figure, rp.Figure]:
+def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[RpFigure, RpFigure]:
     """Draw stated over true errors, and the tests that each judge accepts."""
     linear, as_stated = tests["specimen"] == LINEAR, tests["stated"] == RIGHT
     plain = tests[linear & (tests["sensor"] == PLAIN.sensor) & as_stated]
     return (
-        rp.Figure(
+        RpFigure(
             drawing=stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
             caption=(
                 "Error that is stated over the true one, sensor of 40 dB: the rebuilt error needs no "
@@ -108,7 +105,7 @@ def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[rp.Figure, rp.F
             label="fig:rebuilt-stated",
             floats=True,
         ),
-        rp.Figure(
+        RpFigure(
             drawing=accepted_tests(judges),
             caption="Bad and good tests that each judge accepts, sensor of 40 dB.",
             label="fig:rebuilt-accepted",
@@ -117,7 +114,7 @@ def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[rp.Figure, rp.F
     )
 
 
-def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[rp.Table, ...]:
+def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """Tabulate verdicts by judge, by sensor and statement, by actuator and by specimen."""
     conditions, rigs, specimens = (
         tables[name][tables[name]["judge"].isin(judges)]
@@ -152,21 +149,21 @@ def _tables(tables: Mapping[str, pd.DataFrame]) -> tuple[rp.Table, ...]:
     )
 
 
-def _table(frame: pd.DataFrame, key: str, heading: str, caption: rp.Prose, label: str) -> rp.Table:
-    share, ratio = rp.Fixed(decimals=1, factor=PERCENT), rp.Fixed(decimals=3)
+def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: str) -> Table:
+    share, ratio = Fixed(decimals=1, factor=PERCENT), Fixed(decimals=3)
     bad, good, ratio_heading = "bad tests", "good tests", "stated over true error"
-    return rp.Table(
+    return Table(
         frame=frame,
         columns=(
-            rp.Column(key=key, heading=heading),
-            rp.Column(key="bad", heading="tried", number=rp.Whole(), group=bad),
-            rp.Column(key="bad_accepted", heading="accepted", unit="%", number=share, group=bad),
-            rp.Column(key="good", heading="tried", number=rp.Whole(), group=good),
-            rp.Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
-            rp.Column(key="contained", heading="Motions contained", unit="%", number=share),
-            rp.Column(key="ratio_05", heading="5 %", number=ratio, group=ratio_heading),
-            rp.Column(key="ratio_95", heading="95 %", number=ratio, group=ratio_heading),
-            rp.Column(key="covered", heading="In interval", unit="%", number=share),
+            Column(key=key, heading=heading),
+            Column(key="bad", heading="tried", number=Whole(), group=bad),
+            Column(key="bad_accepted", heading="accepted", unit="%", number=share, group=bad),
+            Column(key="good", heading="tried", number=Whole(), group=good),
+            Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
+            Column(key="contained", heading="Motions contained", unit="%", number=share),
+            Column(key="ratio_05", heading="5 %", number=ratio, group=ratio_heading),
+            Column(key="ratio_95", heading="95 %", number=ratio, group=ratio_heading),
+            Column(key="covered", heading="In interval", unit="%", number=share),
         ),
         caption=caption,
         label=f"tab:rebuilt-{label}",
@@ -179,41 +176,41 @@ _SHARES_HEIGHT = 40.0
 _SHIFT = 0.16
 
 
-@rp.styled
+@styled
 def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     """Draw the error that judges state over the true one.
 
     `tests`: columns judge, rig, error [-] and estimate [-], one row for each test and judge. Result: errors
     [%] on logarithmic scales, by actuator; on the diagonal they agree.
     """
-    figure, axes = rp.panels(1, len(judges), height=_HEIGHT, share_x=True, share_y=True)
+    figure, axes = panels(1, len(judges), height=_HEIGHT, share_x=True, share_y=True)
     estimated = tests[
         tests["judge"].isin(judges) & np.isfinite(tests["estimate"]) & (tests["estimate"] > 0.0)
     ]
     percent = PERCENT * estimated[["error", "estimate"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
     for place, judge in zip(axes[0], judges, strict=True):
-        place.plot(ends, ends, color=rp.GREY, linewidth=0.9)
+        place.plot(ends, ends, color=GREY, linewidth=0.9)
         of_judge = estimated[estimated["judge"] == judge]
         for rank, (name, rows) in enumerate(of_judge.groupby("rig", sort=False)):
-            look = {**rp.line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-            place.plot(PERCENT * rows["error"], PERCENT * rows["estimate"], label=rp.plain(str(name)), **look)
+            look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+            place.plot(PERCENT * rows["error"], PERCENT * rows["estimate"], label=rp_plain(str(name)), **look)
         place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
-        rp.label_logarithmic(place.xaxis, place.yaxis)
-        rp.name_axes(place, "True error of the test [%]", "Stated error [%]" if place is axes[0, 0] else "")
-    rp.letters(axes, tuple(judges))
-    rp.legend_below(figure, axes[0, 0], columns=3)
+        label_logarithmic(place.xaxis, place.yaxis)
+        name_axes(place, "True error of the test [%]", "Stated error [%]" if place is axes[0, 0] else "")
+    letters(axes, tuple(judges))
+    legend_below(figure, axes[0, 0], columns=3)
     return figure
 
 
-@rp.styled
+@styled
 def accepted_tests(rows: pd.DataFrame) -> Figure:
     """Draw which share of bad and of good tests each judge accepts.
 
     `rows`: columns judge, and bad_accepted and good_accepted [-], each with _low and _high. Result: shares
     [%] with their 95 % intervals, a row for each judge.
     """
-    figure, axes = rp.panels(height=_SHARES_HEIGHT + _ROW * len(rows))
+    figure, axes = panels(height=_SHARES_HEIGHT + _ROW * len(rows))
     place = axes[0, 0]
     middle = np.arange(len(rows), dtype=float)
     for rank, (name, label) in enumerate(
@@ -222,11 +219,11 @@ def accepted_tests(rows: pd.DataFrame) -> Figure:
         share = PERCENT * rows[name].to_numpy(float)
         ends = [PERCENT * rows[f"{name}_{end}"].to_numpy(float) for end in ("low", "high")]
         reach = np.nan_to_num(np.maximum(np.stack([share - ends[0], ends[1] - share]), 0.0))
-        look = {**rp.line(rank, marker=True), "linestyle": "none"}
+        look = {**line(rank, marker=True), "linestyle": "none"}
         place.errorbar(share, middle + (2 * rank - 1) * _SHIFT, xerr=reach, label=label, capsize=2.0, **look)
-    place.axvline(0.0, color=rp.INK, linewidth=0.5)
+    place.axvline(0.0, color=INK, linewidth=0.5)
     place.set(xlim=(-3.0, 103.0), ylim=(len(rows) - 0.5, -0.5))
-    place.set_yticks(middle, [rp.plain(str(name)) for name in rows["judge"]])
-    rp.name_axes(place, "Share of the tests [%]", "")
-    rp.legend_below(figure, place, columns=2)
+    place.set_yticks(middle, [rp_plain(str(name)) for name in rows["judge"]])
+    name_axes(place, "Share of the tests [%]", "")
+    legend_below(figure, place, columns=2)
     return figure

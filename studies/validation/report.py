@@ -9,11 +9,18 @@ from matplotlib.figure import Figure
 from reliab_studies.paper2017.cases import case_table
 from reliab_studies.paper2017.pages.displacement_histories import case_histories
 
-from reliab import report as rp
-from reliab.report.prose import prose
-from reliab.report.sections import limits_section, method_section, rates_section
-from reliab.significant import percent, percent_range
-from reliab.vocabulary import MILLI, PERCENT
+from reliab.core.significant_digits import percent, percent_range
+from reliab.core.vocabulary import MILLI, PERCENT
+from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.method import limits_section, method_section
+from reliab.report.sections.rates import rates_section
+from reliab.report.sources import SOURCES
+from reliab.report.style import GREY, line, panels, styled
+from reliab.report.wording import law_in_words
 
 from .rebuilt_error import rebuilt_error_section
 
@@ -36,9 +43,9 @@ def validation_report(
     threshold: float = 0.05,
     cases: xr.Dataset | None = None,
     provenance: Mapping[str, object],
-    notes: Sequence[rp.Prose] = (),
+    notes: Sequence[Prose] = (),
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report how criteria did on motions that they were not learned from.
 
     `confidence`: the confidence that the verdict speaks of [-]; `experimental_fraction`: share of the
@@ -61,7 +68,7 @@ def validation_report(
         method_section(None, experimental_fraction=experimental_fraction, window=window),
     ]
     verdict, tone = _verdict(next(iter(rates.values())), confidence)
-    return rp.Document(
+    return Document(
         kind="Validation of criteria",
         title=title,
         verdict=verdict,
@@ -73,12 +80,12 @@ def validation_report(
             "To do next": _NEXT[tone],
         },
         blocks=tuple(blocks),
-        provenance=rp.provenance_of(provenance),
-        sources=rp.SOURCES,
+        provenance=provenance_of(provenance),
+        sources=SOURCES,
     )
 
 
-def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[rp.Block]:
+def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[Block]:
     """One section for each division; the curve of the first stands on the first page."""
     return [
         rates_section(table, confidence=confidence, division=name, leads=not place)
@@ -86,7 +93,7 @@ def _rates(rates: Mapping[str, pd.DataFrame], confidence: float) -> list[rp.Bloc
     ]
 
 
-def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[rp.Prose, bool]:
+def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
     """Say what the first criterion contained, and whether that agrees with what it states."""
     overall = rates[(rates["measure"] == "containment") & rates["f"].isna()]
     nearest = overall.iloc[[int(np.argmin(np.abs(overall["confidence"] - confidence)))]]
@@ -117,26 +124,26 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[rp.Prose, bool]:
     return verdict, keeps
 
 
-def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> rp.Section:
+def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
     """Count good and bad tests that criteria accept and refuse.
 
     `verdicts`: columns `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`,
     `bad_rejected`; `confidence`: share of the population's ground motions that the criteria state [-].
     """
     rows = verdicts[np.isclose(verdicts["confidence"], confidence)]
-    rows = rows.assign(candidate=[rp.law_in_words(str(name)) for name in rows["candidate"]])
+    rows = rows.assign(candidate=[law_in_words(str(name)) for name in rows["candidate"]])
     good, bad = prose("good tests"), prose("bad tests")
-    return rp.Section(
+    return Section(
         title="Verdicts on simulated tests",
         blocks=(
-            rp.Table(
+            Table(
                 frame=rows,
                 columns=(
-                    rp.Column(key="candidate", heading="Criterion"),
-                    rp.Column(key="good_accepted", heading="accepted", number=rp.Whole(), group=good),
-                    rp.Column(key="good_rejected", heading="refused", number=rp.Whole(), group=good),
-                    rp.Column(key="bad_accepted", heading="accepted", number=rp.Whole(), group=bad),
-                    rp.Column(key="bad_rejected", heading="refused", number=rp.Whole(), group=bad),
+                    Column(key="candidate", heading="Criterion"),
+                    Column(key="good_accepted", heading="accepted", number=Whole(), group=good),
+                    Column(key="good_rejected", heading="refused", number=Whole(), group=good),
+                    Column(key="bad_accepted", heading="accepted", number=Whole(), group=bad),
+                    Column(key="bad_rejected", heading="refused", number=Whole(), group=bad),
                 ),
                 caption=prose(
                     "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
@@ -150,12 +157,12 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> rp.Section:
     )
 
 
-def actuators_section(tests: pd.DataFrame) -> rp.Section:
+def actuators_section(tests: pd.DataFrame) -> Section:
     """Report tests whose actuators are no constant gain and delay."""
-    return rp.Section(
+    return Section(
         title="Actuators that are not a constant gain and delay",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "Each test was simulated with its actuator; $A$ and $d$ were evaluated from command and "
                     "measured displacement as a laboratory would, and the error was compared with that of a "
@@ -164,7 +171,7 @@ def actuators_section(tests: pd.DataFrame) -> rp.Section:
                     "good and bad tests are accepted or refused as the criterion decides."
                 )
             ),
-            rp.Figure(
+            RpFigure(
                 drawing=error_beyond_the_model(tests),
                 caption=(
                     "Error of each test over the error that a constant gain and delay would have made: "
@@ -197,19 +204,19 @@ def _by_actuator(tests: pd.DataFrame) -> pd.DataFrame:
     ).reset_index()
 
 
-def _actuator_rows(frame: pd.DataFrame) -> rp.Table:
-    share, off = rp.Fixed(decimals=1, factor=PERCENT), "off the prediction"
-    return rp.Table(
+def _actuator_rows(frame: pd.DataFrame) -> Table:
+    share, off = Fixed(decimals=1, factor=PERCENT), "off the prediction"
+    return Table(
         frame=frame,
         columns=(
-            rp.Column(key="rig", heading="Actuator", wide=True),
-            rp.Column(key="tests", heading="Tests", number=rp.Whole()),
-            rp.Column(key="typical", heading="median", unit="%", number=share, group=off),
-            rp.Column(key="worst", heading="worst", unit="%", number=share, group=off),
-            rp.Column(key="bad", heading="Bad", number=rp.Whole()),
-            rp.Column(key="accepted", heading="Accepted", number=rp.Whole()),
-            rp.Column(key="unsafe", heading="Accepted, yet bad", number=rp.Whole()),
-            rp.Column(key="wasted", heading="Good, yet refused", number=rp.Whole()),
+            Column(key="rig", heading="Actuator", wide=True),
+            Column(key="tests", heading="Tests", number=Whole()),
+            Column(key="typical", heading="median", unit="%", number=share, group=off),
+            Column(key="worst", heading="worst", unit="%", number=share, group=off),
+            Column(key="bad", heading="Bad", number=Whole()),
+            Column(key="accepted", heading="Accepted", number=Whole()),
+            Column(key="unsafe", heading="Accepted, yet bad", number=Whole()),
+            Column(key="wasted", heading="Good, yet refused", number=Whole()),
         ),
         caption=(
             "Verdicts on actuators beyond the model; a test is bad when its own simulated error "
@@ -223,7 +230,7 @@ _HEIGHT = 76.0
 _WIDTH = 120.0
 
 
-@rp.styled
+@styled
 def error_beyond_the_model(
     tests: pd.DataFrame, *, prediction: str = "Error of a constant gain $A$ and delay $d$"
 ) -> Figure:
@@ -232,29 +239,29 @@ def error_beyond_the_model(
     `tests`: columns rig, error [-] and predicted [-], one row a test. Result: both errors [%] on logarithmic
     scales; on the diagonal they agree.
     """
-    figure, axes = rp.panels(height=_HEIGHT, width=_WIDTH)
+    figure, axes = panels(height=_HEIGHT, width=_WIDTH)
     place = axes[0, 0]
     percent = PERCENT * tests[["predicted", "error"]]
     ends = (0.8 * float(percent.min().min()), 1.25 * float(percent.max().max()))
-    place.plot(ends, ends, color=rp.GREY, linewidth=0.9)
+    place.plot(ends, ends, color=GREY, linewidth=0.9)
     for rank, (name, errors) in enumerate(percent.groupby(tests["rig"], sort=False)):
-        look = {**rp.line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
-        place.plot(errors["predicted"], errors["error"], label=rp.plain(str(name)), **look)
+        look = {**line(rank, marker=True), "linestyle": "none", "fillstyle": "none"}
+        place.plot(errors["predicted"], errors["error"], label=plain(str(name)), **look)
     place.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
-    rp.label_logarithmic(place.xaxis, place.yaxis)
-    rp.name_axes(place, f"{prediction} [%]", "Error of the test [%]")
-    rp.legend_below(figure, place, columns=2)
+    label_logarithmic(place.xaxis, place.yaxis)
+    name_axes(place, f"{prediction} [%]", "Error of the test [%]")
+    legend_below(figure, place, columns=2)
     return figure
 
 
-def cases_section(cases: xr.Dataset) -> rp.Section:
+def cases_section(cases: xr.Dataset) -> Section:
     """Show the verdicts of equation (18) on the four cases, their errors, and what the paper prints."""
     seconds = f"{cases.attrs.get('window', 0.0):g}"
     caption = "Exact response and measured displacement of the four cases."
-    return rp.Section(
+    return Section(
         title="The four cases of the paper",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "The application of the paper @guo2017, simulated under {motion}: $A$ and $d$ are those "
                     "of command and measured displacement, the index is that of equation (18), and a test "
@@ -271,26 +278,26 @@ def cases_section(cases: xr.Dataset) -> rp.Section:
     )
 
 
-def _case_rows(frame: pd.DataFrame, seconds: str) -> rp.Table:
-    number, ratio, good = rp.Fixed(decimals=3), rp.Fixed(factor=PERCENT), prose('$"RMS"^R$')
+def _case_rows(frame: pd.DataFrame, seconds: str) -> Table:
+    number, ratio, good = Fixed(decimals=3), Fixed(factor=PERCENT), prose('$"RMS"^R$')
     simulated, printed, index, verdict = "simulated", "printed", "index of (18)", "index at most 1"
-    of_rms = rp.Fixed(decimals=1, factor=PERCENT)
-    return rp.Table(
+    of_rms = Fixed(decimals=1, factor=PERCENT)
+    return Table(
         frame=frame,
         columns=(
-            rp.Column(key="case", heading="Case", number=rp.Whole()),
-            rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
-            rp.Column(key="xi", heading=prose("$xi$"), unit="-", number=rp.Shortest()),
-            rp.Column(key="A", heading=prose("$A$"), unit="-", number=rp.Fixed(decimals=4)),
-            rp.Column(key="d", heading=prose("$d$"), unit="ms", number=rp.Fixed(factor=MILLI)),
-            rp.Column(key="index", heading=simulated, unit="-", number=number, group=index),
-            rp.Column(key="index_printed", heading=printed, unit="-", number=number, group=index),
-            rp.Column(key="accepted", heading=simulated, group=verdict),
-            rp.Column(key="accepted_printed", heading=printed, group=verdict),
-            rp.Column(key="rms", heading=simulated, unit="%", number=ratio, group=good),
-            rp.Column(key="rms_printed", heading=printed, unit="%", number=ratio, group=good),
-            rp.Column(key="good", heading="good"),
-            rp.Column(key="of_rms", heading="of its RMS", unit="%", number=of_rms),
+            Column(key="case", heading="Case", number=Whole()),
+            Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
+            Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
+            Column(key="A", heading=prose("$A$"), unit="-", number=Fixed(decimals=4)),
+            Column(key="d", heading=prose("$d$"), unit="ms", number=Fixed(factor=MILLI)),
+            Column(key="index", heading=simulated, unit="-", number=number, group=index),
+            Column(key="index_printed", heading=printed, unit="-", number=number, group=index),
+            Column(key="accepted", heading=simulated, group=verdict),
+            Column(key="accepted_printed", heading=printed, group=verdict),
+            Column(key="rms", heading=simulated, unit="%", number=ratio, group=good),
+            Column(key="rms_printed", heading=printed, unit="%", number=ratio, group=good),
+            Column(key="good", heading="good"),
+            Column(key="of_rms", heading="of its RMS", unit="%", number=of_rms),
         ),
         caption=prose(
             "Verdicts of equation (18), errors over the first {seconds} s, and what is printed.",

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
-from reliab.motions import Motion, load_motions
-from reliab.recordings import Recording
+from reliab.core.compiled import compiled
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.recordings.recording import Recording
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import cut

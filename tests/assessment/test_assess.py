@@ -6,21 +6,22 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment import assess, default_criterion
+from reliab.assessment.assess import assess
+from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.findings import LARGEST_PROBABILITY, improvement
 from reliab.assessment.own_motion import OwnBoundary
 from reliab.assessment.placement import carried_limits
-from reliab.criterion import published_criterion
+from reliab.core.vocabulary import Metric, Side
+from reliab.criterion.published import published_criterion
 from reliab.effects.backlash import Backlash
-from reliab.motions import resample
-from reliab.recordings import Recording
+from reliab.motions.motion import resample
+from reliab.recordings.recording import Recording
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import Rig, rigs_of_delay
-from reliab.vocabulary import Metric, Side
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 

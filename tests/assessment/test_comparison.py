@@ -8,11 +8,10 @@ import pytest
 from late_runs import runs_of
 
 import reliab
-from reliab.assessment import rank_tests
-from reliab.assessment.comparison import _probability_larger, _ranked_files, paired_differences
-from reliab.assessment.rebuilt_error import Estimate
-from reliab.errors import InputError
-from reliab.vocabulary import Metric
+from reliab.assessment.comparison import _probability_larger, _ranked_files, paired_differences, rank_tests
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
 
 
 @pytest.fixture(scope="module")

@@ -5,19 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.assessment import assess, contradictions
+from reliab.assessment import contradictions
+from reliab.assessment.assess import assess
 from reliab.assessment.contradictions import limited, of_frequency
 from reliab.assessment.findings import Findings
 from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
-from reliab.recordings import CoupledRecording
-from reliab.shipped import shipped
-from reliab.simulation.frames import ideal_response, read_structure
-from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.core.shipped import shipped
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.simulation.frames.exact_loop import ideal_response
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

@@ -9,15 +9,16 @@ import xarray as xr
 from coupled_structures import coupled_response
 
 import reliab
-from reliab.assessment import CoupledAssessment, corrected_response
+from reliab.app.cli import run
+from reliab.assessment.corrected_response import corrected_response
+from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.substructures import Substructures
-from reliab.cli import run
-from reliab.recordings import CoupledRecording
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.structures import Partition
-from reliab.structures.frames import Frame, undivided_response
+from reliab.core.shipped import shipped
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.structures.frames.frame import Frame, undivided_response
+from reliab.structures.partition import Partition
 
 _STEP = 1.0 / 512.0
 _TIMES = np.arange(0.0, 16.0, _STEP)

@@ -9,19 +9,19 @@ import pytest
 from coupled_structures import coupled_response, described, node
 
 import reliab
-from reliab import cli
+from reliab.app import cli
 from reliab.assessment.frame_test import assess_frame
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.recordings import CoupledRecording
-from reliab.report.kinds.assessment import frame_assessment_report
-from reliab.shipped import shipped
-from reliab.signals import LowPass
-from reliab.simulation.frames import FrameUnderTest, read_frame, read_structure
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.motions.motion import Motion
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.report.kinds.assessment.frame import frame_assessment_report
+from reliab.signals.filters import LowPass
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame, read_structure
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
-from reliab.structures import Partition
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
+from reliab.structures.partition import Partition
 
 STEP = 1.0 / 256.0
 FRAME = "frames/two_actuators.toml"

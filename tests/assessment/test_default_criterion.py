@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.api import derive_criteria
-from reliab.assessment import default_criterion, tolerable_errors
-from reliab.assessment.design import chart_frequencies
+from reliab.app.api.criteria import derive_criteria
+from reliab.assessment.default_criterion import default_criterion
+from reliab.assessment.design import chart_frequencies, tolerable_errors
 from reliab.assessment.placement import place
-from reliab.criterion import Criterion, EllipseTable, between_tables, derive_criterion
-from reliab.errors import InputError
-from reliab.structures import Structure
-from reliab.sweep import open_results, real_results
+from reliab.core.errors import InputError
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_table import EllipseTable, between_tables
+from reliab.structures.structure import Structure
+from reliab.sweep.results import open_results, real_results
 
 
 def test_between_stored_structures_and_thresholds_limits_lie_between():

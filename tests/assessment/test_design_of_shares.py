@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.api import design_test
-from reliab.criterion import growth
-from reliab.errors import InputError
-from reliab.structures import Structure
+from reliab.app.api.design import design_test
+from reliab.core.errors import InputError
+from reliab.criterion.experimental_share import growth
 from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
 
 
 def test_limits_grow_by_the_law_of_the_share_and_the_loop_is_stable_for_longer():
@@ -31,7 +31,7 @@ def test_a_share_without_a_law_is_refused(alpha, words):
 
 
 def test_a_criterion_of_ones_own_speaks_for_its_own_share():
-    from reliab.criterion import published_criterion
+    from reliab.criterion.published import published_criterion
 
     criterion = published_criterion("guo_2017_18")
     with pytest.raises(InputError, match="alpha"):

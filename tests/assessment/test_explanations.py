@@ -8,8 +8,8 @@ import pytest
 from reliab.assessment import own_motion
 from reliab.assessment.own_equation import Explanation, VelocityTerm, explain
 from reliab.assessment.tracking_index import LEVEL
-from reliab.structures import Structure
-from reliab.vocabulary import Side
+from reliab.core.vocabulary import Side
+from reliab.structures.structure import Structure
 
 OF_FORCE = VelocityTerm(value=2e-3, deviation=1e-5, least=0.0)
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from reliab.assessment import assess
+from reliab.assessment.assess import assess
 from reliab.assessment.verdict import Word
-from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.core.errors import InputError
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

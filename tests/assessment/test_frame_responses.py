@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, Outcome, run, run_yielding, shear
 
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.recordings import CoupledRecording, Recording
-from reliab.report.kinds.assessment import frame_assessment_report
-from reliab.simulation.frames import FrameUnderTest
+from reliab.core.errors import InputError
+from reliab.motions.motion import Motion
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.report.kinds.assessment.frame import frame_assessment_report
+from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures import Partition, Specimen
-from reliab.structures.frames import Frame
+from reliab.structures.frames.frame import Frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 
 RATE, DURATION = 256.0, 20.0
 WHOLE = Frame(

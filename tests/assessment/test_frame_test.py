@@ -5,23 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.assessment.budget import Source, ordinary_equipment
+from reliab.assessment.budget.sizes import Source, ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
-from reliab.criterion import published_criterion
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.motions.synthetic import synthetic_suite
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.criterion.published import published_criterion
+from reliab.effects.registry import find_effect
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.recordings.recording import Recording
-from reliab.report.kinds.assessment import frame_assessment_report
-from reliab.simulation.frames import governing_mode
+from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
-from reliab.simulation.transfer_systems import TransferFunction
-from reliab.stated_value import StatedValue
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, modal_damping, shear_frame, undivided_response
-from reliab.vocabulary import Metric
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
+from reliab.structures.frames.frame import Frame, modal_damping, undivided_response
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 
 RATE, THINNED = 4096.0, 8
 LAG = StatedValue(1.5e3 / RATE)

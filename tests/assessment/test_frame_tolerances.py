@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, run
 
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
-from reliab.recordings import CoupledRecording, Recording
-from reliab.simulation.frames import FrameUnderTest
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures import Partition, Specimen
-from reliab.structures.frames import Frame
+from reliab.structures.frames.frame import Frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 
 RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
 # what is off, what is stated of it, and the names of what is drawn

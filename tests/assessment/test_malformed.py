@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from reliab.assessment import assess
-from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.assessment.assess import assess
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
@@ -142,7 +142,7 @@ def test_noise_is_warned_of_and_then_rejected(simulate, noise):
 
 
 def test_identical_columns_and_a_short_test_are_warned_of(simulate):
-    from reliab.recordings import Recording
+    from reliab.recordings.recording import Recording
 
     test = simulate(rate=256.0)
     part = slice(2000, 2000 + 5 * 256)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment.frame_test import assess_frame
-from reliab.errors import InputError
-from reliab.vocabulary import Metric
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
 
 nonlinear_frames = pytest.importorskip("nonlinear_frames")
 

@@ -11,12 +11,14 @@ import pandas as pd
 import pytest
 
 from reliab import assess, follow_test
-from reliab.assessment.measured_specimen import MeasuredMonitor, StatedForce, monitor as following
-from reliab.assessment.rebuilt_error import TIME_WITHOUT_DOUBLING
-from reliab.cli import run
-from reliab.errors import InputError
-from reliab.structures import Partition, Structure
-from reliab.vocabulary import Metric
+from reliab.app.cli import run
+from reliab.assessment.measured_specimen import monitor as following
+from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.rebuilt_error.running_test import TIME_WITHOUT_DOUBLING
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 

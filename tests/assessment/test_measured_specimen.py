@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 
 from reliab import assess
+from reliab.app.cli import run
 from reliab.assessment.contradictions import of_specimen
-from reliab.assessment.measured_specimen import ForceChannel, MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
-from reliab.assessment.measured_specimen.force_channel import columns_of_channel
+from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import (
     PEAK_TRAITS,
     REVERSAL_TRAITS,
@@ -23,12 +23,13 @@ from reliab.assessment.measured_specimen.hysteresis import (
 from reliab.assessment.measured_specimen.learned_test import Members
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learned
 from reliab.assessment.measured_specimen.path import MeasuredPath
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.cli import run
-from reliab.errors import InputError
-from reliab.structures import Partition, Structure
+from reliab.core.errors import InputError
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulated_tests")
 

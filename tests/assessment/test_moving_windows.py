@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.tracking_index import track, track_windows
-from reliab.recordings import Recording
+from reliab.recordings.recording import Recording
 
 
 def changing(test, gain, delay):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.assessment import assess
-from reliab.assessment.budget import ordinary_equipment
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 

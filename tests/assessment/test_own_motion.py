@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.assessment import assess
-from reliab.motions import Motion
-from reliab.recordings import Recording
+from reliab.assessment.assess import assess
+from reliab.motions.motion import Motion
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment import assess
+from reliab.assessment.assess import assess
 from reliab.assessment.plausibility import require_plausible
 from reliab.assessment.recorded_force import (
     _nonnegative_remainder,
@@ -17,9 +17,9 @@ from reliab.assessment.recorded_force import (
     require_restoring_force,
 )
 from reliab.assessment.recorded_ground import require_unit_of_force
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 RATE, CIRCULAR = 512.0, 2.0 * np.pi

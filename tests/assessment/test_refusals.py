@@ -6,9 +6,10 @@ import pytest
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.running_error import Monitor
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Specimen, Structure
+from reliab.core.errors import InputError
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 

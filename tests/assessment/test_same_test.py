@@ -7,10 +7,10 @@ import pytest
 from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
 from reliab import assess
-from reliab.assessment import Word
 from reliab.assessment.same_test import combine_runs
-from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.assessment.verdict import Word
+from reliab.core.errors import InputError
+from reliab.recordings.recording import Recording
 
 STEP = 1.0 / RATE
 LAB = Lab(1.2, 0.04, 0.8)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.assessment import assess, default_criterion
-from reliab.assessment.default_criterion import criterion_of_response
+from reliab.assessment.assess import assess
+from reliab.assessment.default_criterion import criterion_of_response, default_criterion
 from reliab.assessment.scope_of_test import compared, scope_of_test
-from reliab.boundary import FirstOrderEllipse
-from reliab.criterion import published_criterion
-from reliab.recordings import Recording
-from reliab.structures import Structure
+from reliab.criterion.published import published_criterion
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.first_order import FirstOrderEllipse
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 

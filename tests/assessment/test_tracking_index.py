@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import lfilter
 
 from reliab.assessment.tracking_index import track
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.recordings import Recording
+from reliab.recordings.recording import Recording
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 
 
 @pytest.mark.default_cases(3)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from rebuilt_error.laboratory import CUBIC, DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
-from reliab.assessment import assess
-from reliab.assessment.budget import Equipment, ordinary_equipment
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import Equipment, ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
 from reliab.assessment.verdict import Verdict, Word
 from reliab.assessment.yielding import (
@@ -19,10 +19,10 @@ from reliab.assessment.yielding import (
     errors_of_ductilities,
     errors_of_hardenings,
 )
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
 LAB = Lab(1.2, 0.04, 0.8, DELAY, (0.995, 0.002, 0.0, 0.0))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment.plausibility import require_plausible
-from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.core.errors import InputError
+from reliab.recordings.recording import Recording
 
 STEP = 0.01
 TIME = STEP * np.arange(4000)

@@ -2,11 +2,11 @@
 
 import pytest
 
-from reliab.assessment import assess
+from reliab.assessment.assess import assess
 from reliab.assessment.verdict import Word, probability_text, verdict_by_index
-from reliab.criterion import published_criterion
-from reliab.recordings import Recording
-from reliab.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue
+from reliab.criterion.published import published_criterion
+from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from rebuilt_error.laboratory import DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
-from reliab.assessment.budget import Source, ordinary_equipment
+from reliab.assessment.budget.sizes import Source, ordinary_equipment
 from reliab.assessment.error_of_test import Question, error_of_test
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.recordings import Recording
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.vocabulary import Metric
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
 LAB = Lab(1.2, 0.04, 0.8, DELAY, (0.995, 0.002, 0.0, 0.0))

@@ -23,10 +23,11 @@ sys.path[:0] = [str(Path(__file__).parent)]
 import imperfect_recordings as single  # noqa: E402 - which puts the laboratory on the path
 from rebuilt_error import laboratory as lab  # noqa: E402
 
-from reliab.assessment import assess, ordinary_equipment  # noqa: E402
-from reliab.indices import phase_amplitude_errors, tracking_indicator  # noqa: E402
-from reliab.recordings import Recording  # noqa: E402
-from reliab.structures import Structure  # noqa: E402
+from reliab.assessment.assess import assess  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.structures.structure import Structure  # noqa: E402
+from reliab.tracking.indices.tracking import phase_amplitude_errors, tracking_indicator  # noqa: E402
 
 MULTIPLES = (1.0, 2.0, 3.0)  # of gain error and delay in the runs
 TO_ZERO = np.array([3.0, -3.0, 1.0])  # the parabola through them, at no error

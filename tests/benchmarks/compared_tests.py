@@ -20,12 +20,12 @@ import numpy as np
 import pandas as pd
 from rebuilt_error import laboratory as lab
 
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.comparison import paired_differences
 from reliab.assessment.error_of_test import error_of_test
-from reliab.recordings import Recording
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.vocabulary import Metric
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 CLASSES = (0.0, 0.6, 0.8, 0.95, 1.0)
 LONGEST = 0.012  # s

@@ -21,9 +21,12 @@ from criterion_beyond import DRAWS
 from criterion_scope import CONFIDENCES, XI, F
 from simulated_populations import POPULATIONS, SEED, simulated
 
-from reliab.criterion import Derivation, carry_to_length, shipped_ellipses
-from reliab.criterion.methods import method_of
-from reliab.motions import arias_times, load_motions
+from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.methods.registry import method_of
+from reliab.criterion.shipped_tables import shipped_ellipses
+from reliab.motions.intensity import arias_times
+from reliab.motions.loading import load_motions
 from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.truth import SimulatedTruth
 

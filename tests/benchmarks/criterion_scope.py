@@ -16,17 +16,14 @@ from itertools import pairwise, product
 import numpy as np
 import pandas as pd
 
-from reliab.criterion import (
-    Derivation,
-    carry_to_length,
-    carry_to_response,
-    protect_over_lengths,
-    read_ellipses,
-)
-from reliab.criterion.methods import method_of
-from reliab.motions import load_motions
-from reliab.shipped import shipped
-from reliab.sweep import read_netcdf
+from reliab.core.shipped import shipped
+from reliab.criterion.carrying import carry_to_length, carry_to_response
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.methods.registry import method_of
+from reliab.criterion.protection import protect_over_lengths
+from reliab.motions.loading import load_motions
+from reliab.sweep.netcdf import read_netcdf
 from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.truth import SimulatedTruth
 

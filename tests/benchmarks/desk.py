@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "desk"))
 from desk_browser import DeskBrowser
 from headless_browser import start
 
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
 
 MOVES = 20
 SAMPLE = shipped("datasets", "sample_test/test.csv")

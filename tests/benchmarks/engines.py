@@ -21,7 +21,8 @@ import numpy as np
 import threadpoolctl
 from numpy.typing import NDArray
 
-from reliab.motions import Motion, load_motions, resample
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion, resample
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
@@ -29,7 +30,7 @@ from reliab.simulation.linear_loop.blocks import block_length, cut
 from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
 from reliab.simulation.linear_loop.structure_batch import StructureBatch
 from reliab.structures.structure import Structure
-from reliab.sweep import ExplicitGrid
+from reliab.sweep.grid import ExplicitGrid
 
 RATE_HZ = 1024.0
 STRUCTURES = [Structure(frequency=0.25 * k, damping_ratio=0.02) for k in range(1, 9)]

@@ -13,16 +13,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.boundary import Ellipse
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
-from reliab.motions import MotionSuite, load_motions
+from reliab.core.vocabulary import Metric, Side
+from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
 from reliab.simulation.engine import Loop
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, predict_ellipses, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.request import excitation_of
-from reliab.vocabulary import Metric, Side
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 SHARES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)
 FREQUENCIES, DAMPING_RATIOS = (0.5, 1.0, 2.0, 3.0), (0.01, 0.02, 0.05, 0.1)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from selenium.webdriver import Chrome
 
-from reliab.cli import run
+from reliab.app.cli import run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 

@@ -26,11 +26,12 @@ from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from benchmarks.several_actuators import read_by_chance  # noqa: E402
 from benchmarks.uncertain_frames import true_errors  # noqa: E402
 
-from reliab.assessment.budget import ordinary_equipment  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
-from reliab.recordings import CoupledRecording, Recording  # noqa: E402
-from reliab.simulation.frames import FrameUnderTest  # noqa: E402
-from reliab.structures import Partition  # noqa: E402
+from reliab.recordings.coupled_recording import CoupledRecording  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.simulation.frames.frame_file import FrameUnderTest  # noqa: E402
+from reliab.structures.partition import Partition  # noqa: E402
 
 RATE, LONGEST, DECIBELS = 512.0, 25.0, 45.0
 SMALLEST, LARGEST = 0.01, 0.12

@@ -9,12 +9,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from reliab.motions import Motion, load_motions
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame
 from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.sweep import ExplicitGrid
+from reliab.sweep.grid import ExplicitGrid
 
 FRAMES = ("three_storeys", "benchmark_case_1")
 

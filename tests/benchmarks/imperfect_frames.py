@@ -32,14 +32,14 @@ from benchmarks.several_actuators import (  # noqa: E402
 )
 from coupled_structures import CoupledResponse, coupled_response  # noqa: E402
 
-from reliab.assessment.budget import ordinary_equipment  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
-from reliab.errors import InputError  # noqa: E402
-from reliab.recordings import Recording  # noqa: E402
-from reliab.shipped import shipped  # noqa: E402
-from reliab.simulation.frames import FrameUnderTest, read_frame  # noqa: E402
-from reliab.structures import Partition  # noqa: E402
-from reliab.vocabulary import Metric  # noqa: E402
+from reliab.core.errors import InputError  # noqa: E402
+from reliab.core.shipped import shipped  # noqa: E402
+from reliab.core.vocabulary import Metric  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame  # noqa: E402
+from reliab.structures.partition import Partition  # noqa: E402
 
 FRAMES = ("benchmark_case_1", "three_storeys")
 LONGEST_LAG = 16e-3  # s

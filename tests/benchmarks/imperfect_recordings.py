@@ -39,18 +39,20 @@ from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget import Equipment, corrected, ordinary_equipment  # noqa: E402
+from reliab.assessment.budget.corrections import corrected  # noqa: E402
+from reliab.assessment.budget.sizes import Equipment, ordinary_equipment  # noqa: E402
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test  # noqa: E402
-from reliab.assessment.rebuilt_error import Estimate  # noqa: E402
+from reliab.assessment.rebuilt_error.spread import Estimate  # noqa: E402
 from reliab.assessment.turning import examine_turning  # noqa: E402
 from reliab.assessment.verdict import Word, word_of_probability  # noqa: E402
-from reliab.criterion import published_criterion  # noqa: E402
-from reliab.errors import InputError  # noqa: E402
-from reliab.recordings import Recording, read_channels_file  # noqa: E402
+from reliab.core.errors import InputError  # noqa: E402
+from reliab.core.stated_value import StatedValue  # noqa: E402
+from reliab.core.vocabulary import Metric  # noqa: E402
+from reliab.criterion.published import published_criterion  # noqa: E402
 from reliab.recordings.calibration import calibrate_channels, calibration_in_toml  # noqa: E402
-from reliab.stated_value import StatedValue  # noqa: E402
-from reliab.structures import Structure  # noqa: E402
-from reliab.vocabulary import Metric  # noqa: E402
+from reliab.recordings.channels_file import read_channels_file  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.structures.structure import Structure  # noqa: E402
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
 SMALLEST, LARGEST = 0.01, 0.12

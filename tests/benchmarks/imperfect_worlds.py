@@ -29,15 +29,20 @@ sys.path.insert(0, str(ROOT / "tests"))
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
 
-from reliab.discrepancy import BlockDiagnosis, Diagnosis, MeasuredTest, diagnose, read_campaign  # noqa: E402
 from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
 from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
-from reliab.discrepancy.campaign.campaign import Campaign, Stretch  # noqa: E402
-from reliab.discrepancy.campaign.reading import read_channels  # noqa: E402
+from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest, Stretch  # noqa: E402
+from reliab.discrepancy.campaign.reading import (  # noqa: E402
+    read_campaign,
+    read_channels,
+)
+from reliab.discrepancy.diagnose import diagnose  # noqa: E402
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
+from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
 from reliab.discrepancy.spectra.smoothing import motions_of  # noqa: E402
-from reliab.recordings import StatedChannels  # noqa: E402
-from reliab.study import study_module  # noqa: E402
+from reliab.recordings.recording import StatedChannels  # noqa: E402
+from reliab.study.folders import study_module  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)

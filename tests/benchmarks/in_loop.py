@@ -14,12 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from reliab.effects import find_effect
-from reliab.in_loop import LoopMonitor, monitor_sources
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Partition, Structure
+from reliab.core.shipped import shipped
+from reliab.effects.registry import find_effect
+from reliab.in_loop.sources import LoopMonitor, monitor_sources
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 FLAGS = ("-std=c99", "-O2")
 REPEATED = 60

@@ -24,16 +24,20 @@ import pandas as pd
 import scipy.linalg
 from monitor import DIVERGING, LARGE, RATE, STABLE, STOPPED, THRESHOLD, cases as cases_of_one_degree, effect
 
-from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.compiled import compiled
-from reliab.effects import Effect, Role, library
-from reliab.in_loop import LoopMonitor, monitor_sources
-from reliab.motions import Motion, resample
-from reliab.motions.synthetic import synthetic_suite
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Partition, Structure, stability_limit
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.effects.effect import Effect, Role
+from reliab.effects.registry import library
+from reliab.in_loop.sources import LoopMonitor, monitor_sources
+from reliab.motions.motion import Motion, resample
+from reliab.motions.synthetic.suite import synthetic_suite
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 IN_TIME = 0.3  # s
 CHUNK = 0.25  # s, after which Python's monitor is asked

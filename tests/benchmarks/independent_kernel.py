@@ -21,12 +21,13 @@ import numpy as np
 import threadpoolctl
 from numpy.typing import NDArray
 
-from reliab.motions import Motion, load_motions, resample
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion, resample
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
-from reliab.sweep import ExplicitGrid
+from reliab.sweep.grid import ExplicitGrid
 
 Numbers = NDArray[np.float64]
 LANES = 64  # cells that advance side by side

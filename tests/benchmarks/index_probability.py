@@ -19,17 +19,18 @@ from itertools import pairwise
 import numpy as np
 from criterion_scope import LENGTHS
 
-from reliab.assessment import default_criterion
-from reliab.assessment.default_criterion import criterion_of_response
-from reliab.boundary import first_order_ellipse
-from reliab.criterion import Position, ResponseMeasures, compare_with_scope
-from reliab.indices import Window, relative_error
-from reliab.motions import load_motions
-from reliab.simulation import Loop
-from reliab.structures import Structure
+from reliab.assessment.default_criterion import criterion_of_response, default_criterion
+from reliab.core.vocabulary import Metric
+from reliab.criterion.response_measures import ResponseMeasures
+from reliab.criterion.scope import Position, compare_with_scope
+from reliab.motions.loading import load_motions
+from reliab.simulation.engine import Loop
+from reliab.structures.structure import Structure
 from reliab.sweep.request import excitation_of
+from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.cell import Region
-from reliab.vocabulary import Metric
 
 THRESHOLD, CONFIDENCE = 0.05, 0.95
 STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)

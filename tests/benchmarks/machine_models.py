@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 STEP = 0.0005
 """Step of the simulation [s]."""

@@ -27,12 +27,15 @@ sys.path.insert(0, str(ROOT / "tests"))
 from benchmarks.blind_evaluation import foretold  # noqa: E402
 from benchmarks.machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine  # noqa: E402
 
-from reliab.arrays import Array  # noqa: E402
-from reliab.discrepancy import BlockDiagnosis, Diagnosis, diagnose, read_campaign  # noqa: E402
+from reliab.core.arrays import Array  # noqa: E402
+from reliab.discrepancy.campaign.reading import read_campaign  # noqa: E402
+from reliab.discrepancy.diagnose import diagnose  # noqa: E402
 from reliab.discrepancy.fitting.fit import fit  # noqa: E402
 from reliab.discrepancy.fitting.screening import screened  # noqa: E402
 from reliab.discrepancy.fitting.space import ModelSpace  # noqa: E402
 from reliab.discrepancy.proof import held_out_nrmse, residuals  # noqa: E402
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
+from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
 
 EVERY = 5
 """Steps of the simulation in a sample: 400 Hz."""

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reliab.assessment import assess_frame
-from reliab.motions import Motion, load_motions
+from reliab.assessment.frame_test import assess_frame
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
 from reliab.study import folders  # noqa: F401 - makes the studies importable
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

@@ -16,12 +16,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.effects import Effect, find_effect
-from reliab.motions import MotionSuite, load_motions, resample
-from reliab.motions.synthetic import synthetic_suite
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.effects.effect import Effect
+from reliab.effects.registry import find_effect
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import resample
+from reliab.motions.suite import MotionSuite
+from reliab.motions.synthetic.suite import synthetic_suite
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -19,11 +19,11 @@ import numpy as np
 import pandas as pd
 from in_loop_alarms import LARGE, RATE, STOPPED, THRESHOLD, frame_case
 
-from reliab.arrays import Array
-from reliab.assessment.coupled_error import CoupledMonitor
-from reliab.motions import Motion, resample
-from reliab.motions.synthetic import synthetic_suite
-from reliab.study import study_module
+from reliab.assessment.coupled_error.monitor import CoupledMonitor
+from reliab.core.arrays import Array
+from reliab.motions.motion import Motion, resample
+from reliab.motions.synthetic.suite import synthetic_suite
+from reliab.study.folders import study_module
 
 controllers, loop, plants, outcomes, structure = (
     study_module("marths_benchmark", name)

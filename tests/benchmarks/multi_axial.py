@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reliab.study import study_module
+from reliab.study.folders import study_module
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 

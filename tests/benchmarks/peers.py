@@ -174,7 +174,7 @@ def main() -> None:
             answer, seconds = PEERS[given.peer][1](data["record"], float(data["step"]), data["values"])
         print(json.dumps({"answer": answer.tolist(), "seconds": seconds}))
         return
-    from reliab.motions import load_motions
+    from reliab.motions.loading import load_motions
 
     motion = load_motions("synthetic")[0]
     values = np.exp(np.random.default_rng(2017).normal(-3.0, 0.4, 100))

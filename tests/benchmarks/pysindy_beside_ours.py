@@ -100,7 +100,8 @@ def named_by_sindy(folder):
 
 def named_by_us(folder):
     """Effects that the diagnosis names, offsets aside."""
-    from reliab.discrepancy import diagnose, read_campaign
+    from reliab.discrepancy.campaign.reading import read_campaign
+    from reliab.discrepancy.diagnose import diagnose
 
     found = diagnose(read_campaign(folder))
     return sorted({effect.name for effect in found.effects} - {"force_bias", "sensor_bias"})

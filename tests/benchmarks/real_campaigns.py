@@ -26,9 +26,12 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.discrepancy import BlockDiagnosis, Diagnosis, diagnose, read_campaign
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 
 FILTER_LENGTH = 0.5
 """Time that the linear filter of the reference remembers [s]."""

@@ -38,18 +38,19 @@ sys.path.insert(0, str(ROOT / "tests/assessment"))
 
 from rebuilt_error import laboratory as lab  # noqa: E402
 
-from reliab.assessment.rebuilt_error import RebuiltError, Tolerances, rebuild  # noqa: E402
 from reliab.assessment.rebuilt_error.identification import identify  # noqa: E402
 from reliab.assessment.rebuilt_error.interval import sweep  # noqa: E402
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild  # noqa: E402
 from reliab.assessment.rebuilt_error.running_error import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.spread import Spread  # noqa: E402
-from reliab.effects import find_effect  # noqa: E402
-from reliab.simulation.hybrid_test import HybridTest  # noqa: E402
-from reliab.structures import Specimen  # noqa: E402
+from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402
+from reliab.core.vocabulary import Metric  # noqa: E402
+from reliab.effects.registry import find_effect  # noqa: E402
+from reliab.simulation.hybrid_test.model import HybridTest  # noqa: E402
+from reliab.structures.specimen import Specimen  # noqa: E402
 from reliab.structures.structure import Structure  # noqa: E402
-from reliab.vocabulary import Metric  # noqa: E402
 
 STEP = 1.0 / lab.RATE
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)

@@ -21,8 +21,8 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
 
-from reliab.errors import InputError  # noqa: E402
-from reliab.recordings import read_recording  # noqa: E402
+from reliab.core.errors import InputError  # noqa: E402
+from reliab.recordings.reading import read_recording  # noqa: E402
 
 COMMANDS = """
 Dis command; Command; Cmd; DispCmd; disp_cmd; Actuator Command; Act Cmd; x_cmd; xcmd; cmd_disp;

@@ -29,12 +29,14 @@ from rebuilt_error import laboratory as lab  # noqa: E402
 from rig_rows import rig_table, rig_test  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget import ordinary_equipment  # noqa: E402
-from reliab.criterion import published_criterion  # noqa: E402
-from reliab.errors import InputError  # noqa: E402
-from reliab.recordings import Recording  # noqa: E402
-from reliab.rig import NextTest, describe_test, predict_next  # noqa: E402
-from reliab.structures import Structure  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
+from reliab.core.errors import InputError  # noqa: E402
+from reliab.criterion.published import published_criterion  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.rig.memory import NextTest  # noqa: E402
+from reliab.rig.prediction import predict_next  # noqa: E402
+from reliab.rig.rig_test import describe_test  # noqa: E402
+from reliab.structures.structure import Structure  # noqa: E402
 
 TESTS, PER_DAY, THRESHOLD, RATE = 96, 6, 0.05, 512.0
 LATER_MS = 1.0

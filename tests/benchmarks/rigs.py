@@ -20,11 +20,11 @@ import numpy as np
 import scipy
 from rig_rows import rig_table, rig_test
 
-from reliab.rig import NextTest, predict_next
 from reliab.rig.drawing import DRAWS, Draws, learn_tests
-from reliab.rig.learning import last_ten, left_out_scores, pooled
-from reliab.rig.memory import Memory
-from reliab.structures import Structure
+from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
+from reliab.rig.memory import Memory, NextTest
+from reliab.rig.prediction import predict_next
+from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 KINDS = ("quiet", "amplitude", "warm-up", "specimens", "drift", "odd tests", "skewed")

@@ -21,12 +21,14 @@ import numpy as np
 import pandas as pd
 from rebuilt_error import laboratory as lab
 
-from reliab.assessment import assess, ordinary_equipment, word_of_probability
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.same_test import combine_runs
-from reliab.criterion import published_criterion
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.structures import Structure
+from reliab.assessment.verdict import word_of_probability
+from reliab.core.errors import InputError
+from reliab.criterion.published import published_criterion
+from reliab.recordings.recording import Recording
+from reliab.structures.structure import Structure
 
 SPECIMENS = (lab.LINEAR, lab.CUBIC, lab.HYSTERESIS)
 

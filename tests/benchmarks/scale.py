@@ -14,14 +14,15 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from reliab.motions import Motion, MotionSuite
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
 
 COUNTS = (100, 1_000, 10_000)
 STRUCTURE = ("--f", 1, "--xi", 0.02)
 DAY = 86_400  # s
 NAMES = ("time_s", "command_m", "measured_m")
-PROGRAM = "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"
+PROGRAM = "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"
 
 
 def measured(label: str, *arguments: object) -> None:

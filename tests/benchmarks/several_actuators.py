@@ -42,14 +42,16 @@ from coupled_structures import (  # noqa: E402
     two_storeys,
 )
 
-from reliab.assessment.budget import ordinary_equipment, sizes_of_unknown, tolerances_of  # noqa: E402
-from reliab.assessment.coupled_error import compare_with_ground, rebuild_coupled  # noqa: E402
-from reliab.assessment.rebuilt_error import Tolerances  # noqa: E402
-from reliab.errors import InputError  # noqa: E402
-from reliab.shipped import shipped  # noqa: E402
-from reliab.simulation.frames import read_structure  # noqa: E402
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction  # noqa: E402
-from reliab.structures import Partition, Structure  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of  # noqa: E402
+from reliab.assessment.coupled_error.ground_motion import compare_with_ground  # noqa: E402
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled  # noqa: E402
+from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402
+from reliab.core.errors import InputError  # noqa: E402
+from reliab.core.shipped import shipped  # noqa: E402
+from reliab.simulation.frames.frame_file import read_structure  # noqa: E402
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction  # noqa: E402
+from reliab.structures.partition import Partition  # noqa: E402
+from reliab.structures.structure import Structure  # noqa: E402
 
 RATE = 512.0
 CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE

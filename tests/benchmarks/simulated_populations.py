@@ -27,21 +27,20 @@ import numpy as np
 import xarray as xr
 from criterion_scope import CONFIDENCES, THRESHOLD, groups_of
 
-from reliab.criterion import (
-    Derivation,
-    carry_to_length,
-    carry_to_suite,
-    protect_over_lengths,
-)
-from reliab.criterion.methods import method_of
-from reliab.motions import Motion, MotionSuite
+from reliab.core.shipped import shipped
+from reliab.criterion.carrying import carry_to_length, carry_to_suite
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.methods.registry import method_of
+from reliab.criterion.protection import protect_over_lengths
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.event import _record
 from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenario
 from reliab.motions.synthetic.parameters import physical_parameters, regression_of
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP
-from reliab.shipped import shipped
-from reliab.sweep import measure_responses, read_netcdf
+from reliab.sweep.netcdf import read_netcdf
+from reliab.sweep.response_measures import measure_responses
 
 SEED = 3435
 POPULATIONS = {

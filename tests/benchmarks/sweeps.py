@@ -23,8 +23,11 @@ from typing import NamedTuple
 
 import psutil
 
-from reliab.motions import MotionSuite, load_motions
-from reliab.sweep import ExplicitGrid, SweepRequest, run_sweep
+from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
+from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.run import run_sweep
 
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
 DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)

@@ -26,12 +26,12 @@ from assessment.frames_by_matrices import Matrices, Outcome, run  # noqa: E402
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 
-from reliab.assessment.budget import ordinary_equipment  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
 from reliab.assessment.frame_test import assess_frame  # noqa: E402
-from reliab.motions import Motion  # noqa: E402
-from reliab.recordings import Recording  # noqa: E402
-from reliab.shipped import shipped  # noqa: E402
-from reliab.simulation.frames import FrameUnderTest, read_frame  # noqa: E402
+from reliab.core.shipped import shipped  # noqa: E402
+from reliab.motions.motion import Motion  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame  # noqa: E402
 
 RATE, LONGEST = 1024.0, 30.0
 THRESHOLD, SMALLEST, LARGEST = 0.05, 0.01, 0.12

@@ -5,22 +5,16 @@ import csv
 import numpy as np
 import pytest
 
-from reliab.boundary import (
-    Contour,
-    Cosine,
-    Ellipse,
-    InscribedEllipse,
-    Parabola,
-    motion_contours,
-    trace_contours,
-)
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.boundary.contour import Contour, trace_contours
+from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse, Parabola
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.response_error import relative_error
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)
 

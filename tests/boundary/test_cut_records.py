@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from reliab.boundary import first_order_ellipse
-from reliab.boundary.cut_records import ratios_of_cut_record
-from reliab.boundary.first_order import exact_response
-from reliab.simulation import Excitation
-from reliab.structures import Structure
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.cut_records import ratios_of_cut_record
+from reliab.tracking.boundary.first_order import exact_response, first_order_ellipse
 
 STEP = 0.01
 

@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
-from reliab.boundary import (
+from reliab.core.vocabulary import Side
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.finite_errors import (
     DIRECTIONS,
-    first_order_ellipse,
-    motion_contours,
     predicted_ellipse,
     ratio_of_delays,
     scales_of_contour,
 )
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
-from reliab.vocabulary import Side
+from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 
 @pytest.fixture(scope="module")

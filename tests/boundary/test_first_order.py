@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from reliab.boundary.first_order import ellipse_of_response, first_order_ellipse
-from reliab.indices.response_error import relative_error
+from reliab.core.vocabulary import Metric
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import respond
+from reliab.simulation.linear_loop.spectral import respond
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.boundary.first_order import ellipse_of_response, first_order_ellipse
+from reliab.tracking.indices.response_error import relative_error
 
 
 @pytest.fixture(scope="module")

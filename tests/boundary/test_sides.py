@@ -5,15 +5,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from reliab.boundary import Contour, Ellipse, InscribedEllipse, motion_contours, trace_contours
-from reliab.boundary.contour import furthest_lead
-from reliab.indices.response_error import relative_error
-from reliab.motions import load_motions
+from reliab.core.vocabulary import Metric, Side
+from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.stability import longest_lead
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric, Side
+from reliab.tracking.boundary.contour import Contour, furthest_lead, trace_contours
+from reliab.tracking.boundary.curves import Ellipse, InscribedEllipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.response_error import relative_error
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)
 

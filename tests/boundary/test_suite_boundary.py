@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from reliab.boundary import motion_contours, suite_contours
-from reliab.motions import load_motions
+from reliab.core.vocabulary import Side
+from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Side
+from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours
 
 LEVELS, SIDES = (0.05, 0.05, 0.15), (Side.LAG, Side.LEAD, Side.LAG)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.boundary.contour import ErrorSurfaces, stretched
+from reliab.tracking.boundary.contour import ErrorSurfaces, stretched
 
 GAIN = np.exp(np.array([-0.2, -0.1, -0.03, 0.0, 0.02, 0.06, 0.12]))
 DELAY = np.array([-0.01, -0.004, 0.0, 0.002, 0.006, 0.015, 0.03])

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.criterion import published_criterion
-from reliab.effects import find_effect
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.criterion.published import published_criterion
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 
@@ -33,7 +33,7 @@ def judged_once():
         return known[question]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reliab.api.assessment.assess_structure", judge)
+        patch.setattr("reliab.app.api.assessment.assess_structure", judge)
         yield
 
 

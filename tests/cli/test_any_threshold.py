@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from reliab.cli import run
-from reliab.criterion import read_ellipses
-from reliab.shipped import shipped
+from reliab.app.cli import run
+from reliab.core.shipped import shipped
+from reliab.criterion.ellipse_reading import read_ellipses
 
 TEST = str(shipped("datasets", "sample_test/test.csv"))
 STRUCTURE = ("--f", "1", "--xi", "0.02")

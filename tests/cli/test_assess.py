@@ -9,10 +9,10 @@ import typer
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner, Result
 
-from reliab.cli import application, run as run_command, spread
-from reliab.cli.assess import assess
-from reliab.criterion import published_criterion
-from reliab.errors import InputError
+from reliab.app.cli import application, run as run_command, spread
+from reliab.app.cli.assess.command import assess
+from reliab.core.errors import InputError
+from reliab.criterion.published import published_criterion
 
 pytestmark = pytest.mark.usefixtures("judged_once")
 
@@ -100,7 +100,7 @@ def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table
     ],
 )
 def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatch, name, width):
-    monkeypatch.setattr("reliab.cli.output._WIDTH_OF_PIPES", width)
+    monkeypatch.setattr("reliab.app.cli.output._WIDTH_OF_PIPES", width)
     shown = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
     assert len(shown.splitlines()) <= 12
     assert shown.count("with probability") == 1

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab import cli
-from reliab.shipped import shipped
+from reliab.app import cli
+from reliab.core.shipped import shipped
 
 PLAIN = ("--f", "1", "--xi", "0.02")
 LINES = 3000  # of the shipped test, enough for a verdict

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab.assessment.budget import Source
-from reliab.cli import run
-from reliab.recordings import read_channels_file
+from reliab.app.cli import run
+from reliab.assessment.budget.sizes import Source
+from reliab.recordings.channels_file import read_channels_file
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 from late_runs import runs_of
 
 import reliab
-from reliab.cli import run
+from reliab.app.cli import run
 
 
 @pytest.fixture

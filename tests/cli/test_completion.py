@@ -3,9 +3,9 @@
 import pytest
 import typer
 
-from reliab.cli import application
-from reliab.criterion.methods import METHODS
-from reliab.study import shipped_studies
+from reliab.app.cli import application
+from reliab.criterion.methods.registry import METHODS
+from reliab.study.reading import shipped_studies
 
 COMMANDS = typer.main.get_group(application()).commands
 CASES = [

@@ -7,12 +7,12 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.api.derived_criteria import _plane
-from reliab.cli.criterion import criterion
-from reliab.criterion import Criterion
-from reliab.errors import IncompleteError, InputError
+from reliab.app.api.derived_criteria import _plane
+from reliab.app.cli.criterion import criterion
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.shipped import shipped
+from reliab.criterion.criterion import Criterion
 from reliab.report.style import FigureWarning
-from reliab.shipped import shipped
 
 app = typer.Typer()
 app.command()(criterion)
@@ -113,7 +113,7 @@ def test_synthetic_motions_are_called_so(tmp_path):
 
 @pytest.mark.slow
 def test_motions_are_simulated_then_and_there(tmp_path):
-    from reliab.motions.synthetic import synthetic_suite
+    from reliab.motions.synthetic.suite import synthetic_suite
     from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=6), tmp_path / "suite")
@@ -203,8 +203,10 @@ def test_bad_input_is_explained(wrong, rule):
 
 
 def test_stored_results_answer_for_any_threshold(tmp_path):
-    from reliab.motions.synthetic import synthetic_suite
-    from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
+    from reliab.motions.synthetic.suite import synthetic_suite
+    from reliab.sweep.grid import ScaledGrid
+    from reliab.sweep.request import SweepRequest
+    from reliab.sweep.run import run_sweep
 
     request = SweepRequest(
         frequencies=(1.0,), damping_ratios=(0.05,), grid=ScaledGrid(gain_steps=14, delay_steps=20)
@@ -241,7 +243,7 @@ def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhe
 
 
 def test_bad_convergence_has_its_own_exit_code(capfd):
-    from reliab.cli import run as main
+    from reliab.app.cli import run as main
 
     arguments = ["criterion", "--ellipses", str(TABLE2), "--method", "hierarchical", "--steps", "40"]
     assert main(arguments) == 3
@@ -260,8 +262,9 @@ def test_chains_go_on_where_they_ended(tmp_path):
 @pytest.fixture(scope="module")
 def ellipses_of_twelve(tmp_path_factory):
     """Ellipses of twelve synthetic motions at four structures."""
-    from reliab.motions.synthetic import synthetic_suite
-    from reliab.sweep import EllipseRequest, trace_ellipses, write_ellipses
+    from reliab.motions.synthetic.suite import synthetic_suite
+    from reliab.sweep.ellipse_file import write_ellipses
+    from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 
     request = EllipseRequest(frequencies=(0.5, 1.0), damping_ratios=(0.02, 0.05))
     file = tmp_path_factory.mktemp("ellipses") / "ellipses.nc"

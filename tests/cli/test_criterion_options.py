@@ -9,16 +9,21 @@ import typer
 import xarray as xr
 from typer.testing import CliRunner
 
-from reliab.cli.criterion import criterion
+from reliab.app.cli.criterion import criterion
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 from reliab.criterion.distributions import DISTRIBUTIONS
-from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS
-from reliab.criterion.methods import METHODS
+from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+from reliab.criterion.methods.registry import METHODS
 from reliab.criterion.scaling import scales
-from reliab.errors import InputError
-from reliab.motions import Motion, MotionSuite, load_motions
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.shipped import shipped
-from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, write_ellipses
+from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.run import run_sweep
 
 app = typer.Typer()
 app.command()(criterion)
@@ -263,8 +268,8 @@ def numbers(found):
 
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
-    from reliab.api import boundaries as source_of_ellipses
-    from reliab.sweep import open_ellipses
+    from reliab.app.api import boundaries as source_of_ellipses
+    from reliab.sweep.ellipse_file import open_ellipses
 
     asked = {}
 

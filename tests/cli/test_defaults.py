@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from reliab.cli import _commands, run
-from reliab.cli.defaults import COMMAND_LINE_ONLY, user_file
-from reliab.shipped import shipped
+from reliab.app.cli import _commands, run
+from reliab.app.cli.defaults import COMMAND_LINE_ONLY, user_file
+from reliab.core.shipped import shipped
 
 TEST = str(shipped("datasets", "sample_test/test.csv"))
 LABORATORY = '[assess]\nf = "1±0.01"\nxi = 0.02\nalpha = 0.9\n'

@@ -11,48 +11,63 @@ import pytest
 import typer
 
 import reliab
-from reliab import api, cli
-from reliab.api import derived_criteria, explorer, simulation, sources, studies, validation
-from reliab.cli.demand import as_options
-from reliab.criterion import read_ellipses
-from reliab.report import Setting
-from reliab.shipped import shipped
+from reliab.app import cli
+from reliab.app.api import derived_criteria, explorer, simulation, sources, studies, validation
+from reliab.app.api.criteria import derive_criteria
+from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
+from reliab.app.api.explorer import write_explorer
+from reliab.app.api.following import follow_test
+from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.installation import copy_samples, describe_installation, fetch_dataset
+from reliab.app.api.motions import check_motions, import_motions, list_motions, synthesize_motions
+from reliab.app.api.records import calibrate, record
+from reliab.app.api.rig_answers import compare_rigs, plan_rig, predict_rig, report_rig
+from reliab.app.api.rigs import add_to_rig, export_rig, list_rig, remove_from_rig, show_rig_test
+from reliab.app.api.simulated_verdicts import judge_paper_cases, validate_rebuilt_error
+from reliab.app.api.simulation import simulate_suite
+from reliab.app.api.studies import list_studies, perform_study, report_run
+from reliab.app.api.tracing import trace_boundaries
+from reliab.app.api.validation import calibrate_probabilities, validate_criteria
+from reliab.app.cli.demand import as_options
+from reliab.core.shipped import shipped
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.report.setting import Setting
 
 COMMAND = typer.main.get_group(cli.application())
 DRAWS = [60, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
-    "simulate": [api.simulate_suite],
-    "ellipses": [api.trace_boundaries],
-    "criterion": [api.derive_criteria],
-    "calibrate": [api.calibrate],
-    "monitor": [api.follow_test, api.export_monitor],
-    "explore": [api.write_explorer],
-    "record": [api.record],
-    "fetch": [api.fetch_dataset],
-    "samples": [api.copy_samples],
+    "simulate": [simulate_suite],
+    "ellipses": [trace_boundaries],
+    "criterion": [derive_criteria],
+    "calibrate": [calibrate],
+    "monitor": [follow_test, export_monitor],
+    "explore": [write_explorer],
+    "record": [record],
+    "fetch": [fetch_dataset],
+    "samples": [copy_samples],
     "validate": [
-        api.validate_criteria,
-        api.calibrate_probabilities,
-        api.judge_paper_cases,
-        api.validate_rebuilt_error,
+        validate_criteria,
+        calibrate_probabilities,
+        judge_paper_cases,
+        validate_rebuilt_error,
     ],
-    "diagnose": [api.diagnose_campaign, api.report_diagnosis],
-    "run": [api.perform_study, api.list_studies],
-    "report": [api.report_run],
-    "info": [api.describe_installation],
-    "motions list": [api.list_motions],
-    "motions check": [api.check_motions],
-    "motions import": [api.import_motions],
-    "motions synthesize": [api.synthesize_motions],
-    "rig predict": [api.predict_rig],
-    "rig plan": [api.plan_rig],
-    "rig compare": [api.compare_rigs],
-    "rig add": [api.add_to_rig],
-    "rig list": [api.list_rig],
-    "rig show": [api.show_rig_test],
-    "rig remove": [api.remove_from_rig],
-    "rig export": [api.export_rig],
-    "rig report": [api.report_rig],
+    "diagnose": [diagnose_campaign, report_diagnosis],
+    "run": [perform_study, list_studies],
+    "report": [report_run],
+    "info": [describe_installation],
+    "motions list": [list_motions],
+    "motions check": [check_motions],
+    "motions import": [import_motions],
+    "motions synthesize": [synthesize_motions],
+    "rig predict": [predict_rig],
+    "rig plan": [plan_rig],
+    "rig compare": [compare_rigs],
+    "rig add": [add_to_rig],
+    "rig list": [list_rig],
+    "rig show": [show_rig_test],
+    "rig remove": [remove_from_rig],
+    "rig export": [export_rig],
+    "rig report": [report_rig],
 }
 OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
 CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check"}

@@ -5,8 +5,9 @@ import warnings
 import numpy as np
 import pytest
 
-from reliab.cli import run
-from reliab.motions import Motion, MotionSuite
+from reliab.app.cli import run
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
 
 DESIGN = ("assess", "--design")

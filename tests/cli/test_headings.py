@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from reliab.app.cli import calibrate, ellipses, output, validate
+from reliab.app.cli.assess.shown_design import show_design
+from reliab.app.cli.assess.shown_test import show_several
+from reliab.app.cli.criterion import show_criteria
 from reliab.assessment.design import Tolerance
-from reliab.cli import calibrate, ellipses, output, validate
-from reliab.cli.assess.shown_design import show_design
-from reliab.cli.assess.shown_test import show_several
-from reliab.cli.criterion import show_criteria
-from reliab.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue
 
 
 @pytest.fixture

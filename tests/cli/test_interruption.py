@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from reliab.cli import run
-from reliab.cli.interruption import interruption, noticed_interruption
-from reliab.errors import INTERRUPTED
+from reliab.app.cli import run
+from reliab.app.cli.interruption import interruption, noticed_interruption
+from reliab.core.errors import INTERRUPTED
 
 CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")
 STRUCTURE = ("--f", "1", "--xi", "0.02")

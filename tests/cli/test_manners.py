@@ -11,7 +11,7 @@ import pytest
 import typer
 
 import reliab
-from reliab.cli import EXAMPLES, application, run, spread
+from reliab.app.cli import EXAMPLES, application, run, spread
 
 COMMANDS = typer.main.get_group(application()).commands
 
@@ -64,7 +64,7 @@ def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("reliab.api.describe_installation", interrupted)
+    monkeypatch.setattr("reliab.app.api.describe_installation", interrupted)
     assert run(["info"]) == 130
     assert capsys.readouterr().err.strip() == "Interrupted. No file is half written; run the command again."
 
@@ -114,7 +114,7 @@ def test_what_the_system_refuses_is_one_sentence(monkeypatch, capsys):
     def write_suite(*_, **__):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/locked/suite")
 
-    monkeypatch.setattr("reliab.api.motions.write_suite", write_suite)
+    monkeypatch.setattr("reliab.app.api.motions.write_suite", write_suite)
     assert run(["motions", "synthesize", "--count", "2", "--out", "suite"]) == 2
     assert capsys.readouterr().err == "Error: /locked/suite: Permission denied\n"
 

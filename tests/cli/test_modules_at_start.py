@@ -32,7 +32,7 @@ SPARED_BY_ONE |= {"threadpoolctl", "rich.progress"}
 SCRIPT = """
 import io, json, sys
 from contextlib import redirect_stdout
-from reliab.cli import main
+from reliab.app.cli import main
 code = 0
 with redirect_stdout(io.StringIO()):
     try:

@@ -16,14 +16,15 @@ import pytest
 from coupled_structures import coupled_response
 
 import reliab
-from reliab.api import follow_test
-from reliab.assessment.rebuilt_error import rebuild
-from reliab.cli import run
-from reliab.recordings import chunks_of_text, read_recording, rows_as_written
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.app.api.following import follow_test
+from reliab.app.cli import run
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.core.shipped import shipped
+from reliab.recordings.following import chunks_of_text, rows_as_written
+from reliab.recordings.reading import read_recording
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 
 RATE = 256
@@ -227,7 +228,7 @@ def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
     assert "Alarm" not in rest
 
 
-PROGRAM = [sys.executable, "-c", "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"]
+PROGRAM = [sys.executable, "-c", "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"]
 
 
 @pytest.mark.slow

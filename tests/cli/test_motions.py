@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from reliab.cli.motions import app
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.app.cli.motions import app
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
 
 AT2 = """PEER NGA STRONG MOTION DATABASE RECORD
 Nowhere-01, 10/18/1989, Testing Station, {component}

@@ -10,10 +10,10 @@ from fuzz.corpus import campaign, ellipse_dataset
 from fuzz.damage import write
 from motions.conftest import AT2
 
-from reliab.cli import run
-from reliab.cli.output import console, table
-from reliab.cli.printable import printable
-from reliab.sweep import write_ellipses
+from reliab.app.cli import run
+from reliab.app.cli.output import console, table
+from reliab.app.cli.printable import printable
+from reliab.sweep.ellipse_file import write_ellipses
 
 NAMES = {
     "typst": '#panic("x") $a$ *b* _c_ @d <e> `f` \\',
@@ -64,7 +64,7 @@ def test_records_of_any_name_are_listed(tmp_path, capsys, name):
 @pytest.mark.slow
 def test_a_record_whose_name_is_no_text_is_listed(tmp_path):
     (tmp_path / os.fsdecode(b"\xff\xfe.AT2")).write_text(AT2)
-    program = "from reliab.cli import main; main()"
+    program = "from reliab.app.cli import main; main()"
     arguments = [sys.executable, "-c", program, "motions", "list", str(tmp_path), "--json", "-"]
     done = subprocess.run(arguments, capture_output=True, check=False)  # noqa: S603 - this very package
     assert done.returncode == 0, done.stderr

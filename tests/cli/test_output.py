@@ -14,9 +14,9 @@ import pytest
 from parsed import nodes
 
 import reliab
-from reliab.cli import main, take_help_literally
-from reliab.cli.output import write_what_can_be_written
-from reliab.cli.printable import printable
+from reliab.app.cli import main, take_help_literally
+from reliab.app.cli.output import write_what_can_be_written
+from reliab.app.cli.printable import printable
 from reliab.version import __version__
 
 STRUCTURE = ["--f", "1", "--xi", "0.02"]
@@ -56,7 +56,7 @@ def test_no_command_ends_in_an_encoding_error(run_with, arguments):
 
 def test_a_process_of_its_own_has_no_encoding_error_either():
     environment = {**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0", "NO_COLOR": "1"}
-    command = [sys.executable, "-c", "from reliab.cli import main; main()", "criterion", "--help"]
+    command = [sys.executable, "-c", "from reliab.app.cli import main; main()", "criterion", "--help"]
     done = subprocess.run(command, capture_output=True, env=environment, check=False)  # noqa: S603
     assert done.returncode == 0, done.stderr.decode("cp1252")
     assert b"UnicodeEncodeError" not in done.stderr
@@ -70,7 +70,7 @@ def test_symbols_are_written_out(run_with):
 
 
 def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with, monkeypatch):
-    api = importlib.import_module("reliab.api")
+    api = importlib.import_module("reliab.app.api")
     monkeypatch.setattr(
         api, "describe_installation", lambda: {"executable": "/home/Jürgen/ξ", "packages": {"ψ": "±1"}}
     )
@@ -83,7 +83,7 @@ def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with
 
 
 def test_characters_without_a_name_or_with_one_word_are_written_out_too(run_with, monkeypatch):
-    api = importlib.import_module("reliab.api")
+    api = importlib.import_module("reliab.app.api")
     monkeypatch.setattr(api, "describe_installation", lambda: {"executable": "/\u2708/\ue000/\udcc3"})
     code, out, _ = run_with("cp1252", ["info"])
     assert (code, out.decode("cp1252")) == (0, "executable: /?/?/?\n")
@@ -113,9 +113,9 @@ def modules_after(program, *names):
 
 
 def test_version_and_help_are_printed_without_numerics():
-    asked = "from reliab.cli import run; run(['--version'])"
+    asked = "from reliab.app.cli import run; run(['--version'])"
     assert modules_after(asked, *NUMERICS, "rich") == ("[]", [__version__])
-    assert modules_after("from reliab.cli import run; run(['criterion', '--help'])", *NUMERICS)[0] == "[]"
+    assert modules_after("from reliab.app.cli import run; run(['criterion', '--help'])", *NUMERICS)[0] == "[]"
 
 
 def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_need():

@@ -11,8 +11,8 @@ import pytest
 from parsed import nodes
 
 import reliab
-from reliab.cli import run
-from reliab.cli.output import console, table, write_what_can_be_written
+from reliab.app.cli import run
+from reliab.app.cli.output import console, table, write_what_can_be_written
 
 LAW = ("criterion", "--law", "guo_2017_18", "--f", "1", "--xi", "0.02")
 QUICK = (("--help",), ("criterion", "--help"), ("info",))

@@ -7,12 +7,13 @@ import time
 
 import pytest
 
-from reliab import cli
-from reliab.cli import progress_lines as module
-from reliab.cli.output import progress_bar
-from reliab.cli.progress_lines import duration, progress_lines
-from reliab.motions import load_motions, write_suite
-from reliab.progress import show_task, shows_tasks, silent
+from reliab.app import cli
+from reliab.app.cli import progress_lines as module
+from reliab.app.cli.output import progress_bar
+from reliab.app.cli.progress_lines import duration, progress_lines
+from reliab.core.progress import show_task, shows_tasks, silent
+from reliab.motions.loading import load_motions
+from reliab.motions.writing import write_suite
 
 
 @pytest.fixture

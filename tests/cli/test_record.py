@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.cli import run
+from reliab.app.cli import run
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "recordings"))
 

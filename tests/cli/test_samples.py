@@ -3,10 +3,10 @@
 import pytest
 
 from reliab import read_campaign
-from reliab.cli import run
-from reliab.discrepancy import campaign_folder
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.app.cli import run
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.discrepancy.campaign.reading import campaign_folder
 
 TEST = "datasets/sample_test/test.csv"
 

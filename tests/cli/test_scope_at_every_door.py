@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab import cli
-from reliab.criterion import Criterion
-from reliab.motions import load_motions
-from reliab.report.kinds.assessment import assessment_report
-from reliab.simulation import Excitation
-from reliab.simulation.linear_loop import respond
+from reliab.app import cli
+from reliab.criterion.criterion import Criterion
+from reliab.motions.loading import load_motions
+from reliab.report.kinds.assessment.report import assessment_report
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.spectral import respond
 
 F, XI = 1.0, 0.02
 MOTIONS = {"inside": 0, "at the edge": 10, "outside": 4}  # of the synthetic suite: 64, 86 and 102 s

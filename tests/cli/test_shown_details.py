@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab.cli.assess.shown_briefly import show_briefly
-from reliab.cli.assess.shown_frame import show_frame
-from reliab.cli.criterion import _show_own_boundary
-from reliab.cli.diagnose import _show
-from reliab.cli.monitor import _export
-from reliab.cli.record import _check
-from reliab.cli.rig import show_added
-from reliab.cli.validate import show_criteria as show_rates
+from reliab.app.cli.assess.shown_briefly import show_briefly
+from reliab.app.cli.assess.shown_frame import show_frame
+from reliab.app.cli.criterion import _show_own_boundary
+from reliab.app.cli.diagnose import _show
+from reliab.app.cli.monitor import _export
+from reliab.app.cli.record import _check
+from reliab.app.cli.rig import show_added
+from reliab.app.cli.validate import show_criteria as show_rates
 
 
 @pytest.fixture(autouse=True)
@@ -178,7 +178,9 @@ def demand_of(**fields):
 
 def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatch):
     faults = {"a.nc": [], "b.nc": ["No rate.", "No units."]}
-    monkeypatch.setattr("reliab.api.check_records", lambda sources: {name: faults[name] for name in sources})
+    monkeypatch.setattr(
+        "reliab.app.api.check_records", lambda sources: {name: faults[name] for name in sources}
+    )
     assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a valid record\n"
     with pytest.raises(Exception, match="1"):
         _check(demand_of(sources=["a.nc", "b.nc"]))

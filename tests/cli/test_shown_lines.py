@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from reliab.cli.calibrate import _cells
-from reliab.cli.criterion import show_criteria
-from reliab.cli.motions import _show_faults, _show_notes, _within
+from reliab.app.cli.calibrate import _cells
+from reliab.app.cli.criterion import show_criteria
+from reliab.app.cli.motions import _show_faults, _show_notes, _within
+from reliab.core.stated_value import StatedValue
 from reliab.motions.faults import Fault
-from reliab.stated_value import StatedValue
 
 
 @pytest.fixture(autouse=True)

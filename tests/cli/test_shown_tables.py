@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from reliab.api import Message
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.cli import validate
-from reliab.cli.diagnose import _show_effects
-from reliab.cli.monitor import _table
+from reliab.app.api.followed_test import Message
+from reliab.app.cli import validate
+from reliab.app.cli.diagnose import _show_effects
+from reliab.app.cli.monitor import _table
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.vocabulary import Metric
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
 
 
 def words_of(text):

@@ -13,7 +13,7 @@ WITHOUT = """
 import sys
 for name in {absent!r}:
     sys.modules[name] = None  # importing it fails as if it were not installed
-from reliab.cli import run
+from reliab.app.cli import run
 asked = ["assess", "sample_test", "--f", "1", "--xi", "0.02"]
 print("code", run(asked))
 print("code", run([*asked, "--report", {report!r}]))

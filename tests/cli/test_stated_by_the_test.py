@@ -6,9 +6,9 @@ import pytest
 from late_runs import runs_of
 
 import reliab
-from reliab.api import add_to_rig
-from reliab.errors import InputError
-from reliab.signals import LowPass
+from reliab.app.api.rigs import add_to_rig
+from reliab.core.errors import InputError
+from reliab.signals.filters import LowPass
 
 SECONDS = 14.0
 STRUCTURE = {"f": 1.0, "xi": 0.05}

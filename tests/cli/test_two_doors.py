@@ -13,11 +13,11 @@ import typer
 from parsed import nodes
 
 import reliab
-from reliab import cli
-from reliab.api import assessment
-from reliab.cli.demand import as_options
-from reliab.criterion import Criterion
-from reliab.motions import read_motion
+from reliab.app import cli
+from reliab.app.api import assessment
+from reliab.app.cli.demand import as_options
+from reliab.criterion.criterion import Criterion
+from reliab.motions.loading import read_motion
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from reliab import __main__
-from reliab.errors import UNEXPECTED
+from reliab.core.errors import UNEXPECTED
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def raised():
 
 
 def test_a_fault_ends_with_70_and_its_traceback_in_a_file(ended, monkeypatch):
-    code, told = ended(lambda: monkeypatch.setattr("reliab.cli.main", raised))
+    code, told = ended(lambda: monkeypatch.setattr("reliab.app.cli.main", raised))
     assert code == UNEXPECTED == 70
     assert "Traceback" not in told
     assert "\x1b" not in told
@@ -41,14 +41,14 @@ def test_a_fault_ends_with_70_and_its_traceback_in_a_file(ended, monkeypatch):
 
 
 def test_a_fault_at_an_import_ends_alike(ended, monkeypatch):
-    code, told = ended(lambda: monkeypatch.setitem(sys.modules, "reliab.cli", None))
+    code, told = ended(lambda: monkeypatch.setitem(sys.modules, "reliab.app.cli", None))
     assert code == UNEXPECTED
     assert "ModuleNotFoundError" in told
 
 
 def test_where_no_file_can_be_written_the_traceback_is_shown(ended, monkeypatch):
     def failing():
-        monkeypatch.setattr("reliab.cli.main", raised)
+        monkeypatch.setattr("reliab.app.cli.main", raised)
         monkeypatch.setattr("tempfile.tempdir", "/nowhere/at/all")
 
     code, told = ended(failing)

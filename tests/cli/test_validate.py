@@ -6,10 +6,10 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.api.judged_motions import kept_shares
-from reliab.cli.validate import validate
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.app.api.judged_motions import kept_shares
+from reliab.app.cli.validate import validate
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 
 app = typer.Typer()
 app.command()(validate)
@@ -117,7 +117,7 @@ def test_frequencies_can_be_left_out():
 
 @pytest.mark.slow
 def test_sets_are_judged_by_others(tmp_path):
-    from reliab.motions.synthetic import synthetic_suite
+    from reliab.motions.synthetic.suite import synthetic_suite
     from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=12), tmp_path / "suite")
@@ -176,7 +176,7 @@ def test_bad_input_is_explained(wrong, rule):
 
 @pytest.mark.slow
 def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
-    from reliab.motions.synthetic import synthetic_suite
+    from reliab.motions.synthetic.suite import synthetic_suite
     from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=4), tmp_path / "suite")

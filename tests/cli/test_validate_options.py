@@ -8,11 +8,11 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.cli.studies import run as run_command
-from reliab.cli.validate import validate
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.study import Study
+from reliab.app.cli.studies import run as run_command
+from reliab.app.cli.validate import validate
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.study.description import Study
 
 app, runs = typer.Typer(), typer.Typer()
 app.command()(validate)
@@ -137,7 +137,7 @@ def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
         seen.update(study=study, folder=folder)
         return folder / "report.pdf"
 
-    monkeypatch.setattr("reliab.api.studies.run_study", remember)
+    monkeypatch.setattr("reliab.app.api.studies.run_study", remember)
     invoke(runs, "thresholds", "--out", tmp_path / "here", "--motions", tmp_path, "--sets", "far_field")
     assert isinstance(seen["study"], Study)
     assert seen["folder"] == tmp_path / "here"

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample
+from reliab.criterion.ellipse_sample import EllipseSample
 
 SampleOf = Callable[..., EllipseSample]
 

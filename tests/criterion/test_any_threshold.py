@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.criterion import EllipseTable, shipped_ellipses
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.ellipse_table import EllipseTable
+from reliab.criterion.shipped_tables import shipped_ellipses
 
 
 @pytest.fixture(scope="module")

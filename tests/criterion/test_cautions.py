@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion import derive_criterion
+from reliab.core.vocabulary import CurveName
 from reliab.criterion.cautions import (
     _beyond_the_earthquakes,
     _fitted,
@@ -14,10 +14,10 @@ from reliab.criterion.cautions import (
     _shortfall,
     not_lognormal,
 )
+from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.experimental_share import whole_is_worst
-from reliab.criterion.methods import METHODS, method_of
+from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.vocabulary import CurveName
 
 AT = {"threshold": 0.05, "metric": "rms", "curve": CurveName.INSCRIBED, "side": "lag"}
 

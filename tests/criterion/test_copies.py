@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.api import derive_criteria, validate_criteria
-from reliab.criterion import derive_criterion, read_ellipses, without_copies
+from reliab.app.api.criteria import derive_criteria
+from reliab.app.api.validation import validate_criteria
+from reliab.criterion.copies import without_copies
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_table import tabled
-from reliab.motions import arias_times, load_motions
+from reliab.motions.intensity import arias_times
+from reliab.motions.loading import load_motions
 
 
 def write_record(folder, motion, name):

@@ -5,10 +5,16 @@ import json
 import numpy as np
 import pytest
 
-from reliab.criterion import Criterion, derive_criterion, published_criterion
-from reliab.criterion.laws import Dimensionless, Exponential, Power, Table
-from reliab.criterion.methods import Dirichlet, Quantile
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.exponential import Exponential
+from reliab.criterion.laws.power import Power
+from reliab.criterion.laws.table import Table
+from reliab.criterion.methods.dirichlet import Dirichlet
+from reliab.criterion.methods.quantile import Quantile
+from reliab.criterion.published import published_criterion
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,9 @@ import json
 
 import pytest
 
-from reliab.criterion import Criterion, derive_criterion
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
 
 
 @pytest.fixture(scope="module")

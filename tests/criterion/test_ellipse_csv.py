@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import read_ellipses, sample_of
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.ellipse_sample import sample_of
 
 
 def written(tmp_path, text):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.boundary.first_order import first_order_ellipse
+from reliab.core.errors import InputError
 from reliab.criterion.experimental_share import carry_to_share, growth
-from reliab.errors import InputError
-from reliab.motions.synthetic import synthetic_suite
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.tracking.boundary.first_order import first_order_ellipse
 
 
 @pytest.mark.slow

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion import sample_of
 from reliab.criterion.distributions import Lognormal
+from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.goodness_of_fit import lognormality, objection, quantile_plot
 
 

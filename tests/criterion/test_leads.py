@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import Criterion, derive_criterion, published_criterion
+from reliab.core.errors import InputError
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.published import published_criterion
 from reliab.criterion.summary import summarise
-from reliab.errors import InputError
 
 STRUCTURE = (1.0, 0.02)
 

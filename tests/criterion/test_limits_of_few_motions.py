@@ -8,14 +8,16 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings, strategies as st
 
-from reliab.criterion import Criterion, derive_criterion
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.laws import FITTED
-from reliab.criterion.methods import METHODS, BoundMethod, limits, method_of
+from reliab.criterion.laws.registry import FITTED
+from reliab.criterion.methods.bound import BoundMethod, limits
+from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
-from reliab.errors import InputError
-from reliab.vocabulary import ELLIPSE_DIMENSIONS
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import derive_criterion
-from reliab.criterion.derivation import share_at_rest
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.derivation import derive_criterion, share_at_rest
 
 
 def at_rest(ellipses, share):

@@ -5,10 +5,10 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from reliab.criterion.methods import Dirichlet
+from reliab.core.errors import InputError
+from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.population import Population
 from reliab.criterion.scaling import scales
-from reliab.errors import InputError
 
 
 def dataset(frequencies, damping_ratios, *, motions=400, correlation=0.95, seed=1):

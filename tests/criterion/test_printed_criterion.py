@@ -2,8 +2,9 @@
 
 import pytest
 
-from reliab.criterion import derive_criterion, sample_of
-from reliab.criterion.methods import Quantile
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_sample import sample_of
+from reliab.criterion.methods.quantile import Quantile
 
 
 def test_equation_12_follows_from_table_2(printed_table2):

@@ -7,13 +7,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion import EllipseTable, derive_criterion, protect_over_lengths, read_ellipses
+from reliab.core.shipped import shipped
 from reliab.criterion.carrying import carry_to_length
-from reliab.criterion.ellipse_table import tabled
-from reliab.motions import arias_times, load_motions
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses, open_results, real_results
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.ellipse_table import EllipseTable, tabled
+from reliab.criterion.protection import protect_over_lengths
+from reliab.motions.intensity import arias_times
+from reliab.motions.loading import load_motions
 from reliab.sweep.cut_records import with_known_cut_records
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.results import open_results, real_results
 from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.truth import SimulatedTruth
 

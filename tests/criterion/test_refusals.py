@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.criterion import derive_criterion, read_ellipses
+from reliab.core.errors import InputError
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws.law import checked_coefficients, checked_grid
-from reliab.criterion.methods import Quantile
 from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
+from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.population import Population
-from reliab.errors import InputError
 
 A, B = np.array([1e-4, 2e-4, 3e-4]), np.array([1.0, 2.0, 4.0])
 EVENTS = np.array(["E1", "E2", "E3"])

@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import (
-    ResponseMeasures,
-    carry_to_response,
-    derive_criterion,
-    read_ellipses,
-    shipped_measures,
-)
-from reliab.criterion.response_measures import BoundaryScales
-from reliab.shipped import shipped
-from reliab.sweep import read_netcdf
+from reliab.core.shipped import shipped
+from reliab.criterion.carrying import carry_to_response
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
+from reliab.criterion.shipped_tables import shipped_measures
+from reliab.sweep.netcdf import read_netcdf
 
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
 

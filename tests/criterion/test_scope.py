@@ -2,8 +2,8 @@
 
 import pytest
 
-from reliab.criterion import Position, compare_with_scope, read_ellipses
-from reliab.criterion.scope import population_of, scope_of
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.scope import Position, compare_with_scope, population_of, scope_of
 
 LENGTHS = {"length": [10.0, 20.0, 90.0, 100.0]}
 

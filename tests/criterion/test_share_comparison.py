@@ -3,20 +3,22 @@
 import numpy as np
 import pytest
 
-from reliab.boundary.first_order import first_order_ellipse
-from reliab.criterion import derive_criterion, read_ellipses
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.experimental_share import growth
 from reliab.criterion.share_comparison import compare_shares
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.motions.synthetic import synthetic_suite
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, at_share, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.request import excitation_of
-from reliab.vocabulary import Metric
+from reliab.sweep.shares import at_share
+from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.tracking.indices.response_error import relative_error
 
 
 def table_of(growths, xi=0.02):

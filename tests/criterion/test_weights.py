@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import Weights, derive_criterion, read_ellipses
+from reliab.core.errors import InputError
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.scope import magnitudes_of
-from reliab.errors import InputError
+from reliab.criterion.weights import Weights
 
 HEADER = "quantity,low,high,share"
 

@@ -4,11 +4,12 @@ import re
 
 import pandas as pd
 
-from reliab.api import document_of_rig
+from reliab.app.api.rig_answers import document_of_rig
+from reliab.core.shipped import shipped
 from reliab.desk.document_html import document_html, formula
-from reliab.report import Column, Document, Fixed, Paragraph, Points, Section, Table
+from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
+from reliab.report.numbers import Fixed
 from reliab.report.prose import prose
-from reliab.shipped import shipped
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 

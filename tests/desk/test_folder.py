@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS, FileLimits
 from reliab.desk.folder import DeskFolder, safe_name, unpacked
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS, FileLimits
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 import typer
 
-from reliab.cli import application, run
-from reliab.cli.demand import as_options
+from reliab.app.cli import application, run
+from reliab.app.cli.demand import as_options
+from reliab.core.errors import InputError
 from reliab.desk import jobs as desk_jobs
 from reliab.desk.jobs import Jobs
 from reliab.desk.memory import Memories
 from reliab.desk.work import look_at
-from reliab.errors import InputError
 
 PATIENCE = 120.0
 
@@ -34,8 +34,8 @@ def work(tmp_path, monkeypatch):
     (tmp_path / "desk_work.py").write_text(
         "import os, time\n"
         "from reliab.desk.jobs import Tell\n"
-        "from reliab.errors import InputError\n"
-        "from reliab.progress import show_task\n"
+        "from reliab.core.errors import InputError\n"
+        "from reliab.core.progress import show_task\n"
         "def steps(tell: Tell):\n"
         "    with show_task('Counting') as progress:\n"
         "        for k in range(3):\n"

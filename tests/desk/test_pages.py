@@ -14,7 +14,7 @@ from headless_browser import programs, start
 pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")
 from desk_browser import DeskBrowser
 
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 PAGES = ("judge", "before", "live", "compare", "rig", "diagnose")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.assessment import boundaries_of_motions, tolerable_errors, tolerable_sides
+from reliab.assessment.design import boundaries_of_motions, tolerable_errors, tolerable_sides
 from reliab.desk.drawings import RegionDrawing, half_ellipse
 from reliab.desk.pages.before import limits_html
 
@@ -30,7 +30,7 @@ def test_nearly_all_motions_allow_what_the_region_does(f, xi, alpha):
 
 
 def test_motions_boundaries_are_the_traced_ones_at_a_shipped_structure():
-    from reliab.api import trace_boundaries
+    from reliab.app.api.tracing import trace_boundaries
 
     rows = list(trace_boundaries(results="real_suite", f=1, xi=0.02).rows())
     a, b = boundaries_of_motions(f=1.0, xi=0.02)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import reliab
+from reliab.core.shipped import shipped
 from reliab.desk.verdict_view import interval_html, knowing_html, verdict_html
 from reliab.desk.work import judgement_of, thinned
-from reliab.shipped import shipped
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.cli import run
+from reliab.app.cli import run
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 from reliab.desk.verdict_view import interval_html
 from reliab.desk.work import compare, judge, look_at, points_of_rig
-from reliab.errors import InputError
-from reliab.shipped import shipped
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 FIRST = (layouts.mts_793, layouts.tdms)

@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 
 ROOT = Path(__file__).resolve().parents[2]
 

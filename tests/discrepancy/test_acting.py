@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.fitting.acting import exceeds_rounding, takes_over_delay
-from reliab.effects import find_effect
+from reliab.effects.registry import find_effect
 
 BACKLASH, LAG, STOP = (find_effect(name) for name in ("backlash", "first_order_lag", "stroke_saturation"))
 DELAY = SimpleNamespace(parameter=SimpleNamespace(name="delay_s"))

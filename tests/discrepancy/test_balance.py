@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 from blind_campaigns.campaign import Options, generate
 
-from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Channel
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.result.missing_effect import calibration

@@ -7,8 +7,8 @@ from reliab.discrepancy.blocks import actuator
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.effects import find_effect
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import HybridTest
 
 RATE = 200.0
 TIME = np.arange(0.0, 10.0, 1.0 / RATE)

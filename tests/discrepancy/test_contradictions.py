@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
+from reliab.core.errors import InputError
 from reliab.discrepancy.campaign import reading
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.contradictions import _crossed, require_consistent
-from reliab.discrepancy.campaign.reading import read_channels
-from reliab.errors import InputError
-from reliab.recordings import StatedChannels
+from reliab.discrepancy.campaign.reading import read_campaign, read_channels
+from reliab.discrepancy.diagnose import diagnose
+from reliab.recordings.recording import StatedChannels
 
 RIGS = {name: read_campaign(name) for name in ("rig_a", "rig_b", "rig_c")}
 FORCE, GROUND, COMMAND, MEASURED = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED

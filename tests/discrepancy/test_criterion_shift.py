@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from reliab.boundary import Ellipse, motion_contours
+from reliab.core.errors import InputError
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.effects import find_effect
-from reliab.errors import InputError
+from reliab.effects.registry import find_effect
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.03)
 

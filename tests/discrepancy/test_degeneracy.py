@@ -3,7 +3,7 @@
 import pytest
 
 from reliab.discrepancy.result.missing_effect import _TELLS, remark, telling_test
-from reliab.effects import library
+from reliab.effects.registry import library
 
 
 @pytest.mark.parametrize("pair", list(_TELLS), ids=sorted)

@@ -8,8 +8,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.cli.diagnose import diagnose as command
-from reliab.discrepancy import Verdict, diagnose, read_campaign
+from reliab.app.cli.diagnose import diagnose as command
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import Verdict
 
 KEYS = {"campaign", "verdict", "where", "effects", "unknown", "gap", "criterion_shift"}
 
@@ -169,7 +171,7 @@ def rig_b(sample_campaigns, diagnosis_of, monkeypatch):
         assert campaign.name == diagnosis_of("rig_b").campaign.name
         return diagnosis_of("rig_b")
 
-    monkeypatch.setattr("reliab.api.diagnosis.diagnose", known)
+    monkeypatch.setattr("reliab.app.api.diagnosis.diagnose", known)
     return str(sample_campaigns / "rig_b")
 
 
@@ -177,7 +179,7 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
     def fail(*_args, **_options):
         raise RuntimeError("no font")
 
-    monkeypatch.setattr("reliab.api.diagnosis.write_pdf", fail)
+    monkeypatch.setattr("reliab.app.api.diagnosis.write_pdf", fail)
     application = typer.Typer()
     application.command()(command)
     run = CliRunner().invoke(application, [rig_b, "--out", str(tmp_path)])

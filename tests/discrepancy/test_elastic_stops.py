@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from discrepancy.test_specimen_forms import STIFFNESS, written
 
-from reliab.discrepancy import Verdict, diagnose
-from reliab.discrepancy.terms import ElasticStops
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load
-from reliab.structures import Specimen
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import Verdict
+from reliab.discrepancy.terms.outside_terms import ElasticStops
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.structures.specimen import Specimen
 
 TIME = np.arange(0.0, 3.0, 0.002)
 MOVED = 0.1 * np.sin(2.0 * np.pi * TIME)

@@ -9,9 +9,9 @@ import pytest
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import netcdf_file, savemat
 
-from reliab.discrepancy import MeasuredTest, read_campaign
-from reliab.discrepancy.campaign.campaign import held_out_in_words
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
+from reliab.discrepancy.campaign.campaign import MeasuredTest, held_out_in_words
+from reliab.discrepancy.campaign.reading import read_campaign
 
 RIG = shipped("datasets", "campaigns") / "rig_a"
 

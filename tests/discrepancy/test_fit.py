@@ -6,6 +6,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -16,13 +17,15 @@ from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
-from reliab.discrepancy.terms import ClockOffset, ElasticStops, SoftenedSpring, outside_terms
-from reliab.effects import Effect, Role, Setting, SteppedEffect, find_effect, library
-from reliab.signals import NoiseModel
-from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_force
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Specimen, Structure
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.outside_terms import ElasticStops, SoftenedSpring, outside_terms
+from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
+from reliab.effects.registry import find_effect, library
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_force
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 RATE, NOISE = 1024.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

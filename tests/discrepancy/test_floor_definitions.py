@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.proof import Source, _close, _period, floors
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.errors import InputError
-from reliab.structures import Specimen
+from reliab.structures.specimen import Specimen
 
 RATE = 400.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

@@ -4,12 +4,14 @@ import frame_laboratory
 import numpy as np
 import pytest
 
-from reliab.discrepancy import Diagnosis, diagnose, read_campaign
+from reliab.core.errors import InputError
 from reliab.discrepancy.adding.adding import updated_model
 from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
 from reliab.discrepancy.campaign.campaign import Channel
-from reliab.errors import InputError
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure

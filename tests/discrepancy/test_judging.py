@@ -6,11 +6,12 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import ClockOffset, outside_terms
-from reliab.effects import find_effect
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.outside_terms import outside_terms
+from reliab.effects.registry import find_effect
 
 CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")
 TERM = outside_terms(Block.SPECIMEN)[0]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 
 RATE, DURATION, TESTS = 512.0, 15.0, 4
 GAIN = 1.02

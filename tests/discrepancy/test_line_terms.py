@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.screening import line_terms
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.vocabulary import Block
 
 RATE, SIZE = 256.0, 2560
 TIME = np.arange(SIZE) / RATE

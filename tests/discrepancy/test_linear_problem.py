@@ -13,7 +13,7 @@ from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
 from reliab.discrepancy.fitting.problem import Problem, observations, real_parts, relative_powers
 from reliab.discrepancy.fitting.screening import screened
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.signals import NoiseModel
+from reliab.signals.noise import NoiseModel
 
 ROWS, SIZE = 60, 4
 RNG = np.random.default_rng(1)

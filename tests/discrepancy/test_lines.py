@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.structures import Specimen
+from reliab.discrepancy.diagnose import diagnose
+from reliab.structures.specimen import Specimen
 
 RATE = 200.0
 TIME = np.arange(0.0, 40.0, 1.0 / RATE)

@@ -9,7 +9,7 @@ from scipy import signal
 from reliab.discrepancy.fitting.noise_test import structured_share
 from reliab.discrepancy.fitting.problem import real_parts
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.signals import Periodogram, fit_noise
+from reliab.signals.noise import Periodogram, fit_noise
 
 RATE, SIZE = 256.0, 8192
 TIME = np.arange(SIZE) / RATE

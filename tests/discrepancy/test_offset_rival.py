@@ -3,8 +3,9 @@
 import pytest
 from blind_campaigns.campaign import Options, generate
 
-from reliab.discrepancy import diagnose, read_campaign
-from reliab.effects import library
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.effects.registry import library
 
 ROUNDED_LOAD_CELL_WITH_AN_OFFSET = 9_500_031
 

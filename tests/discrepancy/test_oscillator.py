@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import fft
 
-from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.loop import LoopBlock
-from reliab.discrepancy.diagnose import begun
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import begun, diagnose
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 RATE = 610.0

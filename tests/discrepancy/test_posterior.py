@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from reliab.core.errors import InputError
 from reliab.discrepancy.adding.posterior import SMALLEST_AGREEMENT, LikelihoodSurface, sample_posterior
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
@@ -14,13 +15,12 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.sampling import Ensembles
-from reliab.sampling.ensembles import draw
-from reliab.signals import NoiseModel
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load
-from reliab.structures import Specimen
+from reliab.effects.registry import find_effect
+from reliab.sampling.ensembles import Ensembles, draw
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.structures.specimen import Specimen
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

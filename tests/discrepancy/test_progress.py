@@ -1,6 +1,7 @@
 """A diagnosis reports that it moves within a block, and ends at its announced total."""
 
-from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 
 
 def test_progress_grows_by_one_step_up_to_the_total(small_campaign):

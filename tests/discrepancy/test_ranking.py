@@ -9,8 +9,8 @@ from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.naming.naming import believed, ranking
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import find_effect
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.registry import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")
 BACKLASH = find_effect("backlash")

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from reliab.discrepancy import read_campaign
+from reliab.core.errors import InputError
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
-from reliab.errors import InputError
 
 
 def change(path, pattern, replacement):

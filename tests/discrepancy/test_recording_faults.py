@@ -6,23 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import diagnose, read_campaign
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag, diagnose
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms import (
-    ClockOffset,
-    LateGround,
-    LeadingReading,
-    StatedDamping,
-    with_clock,
-    with_damping,
-)
-from reliab.effects import AddedMass
-from reliab.simulation import Actuator
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.structures import Specimen, Structure
+from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, LeadingReading, with_clock
+from reliab.discrepancy.terms.stated_damping import StatedDamping, with_damping
+from reliab.effects.added_mass import AddedMass
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 RATE, STIFFNESS = 200.0, 4.0e4
 TIME = np.arange(0.0, 8.0, 1.0 / RATE)

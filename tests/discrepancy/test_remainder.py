@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.naming import unexplained
 from reliab.discrepancy.result.gap import Gap
-from reliab.effects import CubicStiffness
-from reliab.vocabulary import Block
+from reliab.effects.cubic_stiffness import CubicStiffness
 
 PROVED = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
 MODEL = SimpleNamespace(space=SimpleNamespace(effects=(CubicStiffness,)), coordinates=None)

@@ -19,8 +19,8 @@ from reliab.discrepancy.result.missing_effect import (
     remark,
     widened,
 )
-from reliab.discrepancy.terms import StatedDamping
-from reliab.effects import find_effect
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.registry import find_effect
 from reliab.recordings import behaviour
 
 

@@ -3,9 +3,10 @@
 import pandas as pd
 import pytest
 
-from reliab.discrepancy import diagnose, read_campaign
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 
 FACTORS = {"sign": -1.0, "none": 1.0}
 

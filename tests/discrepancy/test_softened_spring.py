@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from discrepancy.test_specimen_forms import RATE, STIFFNESS, written
 
-from reliab.discrepancy import Verdict, diagnose
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.discrepancy.terms.outside_terms import SoftenedSpring
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load
-from reliab.structures import Specimen
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.structures.specimen import Specimen
 
 SPRING = Specimen(stiffness=1000.0)
 RUBBER = HybridTest(specimen=SPRING, effects=(SoftenedSpring(lost_n_per_m=400.0, power=2.0),))

@@ -6,12 +6,12 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from reliab.discrepancy import read_campaign
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.effects import find_effect
+from reliab.effects.registry import find_effect
 
 
 @pytest.fixture

@@ -5,7 +5,9 @@ import pytest
 from benchmarks.blind_evaluation import foretold
 from scipy import signal
 
-from reliab.discrepancy import Verdict, diagnose, read_campaign
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import Verdict
 
 RATE, DURATION, TESTS = 512.0, 12.0, 4
 STIFFNESS = 4.0e4

@@ -22,10 +22,8 @@ from reliab.discrepancy.spectra.smoothing import (
     highest_frequency,
     reliable_frequency,
 )
-from reliab.signals import (
-    NoiseModel,
-)
-from reliab.simulation.hybrid_test import Motion3
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.open_loop import Motion3
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import diagnose
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.naming.unexplained import standstill
 from reliab.simulation.hybrid_test.model import Actuator
 

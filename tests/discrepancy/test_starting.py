@@ -5,7 +5,7 @@ import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
 from reliab.discrepancy.spectra.segment import answered, settled
-from reliab.simulation.hybrid_test import Motion3
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 STEP = 0.005
 TIME = np.arange(0.0, 20.0, STEP)

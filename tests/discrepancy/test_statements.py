@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.cli.diagnose import _proved
-from reliab.discrepancy import BlockDiagnosis, Gap, Verdict
+from reliab.app.cli.diagnose import _proved
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.naming import unexplained
 from reliab.discrepancy.naming.naming import offset_odds
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import (
     contradiction,
     one_of_two,
@@ -20,10 +21,9 @@ from reliab.discrepancy.result.diagnosis import (
     scale_of_displacement,
     statement,
 )
-from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy_report import _closed, _floor
-from reliab.vocabulary import Block
 
 UNCERTAINTY, PRINTED = 1.2, 1.01
 SOURCES = ("repeated tests", "repeated cycles", "band above the motion", "rest")

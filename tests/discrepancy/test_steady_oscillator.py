@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import fft
 
-from reliab.discrepancy import diagnose, read_campaign
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
 
 RATE, SAMPLES, FINER, TESTS = 750.0, 4096, 6, 4
 MASS, DAMPING, STIFFNESS = 2.0, 10.0, 5e4

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import outside_terms
-from reliab.effects import find_effect
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.outside_terms import outside_terms
+from reliab.effects.registry import find_effect
 
 CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")
 LAG, SECOND_ORDER = find_effect("first_order_lag"), find_effect("second_order_dynamics")

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose, read_campaign
 from reliab.discrepancy.adding.adding import updated_model
-from reliab.effects import find_effect
-from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, load
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
-from reliab.structures import Specimen
+from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reliab.effects import Scales, Setting, find_effect
-from reliab.effects.effect import Parameter
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.effects.effect import Parameter, Scales, Setting
+from reliab.effects.registry import find_effect
 
 SETTING = Setting(step=0.04, stiffness=7.0, damping=3.0)
 

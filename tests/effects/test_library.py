@@ -7,18 +7,14 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from reliab.effects import LinearEffect, Role, Scales, Setting, find_effect, library
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import (
-    HybridTest,
-    Motion3,
-    drive,
-    load,
-    read_displacement,
-    run_closed_loop,
-)
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Specimen, Structure
+from reliab.core.errors import InputError
+from reliab.effects.effect import LinearEffect, Role, Scales, Setting
+from reliab.effects.registry import find_effect, library
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load, read_displacement
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 import reliab
+from reliab.core.shipped import shipped
 from reliab.explore.page import by_length, pack
-from reliab.shipped import shipped
-from reliab.sweep import open_windows
+from reliab.sweep.ellipse_file import open_windows
 
 WINDOWS = ("record", "20", "30", "40")
 WEB = Path(reliab.__file__).parent / "explore" / "web"

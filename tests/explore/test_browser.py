@@ -6,7 +6,7 @@ import time
 import pytest
 from headless_browser import PATIENCE, programs, start
 
-from reliab.explore import write_page
+from reliab.explore.page import write_page
 
 selenium = pytest.importorskip("selenium", reason="the browser is driven by selenium, and there is none here")
 

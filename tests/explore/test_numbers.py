@@ -8,15 +8,15 @@ import pytest
 from scipy.special import ndtr, ndtri, owens_t
 from scipy.stats import t as student
 
+from reliab.app.cli import run
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import carried_limits
-from reliab.cli import run
-from reliab.criterion import published_criterion
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.stated_value import StatedValue
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Side
+from reliab.criterion.published import published_criterion
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Side
 
 ROUNDED = 3e-4
 """Limits that protect every length are carried, and the page keeps eleven binary digits of what it stores."""

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import reliab.explore
-from reliab.cli import run
-from reliab.criterion import protect_over_lengths
-from reliab.errors import InputError
+from reliab.app.cli import run
+from reliab.core.errors import InputError
+from reliab.criterion.protection import protect_over_lengths
 from reliab.explore.page import Settings, bundled_script, pack, render, write_page
-from reliab.sweep import write_ellipses
+from reliab.sweep.ellipse_file import write_ellipses
 
 MOST_BYTES = 5_000_000
 

@@ -11,9 +11,9 @@ import pandas as pd
 from fuzz import corpus
 from fuzz.damage import write
 
-from reliab.files import UNFINISHED
+from reliab.core.files import UNFINISHED
 from reliab.motions.writing import write_suite
-from reliab.sweep import write_ellipses
+from reliab.sweep.ellipse_file import write_ellipses
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,7 +27,16 @@ from pathlib import Path
 _NOBODY = 65534
 _IMPORTED = (
     "encodings.utf_8_sig",  # which another user may be unable to import later
-    *("arviz_stats", "emcee", "h5netcdf", "matplotlib.pyplot", "typst", "zarr", "rich.table", "reliab.api"),
+    *(
+        "arviz_stats",
+        "emcee",
+        "h5netcdf",
+        "matplotlib.pyplot",
+        "typst",
+        "zarr",
+        "rich.table",
+        "reliab.app.api",
+    ),
     *(
         "reliab.criterion",
         "reliab.discrepancy",
@@ -89,7 +98,7 @@ class Forks:
 
 def command(arguments: Sequence[object], environment: dict[str, str]) -> Outcome:
     """Run a command line in a new process with variables of its own."""
-    program = "import sys; from reliab.cli import main; sys.argv[0] = 'reliab'; main()"
+    program = "import sys; from reliab.app.cli import main; sys.argv[0] = 'reliab'; main()"
     done = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-c", program, *map(str, arguments)],
         capture_output=True,
@@ -200,7 +209,7 @@ def _waited(child: int, asked: dict) -> int:
 
 
 def _run(asked: dict, errors: int) -> None:
-    from reliab.cli import run
+    from reliab.app.cli import run
 
     os.dup2(errors, 2)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -8,7 +8,7 @@ import pytest
 
 from faults.commands import DRAWING, WRITING, results
 from faults.crashing import command
-from reliab.cli import main, run
+from reliab.app.cli import main, run
 
 PLACES = {
     "another zone and language": {"TZ": "Asia/Kathmandu", "LC_ALL": "tr_TR.UTF-8", "LANG": "tr_TR.UTF-8"},

@@ -242,7 +242,7 @@ def test_of_two_processes_in_one_place_the_second_is_refused_or_finds_all_done(
     name, sources, folders, undisturbed, counted
 ):
     out = folders(name, 0)
-    program = "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"
+    program = "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"
     arguments = [str(argument) for argument in WORKS[name].arguments(sources, out)]
     running = [
         subprocess.Popen(  # noqa: S603 - this very package

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from reliab.rig import RigFolder
+from reliab.rig.rig_folder import RigFolder
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def test_a_rig_that_may_not_be_written_to_is_refused(files, forks, rig, whole, c
 @pytest.mark.slow
 def test_two_commands_that_add_the_same_tests_at_once_both_succeed(files, rig, whole, counted):
     out = rig("two")
-    program = "import sys; from reliab.cli import run; sys.exit(run(sys.argv[1:]))"
+    program = "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"
     running = []
     for number in range(2):
         arguments = [str(argument) for argument in adding(files, out, "a.csv", "b.csv")]

@@ -20,18 +20,20 @@ from normal_values import NormalValues
 from recordings.layouts import LAYOUTS, record
 from scipy.io import netcdf_file, savemat
 
-from reliab.criterion import derive_criterion, published_criterion
-from reliab.effects import find_effect
-from reliab.motions import Motion, MotionSuite
-from reliab.sampling import Ensembles
-from reliab.sampling.ensembles import draw
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.published import published_criterion
+from reliab.effects.registry import find_effect
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
+from reliab.sampling.ensembles import Ensembles, draw
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
-from reliab.structures import Specimen
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, write_ellipses
-from reliab.sweep.ellipse_file import with_sides
+from reliab.sweep.ellipse_file import with_sides, write_ellipses
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.run import run_sweep
 
 Case = dict[str, bytes]
 

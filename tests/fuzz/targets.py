@@ -18,21 +18,25 @@ import typer
 
 from fuzz import corpus
 from fuzz.damage import SECRET, Damaged, secret_of, write
-from reliab.cli import application, run
-from reliab.cli.defaults import read_defaults
-from reliab.criterion import Criterion
-from reliab.discrepancy import read_campaign
-from reliab.errors import IncompleteError, InputError
-from reliab.files import ordinary
-from reliab.motions import inspect, load_motions
-from reliab.recordings import check_record, read_channels_file, read_recording
+from reliab.app.cli import application, run
+from reliab.app.cli.defaults import read_defaults
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.files import ordinary
+from reliab.criterion.criterion import Criterion
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions
+from reliab.recordings.channels_file import read_channels_file
+from reliab.recordings.reading import read_recording
+from reliab.recordings.record import check_record
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
 from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.study.reading import read_study
 from reliab.study.stages import date_of, made_with, study_of
-from reliab.sweep import open_results, run_sweep
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 _LONGEST_MESSAGE = 4000
 _MEMORY = 1 << 30

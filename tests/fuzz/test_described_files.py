@@ -8,8 +8,8 @@ import pytest
 from fuzz import corpus
 from fuzz.damage import write
 from fuzz.targets import TARGETS
-from reliab.described_files import DEEPEST, parse_json, parse_toml, read_json, read_toml
-from reliab.errors import InputError
+from reliab.core.described_files import DEEPEST, parse_json, parse_toml, read_json, read_toml
+from reliab.core.errors import InputError
 
 DEEP = 600
 BOUNDED = {"rule": "It must be sound", "remedy": "Mend it"}
@@ -119,7 +119,7 @@ def with_value(content, place, value):
 @pytest.mark.slow
 def test_every_value_of_a_criterion_may_be_anything():
     """Each key in turn holds each of the values above; of long lists the first three places."""
-    from reliab.criterion import Criterion
+    from reliab.criterion.criterion import Criterion
 
     text = json.loads(corpus.criteria()[2]["criterion.json"])
     chosen = [place for place in places(text) if all(not isinstance(key, int) or key < 3 for key in place)]

@@ -14,16 +14,19 @@ from scipy.io import savemat
 from fuzz import corpus
 from fuzz.damage import Instead, write
 from fuzz.targets import TARGETS, examine
-from reliab.criterion import Criterion, read_ellipses
-from reliab.discrepancy import read_campaign
-from reliab.errors import InputError
-from reliab.received import opened_hdf5
-from reliab.recordings.readers import read_tests
+from reliab.core.errors import InputError
+from reliab.core.untrusted_files import opened_hdf5
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.hybrid_test.model_file import read_model
 from reliab.simulation.transfer_systems.reading import read_matlab
-from reliab.sweep import open_ellipses, open_results, run_sweep
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 
 @pytest.mark.parametrize("name", TARGETS)
@@ -286,7 +289,7 @@ def test_a_campaign_of_held_out_tests_only_is_refused(tmp_path):
 
 
 def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
-    from reliab.recordings import chunks_of_text, rows_as_written
+    from reliab.recordings.following import chunks_of_text, rows_as_written
 
     (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01, start_within=0.01)

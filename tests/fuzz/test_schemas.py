@@ -12,13 +12,15 @@ from fuzz import corpus
 from fuzz.corpus import CHAIN_MODEL, CHAIN_SETTINGS
 from fuzz.damage import write
 from fuzz.test_described_files import VALUES, places, with_value
-from reliab.criterion import derive_criterion
-from reliab.errors import InputError
-from reliab.recordings.readers import read_tests
+from reliab.core.errors import InputError
+from reliab.criterion.derivation import derive_criterion
+from reliab.recordings.readers.registry import read_tests
 from reliab.sampling.ensembles import draw
-from reliab.simulation.transfer_systems import TransferFunction, read_matlab
-from reliab.sweep import open_ellipses, open_results
+from reliab.simulation.transfer_systems.reading import read_matlab
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
+from reliab.sweep.ellipse_file import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
+from reliab.sweep.results import open_results
 
 PLANTS = (
     {"num": [1.0, 2.0], "den": [1.0, 3.0, 4.0]},

@@ -5,8 +5,8 @@ import pytest
 
 from imperfect_worlds.specimens import SPECIMENS, dahl, stribeck
 from imperfect_worlds.world import FURTHER, RATE, WORLDS, write_world
-from reliab.discrepancy import read_campaign
-from reliab.effects import library
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.effects.registry import library
 
 TIME = np.arange(0.0, 10.0, 1.0 / RATE)
 X = 0.02 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 10.0)

@@ -4,13 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error import Monitor, Recursion, delayed
-from reliab.assessment.rebuilt_error.recursion import respond
-from reliab.effects import Role, find_effect, library
-from reliab.in_loop import LoopMonitor
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Partition, Structure, stability_limit
+from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.effects.effect import Role
+from reliab.effects.registry import find_effect, library
+from reliab.in_loop.sources import LoopMonitor
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 FINE = 4096
 SHIPPED = [name for name, effect in library().items() if effect.role is Role.FORCE]

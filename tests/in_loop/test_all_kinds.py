@@ -13,7 +13,7 @@ import pytest
 from compiled_monitor import COMPILERS, assert_same, compare, needs_compiler
 from drawn_tests import KINDS
 
-from reliab.in_loop import pack_fmu
+from reliab.in_loop.fmu import pack_fmu
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed here (it comes with the extra test)")
 pytestmark = [needs_compiler, pytest.mark.slow]

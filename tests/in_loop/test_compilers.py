@@ -7,8 +7,8 @@ import pytest
 from compiled_monitor import COMPILERS, FAULT, STRICT, built, built_of, compare, followed, needs_compiler
 from drawn_tests import KINDS, of_one_degree, random_test
 
-from reliab.api import export_monitor
-from reliab.in_loop import monitor_sources
+from reliab.app.api.in_loop import export_monitor
+from reliab.in_loop.sources import monitor_sources
 
 pytestmark = needs_compiler
 BOTH = [

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from compiled_monitor import UNSTABLE, built, followed
 
-from reliab.api import export_monitor
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, write_model
-from reliab.structures import Structure
+from reliab.app.api.in_loop import export_monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures.structure import Structure
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed here (it comes with the extra test)")
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="no C compiler is installed here")

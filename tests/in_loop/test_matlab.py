@@ -10,8 +10,10 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from reliab.api import assess, derive_criteria, diagnose_campaign
-from reliab.shipped import shipped
+from reliab.app.api.assessment import assess
+from reliab.app.api.criteria import derive_criteria
+from reliab.app.api.diagnosis import diagnose_campaign
+from reliab.core.shipped import shipped
 
 OCTAVE = shutil.which("octave-cli")
 needs_octave = pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed here")

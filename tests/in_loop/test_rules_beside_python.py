@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from compiled_monitor import ERROR, built, followed, needs_compiler
 
-from reliab.api import export_monitor
-from reliab.assessment.rebuilt_error import Monitor, Tolerances
-from reliab.structures import Structure
+from reliab.app.api.in_loop import export_monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.structures.structure import Structure
 
 pytestmark = needs_compiler
 RATE, XI = 256, 0.05

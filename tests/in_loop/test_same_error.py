@@ -5,13 +5,13 @@ import pytest
 from compiled_monitor import FAULT, STRICT, UNSTABLE, built, compare, followed, needs_compiler
 from drawn_tests import of_one_degree, random_test
 
-from reliab.api import export_monitor
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Structure
+from reliab.app.api.in_loop import export_monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.structure import Structure
 
 pytestmark = needs_compiler
 
@@ -60,7 +60,7 @@ def test_a_frame_whose_error_is_that_of_a_drift_is_refused(tmp_path):
 
 
 def test_a_frame_is_followed_as_python_does(tmp_path):
-    from reliab.simulation.frames import read_frame
+    from reliab.simulation.frames.frame_file import read_frame
 
     path = shipped("datasets", "frames/benchmark_case_1.toml")
     structure = read_frame(path).partition

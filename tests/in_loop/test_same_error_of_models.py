@@ -5,14 +5,16 @@ import pytest
 from compiled_monitor import compare, needs_compiler
 from drawn_tests import SHIPPED, nonlinear_test, of_model
 
-from reliab.api import export_monitor, follow_test
-from reliab.assessment.rebuilt_error import Monitor
-from reliab.effects import Role, SteppedEffect
+from reliab.app.api.following import follow_test
+from reliab.app.api.in_loop import export_monitor
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Block
+from reliab.effects.effect import Role, SteppedEffect
 from reliab.effects.kernel import Kernel
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
-from reliab.structures import Structure
-from reliab.vocabulary import Block
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.structure import Structure
 
 
 @needs_compiler

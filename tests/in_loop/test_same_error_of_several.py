@@ -6,12 +6,12 @@ from compiled_monitor import ERROR, FAULT, UNSTABLE, built, built_of, compare, f
 from coupled_structures import coupled_response
 from drawn_tests import by_assess, delayed_loop, of_several_actuators, random_partition, shaken
 
-from reliab.api import export_monitor
-from reliab.assessment.coupled_error import rebuild_coupled
-from reliab.in_loop import LoopMonitor
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.structures import stability_limit
+from reliab.app.api.in_loop import export_monitor
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.core.shipped import shipped
+from reliab.in_loop.sources import LoopMonitor
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.structures.critical_delay import stability_limit
 
 pytestmark = needs_compiler
 FRAME = shipped("datasets", "frames/two_actuators.toml")

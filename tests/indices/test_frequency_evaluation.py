@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import evaluate_sums, frequency_evaluation
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.simulation.linear_loop.tracking_sums import TrackingSums
 from reliab.structures.structure import Structure
+from reliab.tracking.indices.frequency_evaluation import evaluate_sums, frequency_evaluation
 
 
 def evaluated(acceleration, time_step, structure, gain, delay, window="hann"):

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error, response_error
-from reliab.indices.window import Window
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.indices.response_error import relative_error, response_error
+from reliab.tracking.indices.window import Window
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.indices.tracking import (
+from reliab.tracking.indices.tracking import (
     delay_by_cross_correlation,
     energy_error,
     maximum_tracking_error,

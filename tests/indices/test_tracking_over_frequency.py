@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.indices.tracking_over_frequency import (
+from reliab.core.errors import InputError
+from reliab.tracking.indices.tracking_over_frequency import (
     TrackingOverFrequency,
     _advance,
     tracking_over_frequency,

@@ -4,9 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import inspect, load_motions
-from reliab.vocabulary import STANDARD_GRAVITY as G
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY as G
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions
 
 Write = Callable[[str, str | bytes], Path]
 TEXT = "0.1\n-0.2\n0.3\n"

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import Fault, inspect, load_motions
-from reliab.motions.loading import UnreadFileWarning
+from reliab.core.errors import InputError
+from reliab.motions.checking import inspect
+from reliab.motions.faults import Fault
+from reliab.motions.loading import UnreadFileWarning, load_motions
 
 Write = Callable[[str, str | bytes], Path]
 

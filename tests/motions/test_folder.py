@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import inspect, load_motions
-from reliab.motions.loading import UnreadFileWarning
+from reliab.core.errors import InputError
+from reliab.motions.checking import inspect
+from reliab.motions.loading import UnreadFileWarning, load_motions
 
 Write = Callable[[str, str | bytes], Path]
 

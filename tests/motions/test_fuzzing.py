@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.errors import InputError
-from reliab.motions import Motion, inspect, load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions, read_motion
+from reliab.motions.motion import Motion
 
 NAMES = [
     *("record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv", "record.txt", "record"),

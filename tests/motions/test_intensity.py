@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import integrate, optimize
 
-from reliab.errors import InputError
-from reliab.motions import Motion
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.intensity import (
     arias_intensity,
     arias_times,
@@ -14,7 +14,7 @@ from reliab.motions.intensity import (
     measure,
     significant_duration,
 )
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.motions.motion import Motion
 
 RECORDS = st.lists(st.floats(-10.0, 10.0), min_size=3, max_size=12).filter(
     lambda values: max(map(abs, values)) > 1e-3

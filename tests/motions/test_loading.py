@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
 
 Write = Callable[[str, str | bytes], Path]
 

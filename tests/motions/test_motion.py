@@ -5,9 +5,9 @@ import struct
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY
+from reliab.motions.motion import Motion
 
 G = STANDARD_GRAVITY
 

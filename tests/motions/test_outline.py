@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.motions import are_copies, arias_times, load_motions, outline_of, resample
+from reliab.motions.intensity import arias_times
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import resample
+from reliab.motions.outline import are_copies, outline_of
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.motions import inspect, load_motions
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions
 from reliab.motions.quality import Copies, find_flaws
 
 Write = Callable[[str, str | bytes], Path]

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.motions import MotionSuite, inspect, load_motions
+from reliab.core.vocabulary import STANDARD_GRAVITY
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.vocabulary import STANDARD_GRAVITY
 
 ALL = ["far_field", "near_field", "held_out"]
 

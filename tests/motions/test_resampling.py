@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.errors import InputError
-from reliab.motions import Motion, resample, truncate
+from reliab.core.errors import InputError
+from reliab.motions.motion import Motion, resample, truncate
 
 SAMPLES = st.lists(st.floats(-40.0, 40.0), min_size=2, max_size=50)
 

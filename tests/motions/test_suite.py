@@ -3,8 +3,9 @@ import pickle
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import Motion, MotionSuite
+from reliab.core.errors import InputError
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 
 
 def motion(name: str, event: str = "", set_name: str = "") -> Motion:

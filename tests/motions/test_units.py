@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.motions.units import (
     CLOCK_UNIT,
     AccelerationUnit,

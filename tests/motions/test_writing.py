@@ -5,8 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.errors import InputError
-from reliab.motions import Motion, MotionSuite, inspect, load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions, read_motion
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_motion, write_suite
 
 LABELS = st.text("abcXYZ019 /.,;-_()'\"äß", max_size=12).map(lambda text: " ".join(text.split()))

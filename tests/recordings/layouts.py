@@ -357,7 +357,7 @@ def classic_netcdf(folder):
 
 
 def record(folder):
-    from reliab.recordings import record_test, write_record
+    from reliab.recordings.record import record_test, write_record
 
     dataset, _ = record_test(csv_with_units_in_brackets(folder))
     write_record(dataset, folder / "t.nc")

@@ -8,9 +8,11 @@ import pytest
 import xarray as xr
 from scipy.io import netcdf_file, savemat
 
-from reliab.errors import InputError
-from reliab.recordings import check_record, read_recording, read_tests, record_test, write_record
+from reliab.core.errors import InputError
 from reliab.recordings.readers.attributes import series_of
+from reliab.recordings.readers.registry import read_tests
+from reliab.recordings.reading import read_recording
+from reliab.recordings.record import check_record, record_test, write_record
 
 TIME = np.arange(2000) / 200.0
 COMMAND = 0.02 * np.sin(6.0 * TIME)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.errors import InputError
-from reliab.recordings import Recording
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.calibration import _Channels, calibrate_channels
-from reliab.stated_value import StatedValue
+from reliab.recordings.recording import Recording
 
 FINER = 8
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording, rows_as_written
+from reliab.core.errors import InputError
+from reliab.recordings.following import rows_as_written
 from reliab.recordings.readers.cells import TimesOfDay, number_of, time_of_day
 from reliab.recordings.readers.header import header_of
+from reliab.recordings.reading import read_recording
 
 RATE = 256.0
 TIME = np.arange(1024) / RATE

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 from layouts import COMMAND, MEASURED, RATE, TIME
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 
 
 def smooth(time):

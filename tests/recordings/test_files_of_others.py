@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from nptdms import TdmsFile
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording, read_tests
+from reliab.core.errors import InputError
+from reliab.recordings.readers.registry import read_tests
+from reliab.recordings.reading import read_recording
 
 
 def data_of(package, *below):

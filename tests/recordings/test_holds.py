@@ -5,9 +5,11 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab.errors import InputError
-from reliab.recordings import Rows, read_recording, rows_at_equal_steps
+from reliab.core.errors import InputError
+from reliab.recordings.followed_rows import rows_at_equal_steps
+from reliab.recordings.following import Rows
 from reliab.recordings.holds import find_hold
+from reliab.recordings.reading import read_recording
 
 RATE, SIZE, DELAY = 1024.0, 12288, 2e-3
 TIME = np.arange(SIZE) / RATE

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from layouts import COMMAND, FORCE, LAYOUTS, MEASURED, RATE, TIME, dspace, mts_793
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 
 PRECISION = {dspace: 1e-9}
 """Files of single precision."""

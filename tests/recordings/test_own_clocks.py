@@ -13,8 +13,8 @@ import pytest
 import xarray as xr
 from scipy.io import netcdf_file, savemat
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 
 RATE, SIZE, LATE, DELAY = 1024.0, 8192, 0.0156, 2e-3
 TIME = np.arange(SIZE) / RATE

@@ -6,10 +6,12 @@ import pandas as pd
 import pytest
 from scipy.io import netcdf_file, savemat
 
-from reliab.errors import InputError
-from reliab.recordings import StatedChannels, read_recording, rows_as_written
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.coupled_recording import read_coupled_recording
-from reliab.stated_value import StatedValue
+from reliab.recordings.following import rows_as_written
+from reliab.recordings.reading import read_recording
+from reliab.recordings.recording import StatedChannels
 
 RATE = 200.0
 TIME = np.arange(2000) / RATE

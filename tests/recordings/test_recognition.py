@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from layouts import COMMAND, FORCE, MEASURED, RATE, TIME, VALVE
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 
 
 def columns_of(table):

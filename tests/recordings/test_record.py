@@ -10,8 +10,9 @@ import xarray as xr
 from layouts import COMMAND, MEASURED, RATE, csv_with_units_in_brackets, tdms
 
 import reliab
-from reliab.errors import InputError
-from reliab.recordings import check_record, read_recording
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
+from reliab.recordings.record import check_record
 
 CHANNELS = """
 [channels.command]
@@ -134,7 +135,7 @@ def test_spoilt_descriptions_of_channels_are_explained(tmp_path, changed, messag
 
 
 def test_a_record_and_its_csv_keep_the_skew_that_the_header_states(tmp_path):
-    shipped = read_recording(reliab.shipped.shipped("datasets", "sample_test/test.csv"))
+    shipped = read_recording(reliab.core.shipped.shipped("datasets", "sample_test/test.csv"))
     reliab.record("sample_test", tmp_path / "t.nc", csv=tmp_path / "t.csv")
     for file in ("t.nc", "t.csv"):
         assert read_recording(tmp_path / file).stated["skew"] == shipped.stated["skew"]

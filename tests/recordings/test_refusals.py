@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
 from reliab.recordings.readers import hierarchical, layouts, registry, text as texts
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree

@@ -6,11 +6,12 @@ import h5py
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.recordings import read_recording, read_tests
+from reliab.core.errors import InputError
 from reliab.recordings.readers import hierarchical
 from reliab.recordings.readers.hierarchical import read_hierarchical
 from reliab.recordings.readers.objects import tree_of_objects
+from reliab.recordings.readers.registry import read_tests
+from reliab.recordings.reading import read_recording
 
 pytest.importorskip("matio")
 SAVED = Path(__file__).parent / "saved_by_matlab"

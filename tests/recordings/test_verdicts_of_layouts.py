@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab import cli
+from reliab.app import cli
 
 FIRST = (layouts.mts_793, layouts.dspace, layouts.tdms, layouts.xpc)
 

@@ -5,9 +5,11 @@ import pandas as pd
 import pytest
 
 import reliab
-from reliab.errors import InputError
-from reliab.recordings import Rows, read_recording, rows_about_zero
+from reliab.core.errors import InputError
 from reliab.recordings.coupled_recording import read_coupled_recording
+from reliab.recordings.followed_rows import rows_about_zero
+from reliab.recordings.following import Rows
+from reliab.recordings.reading import read_recording
 from reliab.recordings.recording import StatedChannels
 from reliab.recordings.zero import extent_of_test, zero_of
 

@@ -9,19 +9,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy import Campaign, Channel, MeasuredTest, diagnose
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.adding.posterior import sample_posterior
-from reliab.effects import find_effect
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.diagnose import diagnose
+from reliab.effects.registry import find_effect
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy import discrepancy_blocks
 from reliab.report.kinds.discrepancy_figures import posterior_figure
 from reliab.report.kinds.discrepancy_report import discrepancy_report, missing_effects_section
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load
-from reliab.structures import Specimen, Structure
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
 from reliab.structures.partition import Partition
-from reliab.vocabulary import Block
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 

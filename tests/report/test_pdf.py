@@ -14,7 +14,7 @@ import typst
 from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure as Drawing
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Column, Document, Equation, Figure, Paragraph, Section, Source, Table
 from reliab.report.numbers import Fixed

@@ -2,7 +2,7 @@
 
 import json
 
-from reliab.cli import run
+from reliab.app.cli import run
 
 
 def test_a_folder_without_a_run_is_explained(tmp_path, capsys):
@@ -15,7 +15,7 @@ def test_the_report_is_named(tmp_path, monkeypatch, capsys):
         assert setting.title == "Ours"
         return folder / "report.pdf"
 
-    monkeypatch.setattr("reliab.api.studies.write_report", written)
+    monkeypatch.setattr("reliab.app.api.studies.write_report", written)
     assert run(["report", str(tmp_path), "--title", "Ours", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == {
         "folder": str(tmp_path),

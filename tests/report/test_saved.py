@@ -6,13 +6,13 @@ import json
 import pytest
 from matplotlib.figure import Figure as Drawing
 
-from reliab.cli import run
-from reliab.errors import InputError
-from reliab.report import save_content, saved_content
+from reliab.app.cli import run
+from reliab.core.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Document, Equation, Figure, Paragraph
 from reliab.report.pdf import compiled_report, templates
 from reliab.report.prose import Math, prose, require_formula
+from reliab.report.saved import save_content, saved_content
 from reliab.report.setting import Setting
 
 DATE = dt.date(2026, 1, 1)

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from reliab.criterion import derive_criterion
-from reliab.criterion.methods import method_of
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.methods.registry import method_of
 from reliab.report.document import Figure, Paragraph, Table
 from reliab.report.kinds import discrepancy_report as discrepancy
 from reliab.report.kinds.criterion.reported import ReportedCriteria

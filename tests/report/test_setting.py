@@ -9,7 +9,7 @@ import pytest
 import typst
 from matplotlib.figure import Figure as Drawing
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.glossary import TERMS, glossary_of

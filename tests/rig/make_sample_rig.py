@@ -17,7 +17,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "assessment")]
 
 from rebuilt_error import laboratory as lab  # noqa: E402
 
-from reliab.api import add_to_rig  # noqa: E402
+from reliab.app.api.rigs import add_to_rig  # noqa: E402
 
 EARTHQUAKES, PER_EARTHQUAKE, PER_DAY, RATE, SECONDS = 42, 3, 6, 256.0, 20.0
 CHANGED, LATER = 63, 1e-3

@@ -5,8 +5,9 @@ import hashlib
 import numpy as np
 import xarray as xr
 
-from reliab.rig import RigFolder, RigTable, RigTest
-from reliab.rig.rig_table import ordered_table
+from reliab.rig.rig_folder import RigFolder
+from reliab.rig.rig_table import RigTable, ordered_table
+from reliab.rig.rig_test import RigTest
 
 RECORD = xr.Dataset({"measured": (("actuator", "time"), np.zeros((1, 4)))})
 

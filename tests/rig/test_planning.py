@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from rig_rows import keep, rig_table, rig_test
 
-from reliab.cli import run
-from reliab.rig import NextTest, compare_tables, plan_tests
-from reliab.structures import Structure
+from reliab.app.cli import run
+from reliab.rig.comparison import compare_tables
+from reliab.rig.memory import NextTest
+from reliab.rig.planning import plan_tests
+from reliab.structures.structure import Structure
 
 
 def late(count, delay, seed=1):

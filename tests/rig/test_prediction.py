@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from rig_rows import keep, rig_table, rig_test
 
-from reliab.boundary import first_order_ellipse
-from reliab.cli import run
-from reliab.errors import InputError
-from reliab.rig import NextTest, predict_next, predict_under_motion
-from reliab.simulation import Excitation
-from reliab.structures import Structure
+from reliab.app.cli import run
+from reliab.core.errors import InputError
+from reliab.rig.memory import NextTest
+from reliab.rig.prediction import predict_next, predict_under_motion
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.boundary.first_order import first_order_ellipse
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 SHAKEN = Excitation(

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.api import export_rig, list_rig
-from reliab.cli import run
+from reliab.app.api.rigs import export_rig, list_rig
+from reliab.app.cli import run
 
 STRUCTURE = ("--f", "1", "--xi", "0.02")
 

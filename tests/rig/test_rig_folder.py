@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 from rig_rows import keep, rig_test
 
-from reliab.api import list_rig
-from reliab.errors import InputError
-from reliab.rig import RigFolder, require_date
+from reliab.app.api.rigs import list_rig
+from reliab.core.errors import InputError
+from reliab.rig.rig_folder import RigFolder
+from reliab.rig.rig_test import require_date
 
 ROOT = Path(__file__).parents[2]
 WRITER = """

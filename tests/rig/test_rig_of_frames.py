@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.cli import run
-from reliab.motions.synthetic import synthetic_suite
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
+from reliab.app.cli import run
+from reliab.core.shipped import shipped
+from reliab.motions.synthetic.suite import synthetic_suite
+from reliab.simulation.frames.frame_file import read_structure
 from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
-from reliab.simulation.transfer_systems import TransferFunction
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 
 RATE, THINNED = 4096.0, 16
 pytestmark = pytest.mark.slow

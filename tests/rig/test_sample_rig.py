@@ -6,9 +6,10 @@ import shutil
 import numpy as np
 import pytest
 
-from reliab.cli import run
-from reliab.rig import RigFolder, drift_chart
-from reliab.shipped import shipped
+from reliab.app.cli import run
+from reliab.core.shipped import shipped
+from reliab.rig.drift import drift_chart
+from reliab.rig.rig_folder import RigFolder
 
 CHANGED = 63  # the first test after the valve was exchanged, counted from 0
 

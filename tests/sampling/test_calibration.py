@@ -11,7 +11,7 @@ from normal_values import NormalValues
 from scipy.stats import chisquare, kstest
 
 from reliab.criterion.methods.hierarchical.model import Hierarchical
-from reliab.sampling import Ensembles, draw
+from reliab.sampling.ensembles import Ensembles, draw
 
 DRAWS = 99  # of a posterior, among which the true parameter is ranked
 EVENTS = np.repeat([f"E{number}" for number in range(6)], 2)

@@ -9,9 +9,10 @@ import pytest
 from emcee.backends import HDFBackend
 from normal_values import NormalValues
 
-from reliab.errors import IncompleteError, InputError
-from reliab.sampling import ConvergenceWarning, Ensembles, chain_file, sample
-from reliab.sampling.ensembles import width_of
+from reliab.core.errors import IncompleteError, InputError
+from reliab.sampling import chain_file
+from reliab.sampling.ensembles import Ensembles, sample, width_of
+from reliab.sampling.posterior_sample import ConvergenceWarning
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)

@@ -5,7 +5,8 @@ import pytest
 from normal_values import REFERENCE_PRIOR, WEAK_PRIOR, NormalValues, drawn, updated
 from scipy import stats
 
-from reliab.sampling import Ensembles, NormalInverseChiSquared, sample
+from reliab.sampling.ensembles import Ensembles, sample
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 SHARES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)

@@ -4,16 +4,9 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.signals import (
-    CubicPath,
-    butterworth_poles,
-    convolved,
-    correlated,
-    hann,
-    low_pass,
-    recursively_filtered,
-    taper,
-)
+from reliab.signals.cubic_path import CubicPath
+from reliab.signals.filters import butterworth_poles, low_pass, recursively_filtered
+from reliab.signals.spectra import convolved, correlated, hann, taper
 
 
 @pytest.fixture

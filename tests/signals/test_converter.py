@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.signals import converter_step, expected_error, vary_rounding
+from reliab.signals.noise import converter_step, expected_error, vary_rounding
 
 
 def test_all_levels_are_whole_steps_apart():

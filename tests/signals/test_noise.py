@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.signals import (
+from reliab.signals.noise import (
     CORNERS,
     NoiseModel,
     Periodogram,

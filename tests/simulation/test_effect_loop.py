@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
-from reliab.boundary import Ellipse, motion_contours
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.effects.registry import find_effect
 from reliab.simulation.effect_loop import EffectLoop
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.response_error import relative_error
 
 
 @pytest.fixture(scope="module")

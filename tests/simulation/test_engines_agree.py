@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 
 from reliab import ellipses
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.motions import Motion, MotionSuite, load_motions, resample
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion, resample
+from reliab.motions.suite import MotionSuite
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
-from reliab.sweep import ExplicitGrid
-from reliab.vocabulary import Metric
+from reliab.sweep.grid import ExplicitGrid
+from reliab.tracking.indices.response_error import relative_error
 
 
 def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop, Cells]:

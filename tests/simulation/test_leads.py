@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
-from reliab.motions import load_motions
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions
 from reliab.simulation.effect_loop import EffectLoop
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.linear_loop import spectral
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole
 from reliab.structures.stability import critical_delay, longest_lead, stability_margin
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.indices.response_error import relative_error
 
 
 def random_case(rng, acceleration, time_step, window=(0.0, -1.0)):

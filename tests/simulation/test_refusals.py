@@ -8,23 +8,22 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
 from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
 from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries
 from reliab.simulation.compensators.low_pass import butterworth_sections
 from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.simulation.frames.frame_file import frame_of_tables
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
-from reliab.simulation.laboratory import Rig, Sensors, run_laboratory
-from reliab.simulation.laboratory.laboratory import Limits
-from reliab.simulation.transfer_systems import (
-    ServoHydraulic,
-    first_order_lag,
-)
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
-from reliab.structures import Partition, Specimen
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import first_order_lag
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 1024.0

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.indices.response_error import relative_error
-from reliab.motions import load_motions
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import drive_stepping, pole_stepping
@@ -14,7 +14,7 @@ from reliab.simulation.linear_loop.delay_stepper import response
 from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
+from reliab.tracking.indices.response_error import relative_error
 
 TIME = np.arange(0.0, 30.0, 0.01)
 HOSTILE = {

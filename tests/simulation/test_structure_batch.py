@@ -7,7 +7,7 @@ from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.structure_batch import StructureBatch
 from reliab.structures.structure import Structure
-from reliab.sweep import ExplicitGrid, ScaledGrid
+from reliab.sweep.grid import ExplicitGrid, ScaledGrid
 
 STRUCTURES = [
     Structure(frequency=0.25, damping_ratio=0.02),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.simulation.linear_loop.cells import Cells

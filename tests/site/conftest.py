@@ -1,6 +1,6 @@
 import pytest
 
-from reliab.cli import run
+from reliab.app.cli import run
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from pages import PAGES, SITE, code, commands, name_of
 from written_commands import blocks, command_blocks, parameters, reliab_lines
 
-from reliab.cli import run
+from reliab.app.cli import run
 
 README = SITE.parents[1] / "README.md"
 LONG_CODE = ("notebooks/campaign", "paper", "gallery", "why")

@@ -9,7 +9,7 @@ import typer
 from pages import PAGES, SITE, name_of
 
 import reliab
-from reliab.cli import application
+from reliab.app.cli import application
 from reliab.discrepancy.campaign.reading import CampaignDescription
 from reliab.simulation.frames.frame_tables import FrameDescription
 

@@ -7,8 +7,9 @@ import pytest
 import scipy
 
 from reliab.simulation.frames.frame_tables import DampingTable
-from reliab.structures import Partition
-from reliab.structures.frames import modal_damping, rayleigh_damping, shear_frame
+from reliab.structures.frames.frame import modal_damping, rayleigh_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
 
 
 def tall(stories=60):

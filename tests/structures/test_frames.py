@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.structures.frames import Frame, PlanarFrame, modal_damping, rayleigh_damping, shear_frame
-from reliab.structures.frames.frame import exact_step, square_matrix
+from reliab.core.errors import InputError
+from reliab.structures.frames.frame import Frame, exact_step, modal_damping, rayleigh_damping, square_matrix
+from reliab.structures.frames.planar_frame import PlanarFrame, shear_frame
 
 PUBLISHED = np.array(
     [

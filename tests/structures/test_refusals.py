@@ -6,10 +6,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from reliab.effects import find_effect
+from reliab.core.errors import InputError
 from reliab.effects.effect import Parameter, Scales
-from reliab.errors import InputError
-from reliab.structures import Partition, Specimen
+from reliab.effects.registry import find_effect
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 SOUND = Structure(frequency=1.0, damping_ratio=0.05)

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.structures import Partition, Structure, stability_limit
+from reliab.core.errors import InputError
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.partition import Partition
 from reliab.structures.stability import critical_delay
+from reliab.structures.structure import Structure
 
 
 def coupled_corner(specimen_damping=0.0):

@@ -8,7 +8,7 @@ from reliab_studies.paper2017.cases import cases_dataset, run_paper_cases
 from reliab_studies.synthetic_vs_real.report import suites_report
 from reliab_studies.validation.report import validation_report
 
-from reliab.motions import Motion
+from reliab.motions.motion import Motion
 from reliab.report.document import Table
 from reliab.report.sections.rates import rates_section
 

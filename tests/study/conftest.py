@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.motions import Motion, MotionSuite
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
 from reliab.study.reading import study_from
 

@@ -4,9 +4,8 @@ from typing import Any
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.study import open_study, shipped_studies
-from reliab.study.reading import read_study
+from reliab.core.errors import InputError
+from reliab.study.reading import open_study, read_study, shipped_studies
 
 
 @pytest.mark.of_studies

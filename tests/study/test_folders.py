@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.shipped import shipped_folder
-from reliab.study import open_study, run_study
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped_folder
 from reliab.study.folders import kind_of, shipped_folders
 from reliab.study.kinds import KINDS
+from reliab.study.reading import open_study
+from reliab.study.running import run_study
 
 pytestmark = pytest.mark.of_studies
 

@@ -7,12 +7,12 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.study import open_study, run_study, write_report
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 from reliab.study.kinds import KINDS
 from reliab.study.kinds.discrepancy import CampaignTable
-from reliab.study.reading import study_from
+from reliab.study.reading import open_study, study_from
+from reliab.study.running import run_study, write_report
 
 pytestmark = pytest.mark.of_studies
 

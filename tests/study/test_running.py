@@ -9,15 +9,16 @@ from typing import Any
 
 import pytest
 
-from reliab.criterion import installed_versions
-from reliab.criterion.laws import FITTED
-from reliab.errors import InputError
-from reliab.files import UNFINISHED
+from reliab.core.errors import InputError
+from reliab.core.files import UNFINISHED
+from reliab.criterion.laws.registry import FITTED
+from reliab.criterion.provenance import installed_versions
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
-from reliab.study import run_study, stages, write_report
+from reliab.study import stages
 from reliab.study.kinds import KINDS
 from reliab.study.reading import study_from
+from reliab.study.running import run_study, write_report
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import candidates
 

@@ -11,7 +11,7 @@ import reliab
 
 ASKED = """
 import sys
-from reliab.cli import run
+from reliab.app.cli import run
 print([run(arguments.split()) for arguments in sys.argv[1:]], file=sys.stderr)
 """
 

@@ -9,9 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.indices.window import Window
-from reliab.motions import Motion, MotionSuite
-from reliab.sweep import ScaledGrid, SweepRequest, run_sweep, store as stores
+from reliab.motions.motion import Motion
+from reliab.motions.suite import MotionSuite
+from reliab.sweep import store as stores
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.run import run_sweep
+from reliab.tracking.indices.window import Window
 
 
 @pytest.fixture(scope="session")

@@ -8,8 +8,9 @@ from contextlib import contextmanager
 
 import pytest
 
-from reliab.errors import IncompleteError, InputError
-from reliab.sweep import open_results, run_sweep
+from reliab.core.errors import IncompleteError, InputError
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")

@@ -4,10 +4,11 @@ import h5py
 import numpy as np
 import pytest
 
-from reliab.boundary import Ellipse
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses, open_results, write_compact, write_ellipses
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.results import open_results, write_compact
+from reliab.tracking.boundary.curves import Ellipse
 
 
 @pytest.fixture(scope="module")

@@ -6,28 +6,25 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.boundary import Ellipse, motion_contours
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.indices.response_error import relative_error
-from reliab.indices.window import Window
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import LABELS, RESULT_DIMENSIONS, Metric, Side
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, spectral
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.simulation.linear_loop.dominant_pole import transfer
 from reliab.structures.stability import critical_delay
-from reliab.sweep import (
-    EllipseRequest,
-    ExplicitGrid,
-    ScaledGrid,
-    SweepRequest,
-    open_results,
-    run_sweep,
-    trace_ellipses,
-)
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.grid import ExplicitGrid, ScaledGrid
 from reliab.sweep.plain import sweep_request
-from reliab.vocabulary import LABELS, RESULT_DIMENSIONS, Metric, Side
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from reliab import load_motions
-from reliab.errors import InputError
-from reliab.simulation.frames import governing_mode
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
 from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame
+from reliab.simulation.frames.governing_mode import governing_mode
+from reliab.structures.frames.frame import Frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.vocabulary import Metric
 
 
 def framed(partition, output=None):

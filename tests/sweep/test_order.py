@@ -4,8 +4,8 @@ import json
 import shutil
 
 import reliab
-from reliab.motions import load_motions
-from reliab.sweep import open_results
+from reliab.motions.loading import load_motions
+from reliab.sweep.results import open_results
 
 
 def test_variables_stand_in_the_same_order_however_the_store_lists_them(tmp_path):

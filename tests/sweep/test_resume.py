@@ -14,9 +14,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.errors import IncompleteError, InputError
-from reliab.motions import load_motions
-from reliab.sweep import ScaledGrid, SweepRequest, open_results, run_sweep, store
+from reliab.core.errors import IncompleteError, InputError
+from reliab.motions.loading import load_motions
+from reliab.sweep import store
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 REQUEST = SweepRequest(
     frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)

@@ -2,11 +2,11 @@
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.indices.window import Window
-from reliab.motions.synthetic import synthetic_suite
+from reliab.core.errors import InputError
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, summary_of_rig, trace_frame_ellipses
+from reliab.tracking.indices.window import Window
 
 TABLES = {
     "frame": {"masses_kg": [2000.0, 1500.0], "storey_stiffnesses_n_per_m": [4e5, 3e5]},

@@ -6,28 +6,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.boundary import Ellipse, InscribedEllipse
-from reliab.errors import InputError
-from reliab.indices.response_error import relative_error
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import LABELS, Metric, Side
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.sweep import (
-    EllipseRequest,
-    ScaledGrid,
-    SweepRequest,
-    at_share,
-    open_results,
-    predict_ellipses,
-    run_sweep,
-    shares_of,
-    trace_ellipses,
-    write_compact,
-)
+from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.vocabulary import LABELS, Metric, Side
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.results import open_results, write_compact
+from reliab.sweep.run import run_sweep
+from reliab.sweep.shares import at_share, shares_of
+from reliab.tracking.boundary.curves import Ellipse, InscribedEllipse
+from reliab.tracking.indices.response_error import relative_error
 
 SHARES = (0.25, 1.0)
 REQUEST = SweepRequest(

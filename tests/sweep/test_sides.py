@@ -5,24 +5,20 @@ import pytest
 import xarray as xr
 
 import reliab
-from reliab.boundary import Contour, Cosine, Ellipse, InscribedEllipse
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, NoEllipse, Side
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
-from reliab.sweep import (
-    EllipseRequest,
-    ScaledGrid,
-    SweepRequest,
-    open_ellipses,
-    open_results,
-    run_sweep,
-    share_at_rest,
-    trace_ellipses,
-    write_ellipses,
-)
-from reliab.sweep.ellipse_dataset import curve_row
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, NoEllipse, Side
+from reliab.sweep.ellipse_dataset import curve_row, share_at_rest
+from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.grid import ScaledGrid
+from reliab.sweep.request import SweepRequest
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse
 
 
 @pytest.fixture(scope="module")

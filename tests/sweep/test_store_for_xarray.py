@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reliab.errors import IncompleteError, InputError
-from reliab.sweep import ExplicitGrid, open_results, run_sweep, store as stores
+from reliab.core.errors import IncompleteError, InputError
+from reliab.sweep import store as stores
+from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.results import open_results
+from reliab.sweep.run import run_sweep
 
 
 @pytest.fixture

@@ -2,9 +2,8 @@
 
 import pytest
 
-from reliab.motions import load_motions
-from reliab.sweep import run_sweep
-from reliab.sweep.run import SweepJob, _in_tasks, _side_by_side
+from reliab.motions.loading import load_motions
+from reliab.sweep.run import SweepJob, _in_tasks, _side_by_side, run_sweep
 from reliab.sweep.store import ResultsStore
 
 SUITE = load_motions("synthetic")

@@ -21,8 +21,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from unchanged.comparing import NUMBER
 
-from reliab import cli
-from reliab.sampling import sample
+from reliab.app import cli
+from reliab.sampling.ensembles import sample
 from reliab.version import __version__
 
 QUESTIONS = tomllib.loads(Path(__file__).with_name("questions.toml").read_text(encoding="utf-8"))

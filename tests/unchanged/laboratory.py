@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 from coupled_structures import coupled_response
 
-from reliab.criterion import published_criterion
+from reliab.core.shipped import shipped
+from reliab.criterion.published import published_criterion
 from reliab.discrepancy.blocks.frame_balance import InnerMotion
-from reliab.effects import find_effect
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_frame, read_structure
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel, run_closed_loop, write_model
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.effects.registry import find_effect
+from reliab.simulation.frames.frame_file import read_frame, read_structure
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 
 RATE = 200.0

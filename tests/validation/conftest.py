@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
 from reliab.criterion.scaling import scales
-from reliab.vocabulary import ELLIPSE_DIMENSIONS
 
 
 def _drawn(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Dataset:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from reliab.criterion import Criterion
-from reliab.criterion.laws import Table
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.laws.table import Table
 from reliab.criterion.provenance import Provenance
-from reliab.motions import load_motions
+from reliab.motions.loading import load_motions
 from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
 

@@ -3,9 +3,9 @@
 import pytest
 import xarray as xr
 
-from reliab.motions import load_motions
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
+from reliab.core.shipped import shipped
+from reliab.motions.loading import load_motions
+from reliab.sweep.ellipse_file import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
 
 

@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.criterion.laws import FITTED, OF_MANY_MOTIONS, Dimensionless, Exponential, Power, Table
-from reliab.errors import InputError
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses, open_results
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.exponential import Exponential
+from reliab.criterion.laws.power import Power
+from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+from reliab.criterion.laws.table import Table
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.results import open_results
 from reliab.validation.law_comparison import compare_laws
 
 

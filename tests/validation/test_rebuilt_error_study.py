@@ -10,29 +10,26 @@ import typer
 from rebuilt_error import laboratory
 from typer.testing import CliRunner
 
-from reliab.cli.validate import validate
-from reliab.errors import InputError
-from reliab.indices.response_error import response_error
-from reliab.motions import Motion
+from reliab.app.cli.validate import validate
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
+from reliab.tracking.indices.response_error import response_error
 from reliab.validation.beyond_the_model import Rig
-from reliab.validation.rebuilt_error_study import (
-    CERTAIN,
+from reliab.validation.rebuilt_error_study import bench as simulated, rigs, study
+from reliab.validation.rebuilt_error_study.design import Design
+from reliab.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
+from reliab.validation.rebuilt_error_study.rigs import (
+    _DECIBELS,
+    CONDITIONS,
     LINEAR,
-    OWN_BOUNDARY,
-    REBUILT,
-    WITH_MODEL,
-    Design,
-    bench as simulated,
-    rigs,
-    shares,
-    study,
-    summarised,
-    try_tests,
+    PLAIN,
+    QUANTISED,
+    RIGS,
+    Scales,
 )
-from reliab.validation.rebuilt_error_study.rigs import _DECIBELS, CONDITIONS, PLAIN, QUANTISED, RIGS, Scales
-from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS
-from reliab.vocabulary import Metric
+from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, shares, summarised, try_tests
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 DURATION = 12.0

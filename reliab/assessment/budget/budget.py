@@ -6,8 +6,8 @@ from typing import Any
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.structures import PARTS, is_part, part_and_number
-from reliab.vocabulary import MILLI, PERCENT
+from reliab.core.vocabulary import MILLI, PERCENT
+from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,12 +6,14 @@ from typing import Final, TypeVar
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
-from reliab.recordings import CoupledRecording, Recording
-from reliab.signals import CubicPath, LowPass
-from reliab.stated_value import StatedValue
-from reliab.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.signals.cubic_path import CubicPath
+from reliab.signals.filters import LowPass
 
 CHANNELS: Final = ("command", "measured")
 """Channels that may have a filter."""

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.described_files import parse_toml, read_toml
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.significant import significant
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure, is_part
-from reliab.vocabulary import MILLI
+from reliab.core.described_files import parse_toml, read_toml
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
+from reliab.structures.parts_of_structure import is_part
+from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.simulation.frames import FrameUnderTest
+    from reliab.simulation.frames.frame_file import FrameUnderTest
 
 _SLOW = 1.0 / 1000.0  # s: controllers of real-time hybrid tests mostly run at 1024 Hz and more
 _RULE = "A laboratory's sizes are a TOML file of numbers that are not negative"

@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Swept, Unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -23,9 +22,10 @@ from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
-from reliab.significant import percent
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.simulation.frames import ideal_response
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.simulation.frames.exact_loop import ideal_response
+from reliab.structures.partition import Partition
 
 FEWEST_PERIODS = 10.0
 """Periods of the structure below which a test does not show it."""

@@ -18,9 +18,9 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.difference_draws import coarse_step, draw_differences
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, followed
+from reliab.core.arrays import Array
 
 _LEAST_NOISE = 1e-9  # of the motion: channels with less are taken to be without noise
 _PASSED = 2.5  # times the band: above, the filter lets nothing pass

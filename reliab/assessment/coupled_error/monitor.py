@@ -10,22 +10,22 @@ from types import MappingProxyType
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import DRAWS, rebuild_coupled
-from reliab.assessment.rebuilt_error import (
+from reliab.assessment.rebuilt_error.readings import delayed_on
+from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.running_test import (
     Now,
-    Recursion,
     RunningResponse,
     RunningSums,
     RunningTest,
-    Tolerances,
-    delayed_on,
     require_readings,
 )
-from reliab.errors import InputError
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 
 _RUNNING_DRAWS = 64  # behind the intervals of a running test
 _BEFORE = 4  # samples beyond a lag that its interpolation uses

@@ -12,7 +12,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.coupled_error.coupled_error import (
     CoupledError,
     errors_of_displacements,
@@ -33,7 +32,8 @@ from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.structures.partition import Partition
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""

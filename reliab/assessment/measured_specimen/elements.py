@@ -23,7 +23,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.hysteresis import (
     TRAITS,
     from_reversals,
@@ -32,7 +31,8 @@ from reliab.assessment.measured_specimen.hysteresis import (
     towards_peaks,
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
 _LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields

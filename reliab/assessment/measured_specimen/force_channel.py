@@ -10,10 +10,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.stated_value import StatedValue
-from reliab.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 
 _SLOW = 0.02  # of the largest speed, below which friction follows the velocity
 

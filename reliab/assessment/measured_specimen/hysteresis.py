@@ -18,8 +18,8 @@ those of the normalised element.
 
 from typing import Final
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 TRAITS: Final = 11
 """Largest number of traits of a law, its yield displacement apart."""

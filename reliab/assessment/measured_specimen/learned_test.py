@@ -18,7 +18,6 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
@@ -26,8 +25,9 @@ from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, inputs_of_reading
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.errors import InputError
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.structures.partition import Partition
 
 _SAMPLE = 10  # members by whose differences the others are drawn apart
 _FARTHEST = 5.0  # times, by which they are drawn apart at most

@@ -18,7 +18,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import (
     FAMILIES,
     LINEAR,
@@ -34,7 +33,8 @@ from reliab.assessment.measured_specimen.hysteresis import (
     STRUT_TRAITS,
 )
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
-from reliab.progress import show_task
+from reliab.core.arrays import Array
+from reliab.core.progress import show_task
 
 _LAWS = {
     Kind.SMOOTH_PINCHED: SMOOTH_TRAITS,

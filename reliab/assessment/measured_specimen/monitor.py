@@ -10,18 +10,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
-from reliab.assessment.rebuilt_error import (
-    Now,
-    RebuiltError,
-    RunningTest,
-    Tolerances,
-    require_readings,
-)
-from reliab.errors import InputError
-from reliab.structures import Partition
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.structures.partition import Partition
 
 _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has not shown enough
 

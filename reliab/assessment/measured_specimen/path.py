@@ -11,10 +11,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.elements import Elements
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.signals import REACH
+from reliab.core.arrays import Array
+from reliab.signals.filters import REACH
 
 _RIDGE = 1e-8  # of an element's own mean square
 _UNEXCITED = 1e-4  # of the most excited element, below which one bears next to nothing

@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import OF_FORCE, LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
@@ -42,10 +41,11 @@ from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings
-from reliab.errors import InputError
-from reliab.structures import Partition
-from reliab.threads import one_thread
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.threads import one_thread
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""

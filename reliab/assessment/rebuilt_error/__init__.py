@@ -32,10 +32,3 @@ away; `sensor_offset=0.0` says that the loop felt it. A sensor with a wrong scal
 in time, or a force that is fed back late looks exactly like an actuator error: state a tolerance for each,
 and the interval includes it.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-# modules of these names would hide what they hold
-from reliab.assessment.rebuilt_error.rebuild import rebuild as rebuild  # noqa: E402

@@ -1,6 +1,6 @@
 """RMS^R and MTE^R from histories, and the statistics of many rebuilt errors at once.
 
-Both are normalised by the peak of the exact response, as in `reliab.indices.response_error` ::
+Both are normalised by the peak of the exact response, as in `reliab.tracking.indices.response_error` ::
 
     RMS^R = √(mean (x_m − x_I)²)/max|x_I|,   MTE^R = max|x_m − x_I|/max|x_I|
 """
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march, respond
-from reliab.compiled import compiled
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.vocabulary import Metric
 
 
 def mean_square(values: Array) -> float:

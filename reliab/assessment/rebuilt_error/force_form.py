@@ -25,11 +25,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import estimate_noise
-from reliab.errors import InputError
-from reliab.significant import significant
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.structures.partition import Partition
 
 Transfer = Callable[[NDArray[np.complex128]], NDArray[np.complex128]]
 

@@ -28,11 +28,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
-from reliab.errors import InputError
-from reliab.significant import significant
-from reliab.structures import Structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.structures.structure import Structure
 
 _CLEAR = 10.0  # standard errors: a stiffness that is less certain is none
 
@@ -133,7 +133,9 @@ def identify(
     `command`, `measured` [m]; `ground_acceleration` [m/s²]; `time_step` [s]; `force` [m/s²]; `feedback_lag`
     [s]; `absolute`: whether the acceleration is that of ground and response together.
 
-    >>> from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+    >>> from reliab.simulation.hybrid_test.model import HybridTest
+
+    >>> from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
     >>> time = np.arange(0.0, 20.0, 0.002)
     >>> shaken = np.sin(7.0 * time) * np.exp(-0.2 * time)

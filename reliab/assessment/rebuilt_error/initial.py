@@ -16,12 +16,12 @@ from enum import Enum, auto
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.significant import significant
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
+from reliab.structures.partition import Partition
 
 _AT_REST = 1e-3  # share of the largest displacement up to which the first motion counts as rest
 _STILL = 2e-3  # share up to which the command still counts as standing

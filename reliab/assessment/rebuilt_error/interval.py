@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import DrivenDraws, mean_and_deviation
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
@@ -27,7 +26,9 @@ from reliab.assessment.rebuilt_error.recursion import (
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import Partition, is_part
+from reliab.core.arrays import Array
+from reliab.structures.partition import Partition
+from reliab.structures.parts_of_structure import is_part
 
 _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
 _OPEN = ("open_offset", "open_drift", "open_filter")

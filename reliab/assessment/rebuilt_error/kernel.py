@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.signals import convolved
+from reliab.core.arrays import Array
+from reliab.signals.spectra import convolved
 
 _PERIODS_OF_KERNEL = 0.5
 _PER_PERIOD = 24.0  # samples of the equation in a period

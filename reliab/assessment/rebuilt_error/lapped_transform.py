@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 
 def analyse(values: Array, hop: int) -> Array:

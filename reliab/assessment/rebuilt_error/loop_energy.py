@@ -41,9 +41,9 @@ import numpy as np
 import scipy
 import scipy.linalg
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.structures.partition import Partition
 
 MEMORY = 3.0
 """Periods of a mode after which its window has forgotten all but 1/e."""

@@ -20,18 +20,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, read_only
-from reliab.signals import (
-    RIPPLE,
-    LowPass,
-    binned,
-    fit_levels,
-    low_pass,
-    noise_shapes,
-    periodogram,
-    smoothed,
-    upper_level,
-)
+from reliab.core.arrays import Array, read_only
+from reliab.signals.filters import RIPPLE, LowPass, low_pass, smoothed
+from reliab.signals.noise import fit_levels, noise_shapes
+from reliab.signals.spectra import binned, periodogram, upper_level
 
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
 """Corner frequencies of the slow parts [Hz]."""

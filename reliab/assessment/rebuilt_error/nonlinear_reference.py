@@ -20,7 +20,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
@@ -36,11 +35,14 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.effects import Effect, Role
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.simulation.hybrid_test import HybridTest, Motion3, load, run_closed_loop
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.effects.effect import Effect, Role
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.structures.partition import Partition
 
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
@@ -67,7 +69,7 @@ def rebuild_with_specimen(
     Returns as `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
 
     >>> from reliab.simulation.hybrid_test.model import Actuator
-    >>> from reliab.effects import find_effect
+    >>> from reliab.effects.registry import find_effect
     >>> from reliab.structures.structure import Structure
     >>> structure = Structure(frequency=1.0, damping_ratio=0.05)
     >>> friction = find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01)

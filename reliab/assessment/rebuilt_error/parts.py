@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.structures import Partition
+from reliab.core.arrays import Array
+from reliab.structures.partition import Partition
 
 AMPLITUDE = "amplitude"
 DELAY = "delay"

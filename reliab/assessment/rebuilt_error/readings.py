@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
 
 _SUPPORT = 3  # samples before the newest that the interpolation uses
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import (
@@ -37,9 +36,11 @@ from reliab.assessment.rebuilt_error.spread import DisplacementError, Spread
 from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
-from reliab.errors import InputError
-from reliab.structures import Partition, Structure, whole_structure
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
 
 _KEPT = 128
 

@@ -25,10 +25,10 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, read_only
-from reliab.compiled import compiled
-from reliab.structures import Partition
-from reliab.threads import one_thread
+from reliab.core.arrays import Array, read_only
+from reliab.core.compiled import compiled
+from reliab.core.threads import one_thread
+from reliab.structures.partition import Partition
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,7 +16,6 @@ import sys
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
@@ -40,9 +39,12 @@ from reliab.assessment.rebuilt_error.stretches import (
     samples_in_stretch,
 )
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest, UpdatedModel
-from reliab.structures import Partition, Structure, whole_structure
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
 
 _ROWS = 6  # command, measured, error, response to a constant, decay from equilibrium, nonlinear share
 _CAPACITY = 4096
@@ -178,7 +180,7 @@ class Monitor(RunningTest):
     >>> monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
     >>> for chunk in np.array_split(np.stack([command, 0.99 * command]), 7, axis=1):
     ...     monitor.feed(*chunk)
-    >>> from reliab.assessment.rebuilt_error import rebuild
+    >>> from reliab.assessment.rebuilt_error.rebuild import rebuild
     >>> whole = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
     >>> bool(np.abs(monitor.error - whole.error).max() < 1e-12)
     True

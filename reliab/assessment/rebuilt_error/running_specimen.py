@@ -21,11 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.recursion import Recursion
-from reliab.compiled import compiled
-from reliab.effects import Role
-from reliab.simulation.hybrid_test import STATES, HybridTest, call_all, plan
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.effects.effect import Role
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.stepping import STATES, call_all, plan
 
 LONGEST_MEMORY = 0.3
 """Longest memory of the parabola through x_c − x_m, in radians of the lowest mode."""

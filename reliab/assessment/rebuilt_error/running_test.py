@@ -15,17 +15,17 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.initial import FEWEST_SAMPLES
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping, watched_modes
 from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.compiled import compiled
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.recordings import LARGEST_READING
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.vocabulary import Metric
+from reliab.recordings.recording import LARGEST_READING
+from reliab.structures.partition import Partition
 
 TIME_WITHOUT_DOUBLING = (
     12.0  # s for which the peak of the response must not have doubled before an error is judged

@@ -1,8 +1,8 @@
 """How long a test may be: the draws of its error are held in memory at once."""
 
-from reliab.errors import InputError
-from reliab.significant import significant
-from reliab.structures import Partition
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.structures.partition import Partition
 
 MOST_DRAWN = 1_000_000
 """Largest number of samples at which a history is drawn; 256 draws then take about 5 GB with their copies."""
@@ -44,9 +44,9 @@ def require_fitting(samples: int, every: int, time_step: float) -> None:
     >>> require_fitting(24 * 3600 * 256, 4, 1.0 / 256.0)
     Traceback (most recent call last):
     ...
-    reliab.errors.InputError: A test of this structure may last 4.34 h at most, since the intervals of its
-    error are drawn at 1,000,000 samples at most; found 24 h. Cut it where everything stands still, and judge
-    the parts one by one.
+    reliab.core.errors.InputError: A test of this structure may last 4.34 h at most, since the intervals of
+    its error are drawn at 1,000,000 samples at most; found 24 h. Cut it where everything stands still, and
+    judge the parts one by one.
     """
     if -(-samples // every) > MOST_DRAWN:
         longest = MOST_DRAWN * every * time_step / _HOUR

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, read_only
+from reliab.core.arrays import Array, read_only
 
 _BITS = 30
 

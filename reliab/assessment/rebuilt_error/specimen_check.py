@@ -14,11 +14,11 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.errors import InputError
-from reliab.signals import convolved
-from reliab.significant import significant
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
+from reliab.signals.spectra import convolved
 
 _PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
 
 LEVEL = 0.90
 """Level of the intervals."""

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
@@ -33,8 +32,9 @@ from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 
 _STANDS = 1e-9  # share of the largest response up to which a command counts as standing still
 _SAMPLES_SWEPT = 1 << 15  # of a stretch

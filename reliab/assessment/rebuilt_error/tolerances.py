@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
-from reliab.physical_range import require_physical
+from reliab.core.physical_range import require_physical
 
 
 @dataclass(frozen=True, kw_only=True)

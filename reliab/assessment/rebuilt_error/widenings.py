@@ -11,10 +11,10 @@ from itertools import combinations
 
 import numpy as np
 
-from reliab.arrays import Array
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.structures import is_part
-from reliab.vocabulary import Metric
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.structures.parts_of_structure import is_part
 
 _HALVINGS = 12
 

@@ -16,7 +16,6 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array, read_only
 from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, tally
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
@@ -29,10 +28,13 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
 from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
-from reliab.compiled import compiled
-from reliab.effects import Hysteresis, Setting, SteppedEffect, call_kernel, pointer_to
-from reliab.structures import Partition
-from reliab.threads import in_two_shares
+from reliab.core.arrays import Array, read_only
+from reliab.core.compiled import compiled
+from reliab.core.threads import in_two_shares
+from reliab.effects.effect import Setting, SteppedEffect
+from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.kernel import call_kernel, pointer_to
+from reliab.structures.partition import Partition
 
 _CORRECTIONS = 2
 

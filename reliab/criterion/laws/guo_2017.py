@@ -14,9 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
 from reliab.criterion.laws.law import Law, Limits, Validity
-from reliab.vocabulary import Metric
 
 _FREQUENCIES = (0.25, 2.0)  # Table 3
 _DAMPING_RATIOS = (0.02, 0.10)  # Table 4

@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 
 _ROUNDING = 1e-9
 
@@ -20,7 +20,7 @@ class Validity:
     >>> Validity(frequency=(0.25, 2.0), damping_ratio=(0.02, 0.02)).require(1.0, 0.05)
     Traceback (most recent call last):
     ...
-    reliab.errors.InputError: The damping ratio must lie where the law is valid, at 0.02; found 0.05. ...
+    reliab.core.errors.InputError: The damping ratio must lie where the law is valid, at 0.02; found 0.05. ...
     """
 
     frequency: tuple[float, float]  # Least and greatest natural frequency [Hz]

@@ -7,7 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.criterion.laws.law import (
     Law,
     Limits,
@@ -16,7 +17,6 @@ from reliab.criterion.laws.law import (
     checked_grid,
     checked_limits,
 )
-from reliab.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.laws.law import Limits
 from reliab.criterion.laws.log_linear import LogLinearLaw
 

@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, fields
 from typing import Any, Final, TypeVar, cast, get_type_hints
 
+from reliab.core.described_files import faults_in_words
+from reliab.core.errors import InputError
+from reliab.core.registry import Registry
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.guo_2017 import CORRECTED, OF_ONE_MOTION, PUBLISHED
@@ -11,9 +14,6 @@ from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.log_linear import LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
-from reliab.described_files import faults_in_words
-from reliab.errors import InputError
-from reliab.registry import Registry
 
 FittedLaw = type[Table] | type[LogLinearLaw]
 """A law that is fitted to the limits of a grid of structures."""

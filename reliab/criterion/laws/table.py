@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.laws.law import Law, Limits, Validity, checked_grid, checked_limits
 from reliab.criterion.scaling import scales
 

@@ -5,7 +5,3 @@ promise on average for few and many earthquakes, skewed or not. `tolerance` and 
 with an assurance, at the price of a smaller region. `conformal` assumes least and needs most earthquakes.
 `hierarchical` learns all structures together, from a posterior that is sampled.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -11,12 +11,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,7 +123,7 @@ def limits(
     Returns `a, b`: the limits [-] and [ms²], finite; zero where the motions are too few for the method's
     promise (:meth:`Method.carried_confidence`).
 
-    >>> from reliab.criterion.methods import Quantile
+    >>> from reliab.criterion.methods.quantile import Quantile
     >>> logarithms = np.random.default_rng(1).multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 1.0]], 5000)
     >>> a, b = np.exp(logarithms.T)
     >>> names = np.arange(5000).astype(str)

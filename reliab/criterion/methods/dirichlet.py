@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.methods.bound import BoundMethod
 from reliab.criterion.motion_predictive import CONCENTRATION, MotionPredictive
 

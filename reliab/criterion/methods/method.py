@@ -6,12 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import CurveName
 from reliab.criterion.sample_grid import SampleGrid
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
-from reliab.sampling import PosteriorSample
-from reliab.vocabulary import CurveName
+from reliab.sampling.posterior_sample import PosteriorSample
 
 
 class Learned(ABC):
@@ -93,7 +93,7 @@ class Method(ABC):
         one, and the ratio grows further beyond it. One earthquake supports no confidence, since it does not
         show how earthquakes differ.
 
-        >>> from reliab.criterion.methods import Dirichlet
+        >>> from reliab.criterion.methods.dirichlet import Dirichlet
         >>> [round(Dirichlet().carried_confidence(3 * events, events), 3) for events in (1, 3, 8, 19)]
         [0.0, 0.75, 0.951, 0.99]
         """

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.event_components import event_components
 from reliab.criterion.methods.bound import AssuredBound
 

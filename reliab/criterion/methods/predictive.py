@@ -6,9 +6,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.methods.bound import BoundMethod
-from reliab.sampling import NormalInverseChiSquared
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 
 @dataclass(frozen=True, kw_only=True)

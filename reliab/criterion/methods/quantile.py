@@ -7,11 +7,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import CurveName
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.methods.bound import BoundMethod
-from reliab.errors import InputError
-from reliab.vocabulary import CurveName
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,16 +4,16 @@ import warnings
 from dataclasses import fields
 from typing import Any, Final, cast
 
+from reliab.core.errors import InputError
+from reliab.core.registry import Registry
 from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
-from reliab.criterion.methods.hierarchical import HierarchicalNormal, HierarchicalRobust
+from reliab.criterion.methods.hierarchical.method import HierarchicalNormal, HierarchicalRobust
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.tolerance import Tolerance
-from reliab.errors import InputError
-from reliab.registry import Registry
 
 METHODS: Final[Registry[type[Method]]] = Registry(
     noun="method",

@@ -6,7 +6,9 @@ from typing import Any, Final
 import numpy as np
 import panel as pn
 
-from reliab.assessment import boundaries_of_motions, tolerable_sides
+from reliab.assessment.design import boundaries_of_motions, tolerable_sides
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
 from reliab.desk.drawings import RegionDrawing
 from reliab.desk.elements import METRICS, Slider, choice, copyable, dropper, html, refusal
 from reliab.desk.jobs import Job
@@ -14,8 +16,6 @@ from reliab.desk.page import Page
 from reliab.desk.pages.rig import offer_rigs, path_of_rig
 from reliab.desk.questions import command_line
 from reliab.desk.work import points_of_rig, trace_motion
-from reliab.errors import InputError
-from reliab.significant import percent, significant
 
 _SETTINGS: Final = ("title", "start", "end", "step", "value", "factor", "unit")
 _SLIDERS: Final[Mapping[str, tuple[str | float, ...]]] = {

@@ -1,10 +1,10 @@
 """Compare: several tests of one rig, ranked by their errors."""
 
+from reliab.core.errors import InputError
 from reliab.desk.elements import KNOWING, button, copyable, dropper, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.questions import command_line, filled, number
 from reliab.desk.work import compare
-from reliab.errors import InputError
 
 _ARGUMENTS = ("f", "xi", "alpha", "threshold")
 

@@ -3,12 +3,12 @@
 from html import escape
 from pathlib import Path
 
+from reliab.core.errors import InputError
 from reliab.desk.elements import button, choice, dropper
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.folder import unpacked
 from reliab.desk.jobs import Job
 from reliab.desk.work import diagnose
-from reliab.errors import InputError
 
 _SHIPPED = ("rig_a", "rig_b", "rig_c")
 

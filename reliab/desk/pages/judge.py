@@ -8,6 +8,9 @@ from typing import Any, Final
 import pandas as pd
 import panel as pn
 
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.shipped import shipped
 from reliab.desk.drawings import draw_traces
 from reliab.desk.elements import (
     KNOWING,
@@ -27,9 +30,6 @@ from reliab.desk.page import Page
 from reliab.desk.questions import channels_toml, command_line, filled, number, python_line
 from reliab.desk.verdict_view import VerdictView
 from reliab.desk.work import Look, judge, look_at
-from reliab.errors import InputError
-from reliab.files import written_whole
-from reliab.shipped import shipped
 
 PARTS: Final = ("command", "measured", "time", "force", "ground")
 _UNITS: Final = {

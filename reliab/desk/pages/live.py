@@ -6,6 +6,8 @@ from typing import Any
 
 import panel as pn
 
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, percent_with_interval
 from reliab.desk.drawings import LiveDrawing
 from reliab.desk.elements import KNOWING, button, choice, field, html, listed
 from reliab.desk.jobs import Job
@@ -13,8 +15,6 @@ from reliab.desk.page import Page
 from reliab.desk.questions import filled, number
 from reliab.desk.verdict_view import VerdictView
 from reliab.desk.work import Judgement, follow
-from reliab.errors import InputError
-from reliab.significant import percent, percent_with_interval
 
 _ARGUMENTS = ("f", "xi", "alpha", "scale", "feedback_lag")
 _SAMPLE = "the test that comes with reliab"

@@ -2,12 +2,12 @@
 
 import panel as pn
 
+from reliab.core.shipped import shipped
 from reliab.desk.elements import button, choice, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.page import Page
 from reliab.desk.questions import filled, number
 from reliab.desk.work import show_rig
-from reliab.shipped import shipped
 
 _SAMPLE = "the rig that comes with reliab"
 

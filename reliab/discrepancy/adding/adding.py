@@ -5,19 +5,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.rows import ResultWithRows
+from reliab.core.threads import one_thread
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect
-from reliab.effects import ExcitationScale, library
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
+from reliab.effects.excitation_scale import ExcitationScale
+from reliab.effects.registry import library
 from reliab.renamed import renamed_method
-from reliab.rows import ResultWithRows
-from reliab.simulation.hybrid_test import MODEL_FILE, HybridTest, UpdatedModel, write_model
-from reliab.threads import one_thread
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
 
 _REACH = 1.645  # standard deviations to either end of a central 90 % interval
 _WITHOUT_FRAME = (

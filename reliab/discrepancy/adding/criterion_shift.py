@@ -6,14 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
-from reliab.arrays import Array
-from reliab.boundary import Ellipse, motion_contours
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.errors import InputError
-from reliab.motions import load_motions
+from reliab.motions.loading import load_motions
 from reliab.renamed import renamed_method
-from reliab.simulation import EffectLoop, Excitation
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
+from reliab.simulation.effect_loop import EffectLoop
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.tracking.boundary.curves import Ellipse
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 THRESHOLD, CONFIDENCE = 0.05, 0.95
 """Error on the boundary [-] and share of the motions for which the criterion holds, as in the paper."""
@@ -46,7 +49,7 @@ def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> Criterio
     the behaviour under test and may make a test more tolerant; any other effect uses part of the tolerable
     error, so that less is left for the actuator.
 
-    >>> from reliab.effects import find_effect
+    >>> from reliab.effects.registry import find_effect
     >>> from reliab.structures.structure import Structure
     >>> lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), effects=(lag,))

@@ -19,12 +19,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.sampling import Ensembles, Model, Parameter, PosteriorSample, sample
-from reliab.significant import percent
+from reliab.sampling.ensembles import Ensembles, sample
+from reliab.sampling.model import Model, Parameter
+from reliab.sampling.posterior_sample import PosteriorSample
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
 _WIDE = 10.0  # standard deviations within which the mode is looked for

@@ -6,14 +6,18 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import LeadingReading, outside_terms, with_clock
-from reliab.effects import Role, Scales, SensorBias, library
-from reliab.simulation.hybrid_test import HybridTest, Motion3, drive, read_displacement
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import LeadingReading, with_clock
+from reliab.discrepancy.terms.outside_terms import outside_terms
+from reliab.effects.effect import Role, Scales
+from reliab.effects.registry import library
+from reliab.effects.sensor_bias import SensorBias
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, drive, read_displacement
 
 _ON_THE_WAY = (Role.DELAY, Role.PISTON)
 _SKETCHED_RATE = 500.0  # Hz

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     force_not_fed_back,
@@ -30,10 +31,13 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset, LateGround, with_clock
-from reliab.effects import ForceBias, IntegrationError, Parameter, RecordEffect, Role, Scales, library
-from reliab.simulation.hybrid_test import HybridTest, Motion3
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, with_clock
+from reliab.effects.effect import Parameter, RecordEffect, Role, Scales
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.integration_error import IntegrationError
+from reliab.effects.registry import library
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded

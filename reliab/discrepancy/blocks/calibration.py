@@ -3,9 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.effects import ExcitationScale, ForceBias, Parameter
-from reliab.simulation import Actuator
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.effects.effect import Parameter
+from reliab.effects.excitation_scale import ExcitationScale
+from reliab.effects.force_bias import ForceBias
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,19 +15,21 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import null_space
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.balance import curvature_between_samples, motion_of_command
 from reliab.discrepancy.blocks.calibration import force_not_fed_back
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import LateGround
-from reliab.effects import ForceBias, RecordEffect, Role, Scales, library
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Partition
-from reliab.structures.frames import exact_step
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import LateGround
+from reliab.effects.effect import RecordEffect, Role, Scales
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.registry import library
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.frames.frame import exact_step
+from reliab.structures.partition import Partition
 
 
 class InnerMotion:

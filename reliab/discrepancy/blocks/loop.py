@@ -9,7 +9,8 @@ from types import MappingProxyType
 import numpy as np
 from scipy import signal
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     damping,
@@ -22,20 +23,18 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import StatedDamping, outside_terms, with_damping
-from reliab.effects import (
-    AddedMass,
-    Effect,
-    ExcitationScale,
-    ForceBias,
-    Role,
-    Scales,
-    SensorBias,
-    ViscousDamping,
-    library,
-)
-from reliab.simulation.hybrid_test import HybridTest, Motion3, read_displacement, run_closed_loop
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.outside_terms import outside_terms
+from reliab.discrepancy.terms.stated_damping import StatedDamping, with_damping
+from reliab.effects.added_mass import AddedMass
+from reliab.effects.effect import Effect, Role, Scales
+from reliab.effects.excitation_scale import ExcitationScale
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.registry import library
+from reliab.effects.sensor_bias import SensorBias
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
 
 _COARSEST_RATE = 500.0  # Hz; at half of this the error of the integration looks like an added mass at 50 dB
 _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss is 70 dB below the signal

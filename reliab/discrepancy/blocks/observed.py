@@ -8,14 +8,17 @@ from typing import ClassVar
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import highest_frequency
-from reliab.effects import AddedMass, Effect, Scales, ViscousDamping
-from reliab.simulation.hybrid_test import HybridTest, Motion3
-from reliab.vocabulary import Block
+from reliab.effects.added_mass import AddedMass
+from reliab.effects.effect import Effect, Scales
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 
 class ObservedBlock(ABC):

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     open_stiffness,
@@ -20,32 +21,20 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms import (
-    ClockOffset,
-    ElasticStops,
-    SoftenedSpring,
-    lag_of,
-    outside_terms,
-    recorded_late,
-    with_clock,
-)
-from reliab.effects import (
-    AddedMass,
-    Effect,
-    ForceBias,
-    Kernel,
-    QuadraticDamping,
-    Role,
-    Scales,
-    SensorDrift,
-    SeriesPlay,
-    SteppedEffect,
-    ViscousDamping,
-    library,
-)
-from reliab.simulation.hybrid_test import HybridTest, Motion3, follow, load, read_displacement, read_force
-from reliab.structures import Specimen
-from reliab.vocabulary import Block
+from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, recorded_late, with_clock
+from reliab.discrepancy.terms.outside_terms import ElasticStops, SoftenedSpring, outside_terms
+from reliab.effects.added_mass import AddedMass
+from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
+from reliab.effects.force_bias import ForceBias
+from reliab.effects.kernel import Kernel
+from reliab.effects.quadratic_damping import QuadraticDamping
+from reliab.effects.registry import library
+from reliab.effects.sensor_drift import SensorDrift
+from reliab.effects.series_play import SeriesPlay
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_displacement, read_force
+from reliab.structures.specimen import Specimen
 
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0

@@ -1,5 +1,1 @@
 """A measured campaign: its tests, its nominal model, and how both are read."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,10 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
-from reliab.simulation import Actuator
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Partition, Specimen, Structure
+from reliab.core.errors import InputError
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 
 class Channel(StrEnum):

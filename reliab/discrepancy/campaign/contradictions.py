@@ -13,20 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from reliab.arrays import Array, Spectrum
-from reliab.assessment import (
-    doubts_of_force,
-    doubts_of_ground,
-    doubts_of_sign,
-    plain_faults,
-    require_plausible,
-    require_restoring_force,
-    white_noise_share,
-)
+from reliab.assessment.faults import plain_faults
+from reliab.assessment.plausibility import require_plausible
+from reliab.assessment.recorded_force import doubts_of_force, doubts_of_sign, require_restoring_force
+from reliab.assessment.recorded_ground import doubts_of_ground
+from reliab.assessment.tracking_index import white_noise_share
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.errors import InputError
-from reliab.recordings import Recording
-from reliab.significant import percent, significant
+from reliab.recordings.recording import Recording
 
 Pair = tuple[Channel, Channel]
 

@@ -32,26 +32,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
-from reliab.described_files import described_text, faults_in_words, keys_of, parse_toml
+from reliab.core.described_files import described_text, faults_in_words, keys_of, parse_toml
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.core.shipped import shipped
+from reliab.core.untrusted_files import named_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.errors import InputError
-from reliab.physical_range import Physical
-from reliab.received import named_within
-from reliab.recordings import (
-    FEWEST_SAMPLES,
-    LARGEST_READING,
-    ChannelTables,
-    Histories,
-    Part,
-    StatedChannels,
-    histories_of,
-    read_test,
-    stated_by_tables,
-)
-from reliab.shipped import shipped
-from reliab.simulation import Actuator
-from reliab.simulation.frames import frame_of_tables, with_one_actuator
-from reliab.structures import Partition, Specimen, Structure
+from reliab.recordings.channels_file import ChannelTables, stated_by_tables
+from reliab.recordings.reading import Histories, histories_of, read_test
+from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
+from reliab.simulation.frames.frame_file import frame_of_tables, with_one_actuator
+from reliab.simulation.hybrid_test.model import Actuator
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 _CHANNELS: Final[Mapping[str, Channel]] = {
     str(Part.GROUND): Channel.GROUND,

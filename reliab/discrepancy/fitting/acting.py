@@ -5,8 +5,10 @@ import numpy as np
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import ClockOffset
-from reliab.effects import Backlash, Effect, LinearEffect, StrokeSaturation
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.effects.backlash import Backlash
+from reliab.effects.effect import Effect, LinearEffect
+from reliab.effects.stroke_saturation import StrokeSaturation
 
 _LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
 _ROUNDED = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that

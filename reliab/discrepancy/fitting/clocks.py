@@ -6,7 +6,7 @@ Nobody knows that there is none, and parameters of the other effects depend on i
 from reliab.discrepancy.fitting.fit import Fit, fit, refined
 from reliab.discrepancy.fitting.search import POSSIBLE, Search
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import ClockOffset
+from reliab.discrepancy.terms.clock_offset import ClockOffset
 
 
 def fit_beside_clocks(search: Search) -> None:

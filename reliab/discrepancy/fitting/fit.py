@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.signals import NoiseModel
+from reliab.signals.noise import NoiseModel
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
 _NEGLIGIBLE = 0.02  # nats

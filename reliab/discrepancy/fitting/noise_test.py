@@ -10,10 +10,10 @@ more energy than noise would. The share of the energy in such cells is what this
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.signals import near_mains
+from reliab.signals.noise import near_mains
 
 LARGEST_STRUCTURED_SHARE = 0.02
 """Largest share of a residual's energy in cells that noise would not fill for it to count as noise."""

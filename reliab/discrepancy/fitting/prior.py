@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 
-from reliab.discrepancy.terms import ClockOffset, is_outside
-from reliab.effects import Effect
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.outside_term import is_outside
+from reliab.effects.effect import Effect
 
 COST = 4.0
 """Logarithm of the prior odds against one more effect."""

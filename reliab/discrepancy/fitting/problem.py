@@ -7,11 +7,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment
-from reliab.signals import NoiseModel, Periodogram, converter_step, expected_error, fit_noise
+from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expected_error, fit_noise
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms.periodic import Disturbance, disturbance
-from reliab.effects import Effect, Role
-from reliab.signals import near_mains
-from reliab.vocabulary import Block
+from reliab.effects.effect import Effect, Role
+from reliab.signals.noise import near_mains
 
 _WORKERS = 2
 _HIGH = 25.0  # times the noise's power, on the average of the segments

@@ -15,9 +15,11 @@ from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
 from reliab.discrepancy.fitting.space import ModelSpace, further_than
-from reliab.discrepancy.terms import ClockOffset, is_outside
-from reliab.effects import Effect, library
-from reliab.signals import NoiseModel
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.outside_term import is_outside
+from reliab.effects.effect import Effect
+from reliab.effects.registry import library
+from reliab.signals.noise import NoiseModel
 
 LEAST_SHARE = 0.01
 """Share of the gap's energy that an effect must close to be named beside others.

@@ -6,10 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.effects import Effect, LinearEffect, Parameter
-from reliab.simulation.hybrid_test import HybridTest
+from reliab.effects.effect import Effect, LinearEffect, Parameter
+from reliab.simulation.hybrid_test.model import HybridTest
 
 MODEL_ERROR = 1e-4
 """Relative standard deviation that is added to every parameter, because simulation and machine differ too.

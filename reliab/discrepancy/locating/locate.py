@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.renamed import renamed_method
-from reliab.signals import NoiseModel
-from reliab.simulation.hybrid_test import Motion3
+from reliab.signals.noise import NoiseModel
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 45.0))  # Hz
 _SIGNIFICANT = 1e-4

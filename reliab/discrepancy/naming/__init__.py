@@ -1,5 +1,1 @@
 """From fitted models to the names that the data support."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
 from reliab.discrepancy.fitting.noise_test import (
@@ -34,8 +34,12 @@ from reliab.discrepancy.result.missing_effect import (
     estimates,
     widened,
 )
-from reliab.discrepancy.terms import ClockOffset, StatedDamping, is_outside
-from reliab.effects import Effect, StrokeSaturation, ViscousDamping
+from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms.outside_term import is_outside
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.effect import Effect
+from reliab.effects.stroke_saturation import StrokeSaturation
+from reliab.effects.viscous_damping import ViscousDamping
 
 SURE = 0.9
 """Probability from which an effect is named."""

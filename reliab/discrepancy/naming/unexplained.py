@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft, ndimage, signal, stats
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
@@ -14,11 +16,10 @@ from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import ABOVE_FLOOR, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import Segment, energy_of
-from reliab.discrepancy.terms import OutsideTerm
+from reliab.discrepancy.terms.outside_term import OutsideTerm
 from reliab.discrepancy.terms.periodic import Disturbance
-from reliab.signals import NoiseModel, hann, near_mains
-from reliab.significant import percent, significant
-from reliab.vocabulary import Block
+from reliab.signals.noise import NoiseModel, near_mains
+from reliab.signals.spectra import hann
 
 LARGEST_REMAINDER = 0.2
 """Share of the gap's energy that may remain unexplained where the effects are `named`, in the kind of

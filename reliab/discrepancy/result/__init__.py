@@ -1,5 +1,1 @@
 """The results of a diagnosis, as objects and as the JSON that `reliab diagnose` writes."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import held_out_in_words
 from reliab.discrepancy.fitting.fit import Fit

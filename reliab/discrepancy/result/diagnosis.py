@@ -4,17 +4,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from reliab.assessment import unit_like
+from reliab.assessment.recorded_force import unit_like
+from reliab.core.html_table import html_table
+from reliab.core.rows import ResultWithRows
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.block_diagnosis import NOMINAL_VALUES, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
-from reliab.html_table import html_table
 from reliab.renamed import renamed_method
-from reliab.rows import ResultWithRows
-from reliab.significant import percent, significant
-from reliab.vocabulary import MILLI, PERCENT, Block
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from reliab.core.significant_digits import percent
 from reliab.renamed import renamed_method
-from reliab.significant import percent
 
 _FLOOR_UNCERTAINTY = 0.2
 """Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.terms import StatedDamping
-from reliab.effects import Effect
+from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.effects.effect import Effect
 from reliab.renamed import renamed_method
-from reliab.significant import percent, significant
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):

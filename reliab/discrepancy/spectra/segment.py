@@ -11,10 +11,10 @@ from functools import cached_property
 import numpy as np
 from scipy import fft
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.signals import NoiseModel, Periodogram, noise_shapes
-from reliab.simulation.hybrid_test import Motion3
+from reliab.signals.noise import NoiseModel, Periodogram, noise_shapes
+from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _FEWEST_SEGMENTS = 4
 _AT_REST = 0.1  # of the RMS of the velocity

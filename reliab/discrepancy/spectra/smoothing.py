@@ -11,13 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import fft, signal
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.effects import Scales
-from reliab.errors import InputError
-from reliab.signals import NoiseModel, Periodogram, fit_noise
-from reliab.simulation.hybrid_test import Motion3
-from reliab.structures import Structure
+from reliab.effects.effect import Scales
+from reliab.signals.noise import NoiseModel, Periodogram, fit_noise
+from reliab.simulation.hybrid_test.open_loop import Motion3
+from reliab.structures.structure import Structure
 
 HIGHEST_SIGNAL = 45.0
 """Highest frequency [Hz] at which the test of a structure of some hertz may hold a signal."""

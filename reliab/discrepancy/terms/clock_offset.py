@@ -5,12 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.effects import Kernel, Numbers, Parameter, RecordEffect, Role, SteppedEffect
-from reliab.signals import CubicPath
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.vocabulary import Block
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.vocabulary import Block
+from reliab.effects.effect import Parameter, RecordEffect, Role, SteppedEffect
+from reliab.effects.kernel import Kernel, Numbers
+from reliab.signals.cubic_path import CubicPath
+from reliab.simulation.hybrid_test.model import HybridTest
 
 
 def _nothing(_motion: Numbers, _time: float, _step: float, _coefficients: Numbers, _state: Numbers) -> float:

@@ -6,10 +6,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.compiled import compiled
+from reliab.core.compiled import compiled
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Kernel, Numbers, Parameter, Role, Setting
-from reliab.vocabulary import Block
+from reliab.effects.effect import Parameter, Role, Setting
+from reliab.effects.kernel import Kernel, Numbers
 
 _SYMBOLS = ("t", "x", "|x|", "v", "|v|")
 _UNITS = {

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from reliab.effects import Effect, SteppedEffect
+from reliab.effects.effect import Effect, SteppedEffect
 
 
 @dataclass(frozen=True, kw_only=True)

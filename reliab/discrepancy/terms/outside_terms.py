@@ -7,11 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.terms.monomial import monomial
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Effect, Kernel, Numbers, Parameter, Role, Setting
-from reliab.vocabulary import Block
+from reliab.effects.effect import Effect, Parameter, Role, Setting
+from reliab.effects.kernel import Kernel, Numbers
 
 _FORCES = (
     {"abs_x": 1}, {"x": 1, "abs_x": 1}, {"x": 4}, {"x": 5}, {"abs_x": 3},

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from reliab.core.vocabulary import Block
 from reliab.discrepancy.terms.outside_term import OutsideTerm
-from reliab.effects import Kernel, Numbers, Parameter, Role
-from reliab.vocabulary import Block
+from reliab.effects.effect import Parameter, Role
+from reliab.effects.kernel import Kernel, Numbers
 
 
 def _wave(_motion: Numbers, time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass, replace
 
-from reliab.effects import Effect, Role, ViscousDamping
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.vocabulary import Block
+from reliab.core.vocabulary import Block
+from reliab.effects.effect import Effect, Role
+from reliab.effects.viscous_damping import ViscousDamping
+from reliab.simulation.hybrid_test.model import HybridTest
 
 _LEAST = 1e-6  # of the stated damping; a structure has some
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from typing import Generic, TypeVar
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.motions.units import AccelerationUnit, ClockUnit
 
 T = TypeVar("T")

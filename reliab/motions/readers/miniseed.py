@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from reliab.errors import InputError
-from reliab.files import decoding
+from reliab.core.errors import InputError
+from reliab.core.files import decoding
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import Header, Statement
 from reliab.motions.readers.source import Source

@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
 from reliab.motions.readers.header import Header, Statement, last_place, may_round
@@ -17,7 +18,6 @@ from reliab.motions.readers.samples import (
 )
 from reliab.motions.readers.source import Source
 from reliab.motions.units import AccelerationUnit
-from reliab.vocabulary import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True, kw_only=True)

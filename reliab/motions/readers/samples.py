@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.motions.faults import Report
 from reliab.motions.readers.header import NUMBER, Header
 from reliab.motions.readers.source import Line, Source

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from reliab.encodings import as_utf8, decoded
-from reliab.files import ordinary
+from reliab.core.encodings import as_utf8, decoded
+from reliab.core.files import ordinary
 from reliab.motions.faults import Report
 
 HEAD = 65_536

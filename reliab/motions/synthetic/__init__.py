@@ -15,7 +15,3 @@ pulse, `dabaghi_der_kiureghian_2018` predicts the parameters and `parameters` gi
 `modulation` and `recording` make the motion and clean it, `event` scatters stations about the regression and
 puts the pieces together, and `suite` names the result.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

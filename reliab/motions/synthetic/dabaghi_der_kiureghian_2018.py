@@ -26,7 +26,7 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.motions.synthetic.scenario import Mechanism, Scenario
 
 _MAGNITUDE_HINGE: Final = 6.5

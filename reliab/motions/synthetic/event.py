@@ -15,14 +15,14 @@ from typing import Final, TypeVar
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import Regression
 from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake, draw_scenario, is_strong
 from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters, regression_of
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
 from reliab.motions.synthetic.scenario import Mechanism, Scenario
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _Result = TypeVar("_Result")
 

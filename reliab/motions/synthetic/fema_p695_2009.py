@@ -18,10 +18,10 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
-from reliab.vocabulary import STANDARD_GRAVITY
 
 # slip type: a, b, s
 _TABLE_2A: Final = {

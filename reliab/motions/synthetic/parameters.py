@@ -11,7 +11,7 @@ from typing import Final
 
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
 
 # Beta distributions: the two shape parameters, the lower and the upper bound.

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 _DISCARDED_BITS: Final = np.uint64(11)
 _RESOLUTION: Final = 2.0**-53

@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.synthetic.parameters import ComponentParameters, PulseParameters, RecordingParameters
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _ONSET: Final = 0.05
 _RISE: Final = 0.30

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 
 
 class Mechanism(StrEnum):
@@ -43,8 +43,8 @@ class Scenario:
     ... )
     Traceback (most recent call last):
     ...
-    reliab.errors.InputError: The magnitude must lie between 5.5 and 7.9, where the model was fitted; found
-    8.2.
+    reliab.core.errors.InputError: The magnitude must lie between 5.5 and 7.9, where the model was fitted;
+    found 8.2.
     """
 
     magnitude: float  # Moment magnitude, 5.5 to 7.9

@@ -5,7 +5,7 @@ from functools import lru_cache
 from threading import Lock
 from typing import Final
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.event import Recording, simulate_event

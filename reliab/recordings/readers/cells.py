@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 COMMENTS: Final = ("#", "%", "//", "!")
 FEWEST_COLUMNS: Final = 2

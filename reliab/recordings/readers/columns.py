@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd

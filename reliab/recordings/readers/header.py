@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import unclear_in
 from reliab.recordings.readers.cells import COMMENTS, Line, cells_of, number_of

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import scipy
 
-from reliab.errors import InputError
-from reliab.received import lists_of_scales, objects_of, opened_hdf5
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import counted
+from reliab.core.untrusted_files import lists_of_scales, objects_of, opened_hdf5
 from reliab.recordings.readers.attributes import plain, series_of
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.layouts import Tree, tests_of_tree
 from reliab.recordings.readers.objects import tree_of_objects
 from reliab.recordings.recording import require_few_samples
-from reliab.significant import counted
 
 if TYPE_CHECKING:
     import h5py

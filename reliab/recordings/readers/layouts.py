@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import add_clock, series_of, with_attributes
 from reliab.recordings.readers.columns import Columns, Series

@@ -12,10 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.encodings import as_utf8, decoded
-from reliab.errors import InputError
-from reliab.files import require_small
+from reliab.core.arrays import Array
+from reliab.core.encodings import as_utf8, decoded
+from reliab.core.errors import InputError
+from reliab.core.files import require_small
 from reliab.recordings.readers.cells import cells_of, lines_of, number_of
 from reliab.recordings.readers.columns import Columns, Series, date_of
 from reliab.recordings.readers.joining import join_tables

@@ -7,12 +7,12 @@ from typing import Any, Final
 import numpy as np
 import scipy
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.recordings.readers.columns import Columns
 from reliab.recordings.readers.layouts import Tree, tests_of_tree
 from reliab.recordings.readers.objects import tree_of_objects
 from reliab.recordings.recording import require_few_samples
-from reliab.simulation.transfer_systems import require_sound_structure, subsystem_of
+from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure, subsystem_of
 
 _SIGNATURE: Final = b"MATLAB 5.0"
 _DEEPEST: Final = 16

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.recordings.readers.columns import Series, date_of, is_frame, seconds, series_of_frame, start_of
 from reliab.recordings.readers.layouts import Tree
 from reliab.recordings.recording import require_few_samples

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from reliab.errors import InputError, naming
-from reliab.file_limits import LIMITS
-from reliab.files import decoding, ordinary
+from reliab.core.errors import InputError, naming
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, ordinary
+from reliab.core.registry import Registry
 from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
 from reliab.recordings.readers.columns import Columns
-from reliab.registry import Registry
 
 _HEAD: Final = 1024  # bytes
 

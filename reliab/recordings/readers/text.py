@@ -16,9 +16,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.encodings import decoded, encoding_of
-from reliab.errors import InputError
-from reliab.files import require_small
+from reliab.core.encodings import decoded, encoding_of
+from reliab.core.errors import InputError
+from reliab.core.files import require_small
 from reliab.recordings.readers.cells import (
     FEWEST_COLUMNS,
     Line,

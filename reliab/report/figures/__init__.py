@@ -1,5 +1,1 @@
 """Figures, one subject to a file: from finished results to a matplotlib figure."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy.signal import ShortTimeFFT
 from scipy.stats import binned_statistic_2d
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.report.axes import TIME, legend_below, name_axes, plain
 from reliab.report.numbers import Significant, in_line
 from reliab.report.style import BLUE, GREY, INK, PALE, SEQUENTIAL, VERMILION, blank, letters, panels, styled
-from reliab.vocabulary import MILLI, PERCENT, Block
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0
 _MOST_SAMPLES = 3000

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.assessment import Windows
+from reliab.assessment.tracking_index import Windows
+from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import TIME, legend_below, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
-from reliab.vocabulary import MILLI, PERCENT
 
 _MARGIN = 1.12
 _POINTS = 241

@@ -9,14 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.criterion import (
-    Distribution,
-    EllipseSample,
-    Lognormal,
-    MotionPredictive,
-    QuantilePlot,
-    quantile_plot,
-)
+from reliab.core.significant_digits import significant
+from reliab.core.vocabulary import PERCENT
+from reliab.criterion.distributions import Distribution, Lognormal
+from reliab.criterion.ellipse_sample import EllipseSample
+from reliab.criterion.goodness_of_fit import QuantilePlot, quantile_plot
+from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.report.axes import (
     A_PARAMETER,
     AMPLITUDE,
@@ -35,9 +33,7 @@ from reliab.report.axes import (
     scientific,
 )
 from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, letters, line, panels, styled
-from reliab.sampling import NormalInverseChiSquared
-from reliab.significant import significant
-from reliab.vocabulary import PERCENT
+from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 _DISTRIBUTION_HEIGHT = 53.0
 _ELLIPSE_HEIGHT = 84.0

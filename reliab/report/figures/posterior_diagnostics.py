@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reliab.report.axes import name_axes, plain
 from reliab.report.style import BLUE, INK, blank, line, panels, styled
-from reliab.sampling import PosteriorSample, walkers_in_turn
+from reliab.sampling.posterior_sample import PosteriorSample, walkers_in_turn
 
 _ROW = 26.0
 _CELL = 30.0

@@ -7,11 +7,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from reliab.assessment import Comparison, Tolerance
+from reliab.assessment.comparison import Comparison
+from reliab.assessment.design import Tolerance
+from reliab.core.significant_digits import percent, share_in_words
+from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes, plain
 from reliab.report.style import BLUE, VERMILION, letters, line, panels, styled
-from reliab.significant import percent, share_in_words
-from reliab.vocabulary import MILLI, PERCENT, Metric
 
 _HEIGHT = 76.0
 

@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.discrepancy.adding import Posterior
-from reliab.discrepancy.campaign import Channel
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis
+from reliab.core.vocabulary import Block
+from reliab.discrepancy.adding.posterior import Posterior
+from reliab.discrepancy.campaign.campaign import Channel
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
     GapPanel,
@@ -22,7 +24,6 @@ from reliab.report.figures.discrepancy import (
 )
 from reliab.report.prose import prose
 from reliab.report.wording import spelled_out
-from reliab.vocabulary import Block
 
 _STRETCHES, _SHORTEST_STRETCH = 5, 4.0  # of a test; s
 _UNITS = {

@@ -6,11 +6,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from reliab.discrepancy.adding import Posterior
-from reliab.discrepancy.campaign import held_out_in_words
-from reliab.discrepancy.fitting import MOST_OF_A_TEST
-from reliab.discrepancy.naming import LARGEST_REMAINDER
-from reliab.discrepancy.result import BlockDiagnosis, Diagnosis, MissingEffect, Remainder, Unknown, Verdict
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import PERCENT
+from reliab.discrepancy.adding.posterior import Posterior
+from reliab.discrepancy.campaign.campaign import held_out_in_words
+from reliab.discrepancy.fitting.problem import MOST_OF_A_TEST
+from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.result.gap import Remainder
+from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,
@@ -25,8 +30,6 @@ from reliab.report.numbers import Fixed, Significant, in_line
 from reliab.report.prose import Math, Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.wording import number, probability, spelled_out
-from reliab.significant import percent
-from reliab.vocabulary import PERCENT
 
 _SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
 """How sizes of errors, and shares, stand in tables and sentences."""

@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.assessment import probability_text
+from reliab.assessment.verdict import probability_text
+from reliab.core.arrays import Array
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.kinds.assessment.error import quantities_table
@@ -18,10 +20,12 @@ from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
-from reliab.rig import FALSE_ALARMS, DriftChart, Plan, Prediction, RigTable, drift_chart, known_effects, watch
-from reliab.significant import counted, percent
-from reliab.structures import Structure
-from reliab.vocabulary import PERCENT
+from reliab.rig.drift import FALSE_ALARMS, DriftChart, drift_chart, known_effects
+from reliab.rig.planning import Plan
+from reliab.rig.prediction import Prediction
+from reliab.rig.rig_table import RigTable
+from reliab.rig.watching import watch
+from reliab.structures.structure import Structure
 
 _LAST = 10
 _DAY = 10  # characters of a date

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from reliab.criterion import Criterion
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import CurveName
+from reliab.criterion.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import listed, meaning_of_confidence, window_in_words
-from reliab.significant import percent
-from reliab.validation import HARDENING, measured_yielding
-from reliab.vocabulary import CurveName
+from reliab.validation.yielding import HARDENING, measured_yielding
 
 _FITTED = (
     "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "

@@ -12,15 +12,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
 
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import FREQUENCY, legend_below, name_axes, plain
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
 from reliab.report.style import GREY, INK, line, panels, styled
 from reliab.report.wording import law_in_words
-from reliab.significant import percent
-from reliab.validation.cross_validation import CrossValidation, tabulate
-from reliab.vocabulary import PERCENT
+from reliab.validation.cross_validation.counts import CrossValidation, tabulate
 
 _MEANINGS = {
     "containment": ("contained", "motions that contain the criterion"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 NEW = ""
 """A group of which nothing is known: its tests are like no others."""

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
 from reliab.rig.learning.circumstances import Circumstances, Likeness
 from reliab.rig.learning.scatter import Scatter

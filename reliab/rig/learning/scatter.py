@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.event_components import event_components
 
 _DEGREES: Final = (2.5, 4.0, 8.0, 1e4)

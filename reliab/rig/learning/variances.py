@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 
 LEVEL = 100.0  # variance of the level, in squared spreads of the values
 _PRIOR = (float(np.log(0.03)), 1.5)  # of ln σ of an effect: most matter little, some do a lot

@@ -3,8 +3,8 @@
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from reliab.arrays import Array
-from reliab.effects import Kernel
+from reliab.core.arrays import Array
+from reliab.effects.kernel import Kernel
 
 
 class Compensator(ABC):

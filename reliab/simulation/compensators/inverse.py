@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.effects import Kernel, Numbers
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.effects.kernel import Kernel, Numbers
 from reliab.simulation.compensators.compensator import Compensator
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import scipy
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.effects import Numbers
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.effects.kernel import Numbers
 
 
 def butterworth_sections(order: int, cutoff: float, step: float) -> Array:

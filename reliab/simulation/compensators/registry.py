@@ -1,6 +1,6 @@
 """The library of compensators and controllers: those of this package and those that other packages add."""
 
-from reliab.registry import Registry
+from reliab.core.registry import Registry
 from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
 from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
 from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries

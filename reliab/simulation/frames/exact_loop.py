@@ -17,14 +17,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import TransformLine
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferSystem
-from reliab.structures import Partition
-from reliab.structures.frames import exact_step, follow_load
+from reliab.simulation.linear_loop.spectral import TransformLine
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
+from reliab.structures.frames.frame import exact_step, follow_load
+from reliab.structures.partition import Partition
 
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged
 _FREQUENCIES = 6000
@@ -191,9 +191,9 @@ def stable_with(partition: Partition, actuators: TransferSystem | ActuatorMatrix
     The structure alone is stable, so that the test is where det(I + R Z E) does not turn around zero while s
     runs up the imaginary axis (criterion of Nyquist).
 
-    >>> from reliab.shipped import shipped
+    >>> from reliab.core.shipped import shipped
     >>> from reliab.simulation.frames.frame_file import read_frame
-    >>> from reliab.simulation.transfer_systems import gain_and_delay
+    >>> from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
     >>> partition = read_frame(shipped("datasets", "frames/benchmark_case_1.toml")).partition
     >>> [stable_with(partition, gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
     [True, False]

@@ -97,21 +97,17 @@ from typing import Any
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.described_files import described, read_toml
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.described_files import described, read_toml
+from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.frames.matrix_files import with_matrices
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.frames.transfer_table import rig_of_table
-from reliab.simulation.transfer_systems import (
-    ActuatorMatrix,
-    TransferSystem,
-    invertible,
-)
-from reliab.structures import Partition
-from reliab.structures.frames import square_matrix
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem, invertible
+from reliab.structures.frames.frame import square_matrix
+from reliab.structures.partition import Partition
 
 EXACT = TolerancesTable()
 """Tolerances of a structure that is known exactly."""

@@ -11,16 +11,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.simulation.deviation import Deviation
 from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.exact_loop import ExactLoop, RigResponse
 from reliab.simulation.frames.governing_mode import governing_mode, scale_of_errors
 from reliab.simulation.frames.reduced_loop import ReducedLoop
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferSystem
-from reliab.structures import Partition, Structure, longest_lead
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
+from reliab.structures.partition import Partition
+from reliab.structures.stability import longest_lead
+from reliab.structures.structure import Structure
 
 REDUCTION_TOLERANCE = 3e-3
 """Largest relative error of RMS^R that the reduction to pole pairs may cause [-]."""
@@ -56,7 +58,7 @@ class FrameLoop:
     With several actuators the error is that of the interface displacement whose error is largest, over its
     own peak; displacements that hardly strain the specimen under this motion are not judged.
 
-    >>> from reliab.shipped import shipped
+    >>> from reliab.core.shipped import shipped
     >>> from reliab.simulation.frames.frame_file import read_frame
     >>> frame = read_frame(shipped("datasets", "frames/benchmark_case_1.toml"))
     >>> record = np.sin(2 * np.pi * np.arange(0, 20, 0.01))

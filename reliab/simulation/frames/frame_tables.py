@@ -5,21 +5,15 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from reliab.arrays import Array
-from reliab.physical_range import Physical
+from reliab.core.arrays import Array
+from reliab.core.physical_range import Physical
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.specimen_table import KinematicsTable, SpecimenTable
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable, require
 from reliab.simulation.frames.transfer_table import TransferTable
-from reliab.structures import drift_interface, floor_interface, static_shapes
-from reliab.structures.frames import (
-    Frame,
-    PlanarFrame,
-    massless,
-    modal_damping,
-    rayleigh_damping,
-    shear_frame,
-)
+from reliab.structures.frames.frame import Frame, massless, modal_damping, rayleigh_damping, static_shapes
+from reliab.structures.frames.planar_frame import PlanarFrame, shear_frame
+from reliab.structures.specimen import drift_interface, floor_interface
 
 _Inertia = Annotated[float, Physical("second moment of area")]
 _Length = Annotated[float, Physical("length")]

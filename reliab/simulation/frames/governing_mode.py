@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
-from reliab.structures import Partition, Structure
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 _LEAST_SHARE, _LEAST_RATIO, _LARGEST_RATIO = 1e-3, 1e-4, 0.5
 

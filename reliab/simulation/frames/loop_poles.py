@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
-from reliab.structures import Partition
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.structures.partition import Partition
 
 _PARTS = 4  # in which the actuator's error is approached
 _NEWTON_STEPS = 30

@@ -6,10 +6,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.file_limits import LIMITS
-from reliab.received import named_within
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS
+from reliab.core.untrusted_files import named_within
 
 Row = tuple[float, ...]
 

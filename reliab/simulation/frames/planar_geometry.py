@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.significant import significant
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import significant
 
 _STEPS = 50
 _CONVERGED = 1e-12

@@ -13,14 +13,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, follow, peak_of_history, summary
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.loop_poles import PoleLoop, pole_loop, transfer
 from reliab.simulation.linear_loop.blocks import ramp_weights
-from reliab.structures import Partition, stability_limit
-from reliab.structures.frames import undivided_response
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.frames.frame import undivided_response
+from reliab.structures.partition import Partition
 
 LANES = 64
 """Cells that advance side by side."""

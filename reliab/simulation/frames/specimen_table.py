@@ -6,15 +6,15 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from reliab.arrays import Array
-from reliab.effects import Effect, find_effect
-from reliab.errors import InputError
-from reliab.physical_range import Physical
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.effects.effect import Effect
+from reliab.effects.registry import find_effect
 from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import DescribedTable, require
-from reliab.structures import condensed
-from reliab.structures.frames import place_of
+from reliab.structures.frames.frame import condensed, place_of
 
 _OF_ONE = {"stiffness_n_per_m", "damping_n_s_per_m", "damping_ratio", "mass_kg", "effects", "below"}
 _OF_SEVERAL = {"names", "stiffness_matrix_n_per_m", "damping_matrix_n_s_per_m", "mass_matrix_kg"}

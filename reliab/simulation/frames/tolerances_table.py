@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import Physical
-from reliab.structures import least_of, name_of_entries
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.structures.parts_of_structure import least_of, name_of_entries
 
 _FAR = 3.0  # standard deviations that an entry may be off
 

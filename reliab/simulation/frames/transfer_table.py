@@ -6,19 +6,19 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import Physical
-from reliab.received import named_within
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import Physical
+from reliab.core.untrusted_files import named_within
+from reliab.core.vocabulary import MILLI
 from reliab.simulation.frames.tolerances_table import DescribedTable, require
-from reliab.simulation.transfer_systems import (
+from reliab.simulation.transfer_systems.reading import read_matlab
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import (
     ActuatorMatrix,
-    ServoHydraulic,
     TransferFunction,
     TransferSystem,
 )
-from reliab.simulation.transfer_systems.reading import read_matlab
-from reliab.vocabulary import MILLI
 
 _Positive = Annotated[float, Physical("number")]
 _Number = Annotated[float, Physical("number", zero=True, signed=True)]

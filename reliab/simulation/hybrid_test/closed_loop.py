@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, read_only
-from reliab.compiled import compiled
-from reliab.effects import IntegrationError, RecordEffect, Role, Setting, call_kernel, pointer_to
+from reliab.core.arrays import Array, read_only
+from reliab.core.compiled import compiled
+from reliab.effects.effect import RecordEffect, Role, Setting
+from reliab.effects.integration_error import IntegrationError
+from reliab.effects.kernel import call_kernel, pointer_to
 from reliab.simulation.compensators.compensator import Compensator
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement

@@ -3,11 +3,13 @@
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from reliab.effects import Effect, Role, Setting, library
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.effects.effect import Effect, Role, Setting
+from reliab.effects.registry import library
 from reliab.simulation.integrators import LinearSubstructure
-from reliab.structures import Specimen, Structure
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 
 @dataclass(frozen=True, kw_only=True)

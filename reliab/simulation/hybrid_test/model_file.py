@@ -11,14 +11,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from reliab.described_files import described, read_toml
-from reliab.effects import Effect, Parameter, find_effect
-from reliab.errors import InputError
-from reliab.files import refuse_unwritable, written_whole
-from reliab.physical_range import Physical, require_physical
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures import Specimen, Structure
+from reliab.core.described_files import described, read_toml
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, written_whole
+from reliab.core.physical_range import Physical, require_physical
+from reliab.effects.effect import Effect, Parameter
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 MODEL_FILE = "model.toml"
 _FORMAT = 1

@@ -6,11 +6,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.effects import Kernel, Role, Setting
-from reliab.errors import InputError
-from reliab.signals import CubicPath
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.effects.effect import Role, Setting
+from reliab.effects.kernel import Kernel
+from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.stepping import STATES, call_all, plan, read_delayed
 

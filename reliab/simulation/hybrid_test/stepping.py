@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.effects import Effect, Setting, SteppedEffect, call_kernel, pointer_to
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.effects.effect import Effect, Setting, SteppedEffect
+from reliab.effects.kernel import call_kernel, pointer_to
 
 STATES = 16
 """Largest state of an effect."""

@@ -1,5 +1,1 @@
 """A digital laboratory: numerical substructure, controller, transfer system and specimen, step by step."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

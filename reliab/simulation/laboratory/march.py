@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
-from reliab.effects import call_kernel, pointer_to
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
+from reliab.effects.kernel import call_kernel, pointer_to
 from reliab.simulation.hybrid_test.stepping import Plan, call_all
 
 

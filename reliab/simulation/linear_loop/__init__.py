@@ -1,5 +1,1 @@
 """The loop: structure, actuator, stability and the engines that solve it."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,8 +7,8 @@ compiler adds to a complex product.
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
 
 _AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
 _NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response

@@ -17,10 +17,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, read_only
+from reliab.core.arrays import Array, read_only
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import Weights, cut_records, peak_of_mode
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 LARGEST_PHASE_STEP = 0.09
 """Largest ω₀H of a block [rad]. The sampled peak of a harmonic is then within 1e-3 of the true one; for any

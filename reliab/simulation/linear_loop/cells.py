@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.errors import InputError
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.simulation.linear_loop.blocks import block_length
 from reliab.simulation.linear_loop.dominant_pole import (
     LeadingLoop,
@@ -21,8 +21,8 @@ from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.plane import Expansion, expansions
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
-from reliab.structures import Structure, refuse_long_leads
-from reliab.structures.stability import critical_delay
+from reliab.structures.stability import critical_delay, refuse_long_leads
+from reliab.structures.structure import Structure
 
 REDUCTION_TOLERANCE = 3e-5
 """Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,

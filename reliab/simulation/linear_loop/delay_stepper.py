@@ -13,12 +13,12 @@ number of blocks advance side by side; `short_delay` steps those shorter than a 
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
 from reliab.simulation.linear_loop import short_delay
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""

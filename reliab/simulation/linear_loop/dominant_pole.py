@@ -34,8 +34,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.structures import Structure
+from reliab.core.arrays import Array, Spectrum
+from reliab.structures.structure import Structure
 
 _NEWTON_STEPS = 60
 _CONVERGED = 1e-14

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import Deviation, end_weight, refine_peak
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes

@@ -23,7 +23,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.blocks import ramp_weights
 from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
 

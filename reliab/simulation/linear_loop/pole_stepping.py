@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes

@@ -18,12 +18,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.dominant_pole import modal_loop
 from reliab.simulation.linear_loop.pole_recursion import recursion
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 DRIVES = 6
 """Number of shared drives."""

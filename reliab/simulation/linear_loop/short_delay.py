@@ -10,8 +10,8 @@ with twelve and four coefficients instead of twenty-four, and no history.
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, end_weight, follow, follow_four
 from reliab.simulation.linear_loop.blocks import Blocks
 from reliab.simulation.linear_loop.pole_recursion import fill_lanes

@@ -14,13 +14,13 @@ from typing import Self
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.dominant_pole import transfer, transfer_of_shift
-from reliab.structures import Structure, refuse_long_leads
-from reliab.structures.stability import critical_delay
+from reliab.structures.stability import critical_delay, refuse_long_leads
+from reliab.structures.structure import Structure
 
 _LONGEST_STEP = 1.0 / 512.0
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array, Spectrum, read_only
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array, Spectrum, read_only
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.block_kernel import cut_records
 from reliab.simulation.linear_loop.blocks import Blocks, block_length, mode_weights, spacing

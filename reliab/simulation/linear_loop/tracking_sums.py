@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import Blocks, cut_together
 from reliab.simulation.linear_loop.dominant_pole import leading_loop, modal_loop
@@ -26,7 +26,7 @@ from reliab.simulation.linear_loop.pole_recursion import (
     recursion,
     recursions,
 )
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 _LARGEST_PHASE_STEP = 0.2
 _LONGEST_BLOCK = 0.025

@@ -1,5 +1,1 @@
 """Transfer systems: the equipment between the sent command and the piston's motion."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.errors import InputError
-from reliab.files import decoding, ordinary
+from reliab.core.errors import InputError
+from reliab.core.files import decoding, ordinary
 from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction, coefficients_of
 

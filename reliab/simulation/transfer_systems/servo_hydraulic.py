@@ -6,10 +6,10 @@ from typing import Self
 
 import numpy as np
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
-from reliab.structures import Specimen
+from reliab.structures.specimen import Specimen
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,9 +10,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from reliab.arrays import Array, Spectrum
-from reliab.errors import InputError
-from reliab.structures import Specimen
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.errors import InputError
+from reliab.structures.specimen import Specimen
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,11 +13,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array, Spectrum
-from reliab.compiled import compiled
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
-from reliab.significant import significant
+from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.significant_digits import significant
 from reliab.structures.structure import Structure
 
 _SINGULAR = 1e-10  # of the largest eigenvalue

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.errors import InputError
-from reliab.physical_range import require_physical
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
 
 
 def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) -> tuple[Array, Array]:

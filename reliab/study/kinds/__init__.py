@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from reliab.registry import Registry
+from reliab.core.registry import Registry
 from reliab.study.folders import shipped_kinds
 from reliab.study.kind import Kind
 from reliab.study.kinds import criterion, discrepancy

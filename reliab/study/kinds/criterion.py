@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
-from reliab.criterion import Criterion
-from reliab.errors import InputError
-from reliab.files import written_whole
-from reliab.progress import Show
-from reliab.report import Document
-from reliab.shipped import shipped
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.progress import Show
+from reliab.core.shipped import shipped
+from reliab.criterion.criterion import Criterion
+from reliab.report.document import Document
 from reliab.study.description import CriterionStudy
 from reliab.study.kind import Kind
 from reliab.study.material import Material
@@ -28,9 +28,14 @@ from reliab.study.steps import (
     tracing,
     validations_of,
 )
-from reliab.sweep import REAL, open_ellipses, open_results, real_results
-from reliab.validation import earthquakes_among
-from reliab.validation.cross_validation import CrossValidation, Fold, Printed, StoredTruth, cross_validate
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.results import REAL, open_results, real_results
+from reliab.validation.cross_validation.candidates import Printed
+from reliab.validation.cross_validation.counts import CrossValidation
+from reliab.validation.cross_validation.folds import Fold
+from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.truth import StoredTruth
+from reliab.validation.earthquakes import earthquakes_among
 
 REAL_MOTIONS: Final = "real_motions.json"
 
@@ -49,8 +54,8 @@ def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
 
 def report(study: CriterionStudy, folder: Path) -> Document:
     """Report the criteria with the containment on held-out earthquakes."""
-    from reliab.report.kinds.criterion import criterion_report, no_criterion_report
-    from reliab.report.sections import rates_table
+    from reliab.report.kinds.criterion.report import criterion_report, no_criterion_report
+    from reliab.report.sections.rates import rates_table
 
     population = Material(study, results=study.motions.results).population
     derived, traced = derivation_of(folder), open_ellipses(folder / ELLIPSES)

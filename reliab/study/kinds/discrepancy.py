@@ -6,16 +6,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reliab.files import written_whole
-from reliab.progress import Show
-from reliab.report import Document, save_content, saved_content
-from reliab.shipped import shipped
+from reliab.core.files import written_whole
+from reliab.core.progress import Show
+from reliab.core.shipped import shipped
+from reliab.report.document import Document
+from reliab.report.saved import save_content, saved_content
 from reliab.study.description import Study, Table
 from reliab.study.kind import Kind
 from reliab.study.stages import Stage, digest, made_with
 
 if TYPE_CHECKING:
-    from reliab.discrepancy.adding import Addition
+    from reliab.discrepancy.adding.adding import Addition
 
 DIAGNOSIS: Final = "diagnosis.json"
 CONTENT: Final = "report"
@@ -83,9 +84,9 @@ def _folder(study: DiscrepancyStudy) -> Path:
 def _diagnosed(campaign: Path, checksum: str) -> "Addition":
     """Diagnose a campaign of a checksum, once in a process."""
     del checksum
-    from reliab.discrepancy import diagnose
-    from reliab.discrepancy.adding import add
-    from reliab.discrepancy.campaign import read_campaign
+    from reliab.discrepancy.adding.adding import add
+    from reliab.discrepancy.campaign.reading import read_campaign
+    from reliab.discrepancy.diagnose import diagnose
 
     return add(diagnose(read_campaign(campaign)))
 

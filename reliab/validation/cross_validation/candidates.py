@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from reliab.criterion import Derivation, without_copies
-from reliab.criterion.laws import FittedLaw, Law, Table
-from reliab.criterion.methods import Method
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Side
+from reliab.criterion.copies import without_copies
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.registry import FittedLaw
+from reliab.criterion.laws.table import Table
+from reliab.criterion.methods.method import Method
 from reliab.validation.cross_validation.cell import Cell, Region
-from reliab.vocabulary import Side
 
 
 @dataclass(frozen=True, kw_only=True)

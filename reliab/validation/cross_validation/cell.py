@@ -8,8 +8,8 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import is_ellipse, of_curve
-from reliab.vocabulary import MILLI, CurveName, Side
+from reliab.core.vocabulary import MILLI, CurveName, Side
+from reliab.criterion.ellipse_sample import is_ellipse, of_curve
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.vocabulary import Side
+from reliab.core.vocabulary import Side
 
 COUNTS: Final = (
     *("contained", "judged", "unresolved", "within_ellipse", "fitted"),

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.criterion import magnitudes_of, regions_of
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.scope import magnitudes_of, regions_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

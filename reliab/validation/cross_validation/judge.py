@@ -20,15 +20,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.criterion import names_along, require_meaning
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.vocabulary import Side
+from reliab.criterion.derivation import require_meaning
+from reliab.criterion.ellipse_table import names_along
 from reliab.validation.cross_validation.candidates import Candidate, Limits
 from reliab.validation.cross_validation.cell import Actuators, Cell, draw_trials
 from reliab.validation.cross_validation.counts import COUNTS, DIMENSIONS, CrossValidation
 from reliab.validation.cross_validation.folds import Fold
 from reliab.validation.cross_validation.truth import EllipseTruth, Truth
-from reliab.vocabulary import Side
 
 
 def cross_validate(

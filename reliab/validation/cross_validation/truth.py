@@ -16,15 +16,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.boundary import ErrorSurfaces
-from reliab.criterion import names_along
-from reliab.indices import Window, relative_error
-from reliab.motions import Motion
-from reliab.simulation import Loop
-from reliab.structures import Structure
-from reliab.sweep import excitation_of
+from reliab.core.vocabulary import MILLI, Metric, Side
+from reliab.criterion.ellipse_table import names_along
+from reliab.motions.motion import Motion
+from reliab.simulation.engine import Loop
+from reliab.structures.structure import Structure
+from reliab.sweep.request import excitation_of
+from reliab.tracking.boundary.contour import ErrorSurfaces
+from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.cell import Cell
-from reliab.vocabulary import MILLI, Metric, Side
 
 
 class Truth(ABC):

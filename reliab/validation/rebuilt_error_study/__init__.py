@@ -13,7 +13,3 @@ samples with the force as the actuator gives it) shares no code with the recursi
 sees the ground motion. `rebuild_with_specimen` marches its own reference with the same kernels of the
 specimen's force, under the demand that the recorded displacement reveals.
 """
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,19 +7,16 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import (
-    FEWEST_PERIODS,
-    RebuiltError,
-    examine_specimen,
-    rebuild,
-    rebuild_with_specimen,
-)
-from reliab.indices.response_error import response_error
-from reliab.motions import Motion, resample
-from reliab.simulation import Excitation
-from reliab.simulation.hybrid_test import Histories, HybridTest, run_closed_loop
-from reliab.structures import Structure
+from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.assessment.rebuilt_error.specimen_check import FEWEST_PERIODS, examine_specimen
+from reliab.core.arrays import Array
+from reliab.motions.motion import Motion, resample
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.hybrid_test.closed_loop import Histories, run_closed_loop
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.response_error import response_error
 from reliab.validation.beyond_the_model import Rig
 from reliab.validation.rebuilt_error_study.design import Design
 from reliab.validation.rebuilt_error_study.judges import (

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from reliab.errors import InputError
-from reliab.motions import Motion
-from reliab.shipped import shipped
-from reliab.structures import Structure
-from reliab.sweep import open_ellipses
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.core.vocabulary import Metric
+from reliab.motions.motion import Motion
+from reliab.structures.structure import Structure
+from reliab.sweep.ellipse_file import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.rebuilt_error_study.judges import (
     Question,
 )
-from reliab.vocabulary import Metric
 
 
 @dataclass(frozen=True, kw_only=True)

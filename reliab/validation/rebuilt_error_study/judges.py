@@ -7,18 +7,21 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment import Word, carried_limits, word_of_probability
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.rebuilt_error import RebuiltError
-from reliab.criterion import Criterion, published_criterion
-from reliab.criterion.laws import OF_MANY_MOTIONS
-from reliab.errors import InputError
-from reliab.indices import FrequencyEvaluation, relative_error
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.simulation import Excitation, Loop
-from reliab.structures import Structure
-from reliab.vocabulary import MILLI, Metric, Side
+from reliab.assessment.placement import carried_limits
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+from reliab.assessment.verdict import Word, word_of_probability
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import MILLI, Metric, Side
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.published import published_criterion
+from reliab.simulation.engine import Loop
+from reliab.simulation.excitation import Excitation
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
+from reliab.tracking.indices.response_error import relative_error
 
 REBUILT: Final = "rebuilt error"
 CERTAIN: Final = "rebuilt error, verdict reliable"

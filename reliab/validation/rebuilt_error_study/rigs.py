@@ -7,23 +7,22 @@ from typing import Any, Final
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.assessment.rebuilt_error import Tolerances
-from reliab.effects import (
-    Backlash,
-    CoulombFriction,
-    CubicStiffness,
-    DelayDrift,
-    Effect,
-    FirstOrderLag,
-    Hysteresis,
-    RateLimit,
-    SecondOrderDynamics,
-    StrokeSaturation,
-)
-from reliab.simulation import Actuator
-from reliab.simulation.compensators import InverseCompensation
-from reliab.structures import Specimen, Structure
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.arrays import Array
+from reliab.effects.backlash import Backlash
+from reliab.effects.coulomb_friction import CoulombFriction
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.effect import Effect
+from reliab.effects.first_order_lag import FirstOrderLag
+from reliab.effects.hysteresis import Hysteresis
+from reliab.effects.rate_limit import RateLimit
+from reliab.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.effects.stroke_saturation import StrokeSaturation
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.hybrid_test.model import Actuator
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 from reliab.validation.beyond_the_model import Rig
 
 _SERVO_DAMPING = 0.7

@@ -7,9 +7,9 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
-from reliab.rows import read_table, write_table
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.rows import read_table, write_table
 from reliab.validation.cross_validation.counts import event_bootstrap
 from reliab.validation.rebuilt_error_study.bench import tests_of_round
 from reliab.validation.rebuilt_error_study.design import Design

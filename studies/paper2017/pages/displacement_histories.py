@@ -13,8 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab import report as rp
-from reliab.vocabulary import MILLI, PERCENT
+from reliab.core.vocabulary import MILLI, PERCENT
+from reliab.report.axes import DISPLACEMENT, TIME, legend_below, mark, plain
+from reliab.report.document import Figure as RpFigure
+from reliab.report.prose import Prose
+from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels as rp_panels, styled
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45
@@ -37,23 +40,23 @@ class HistoryPanel:
     note: str = ""
 
 
-@rp.styled
+@styled
 def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
     """Draw exact response and measured displacement of several tests on one scale of time.
 
     Displacement [mm] over time [s].
     """
     rows = -(-len(histories) // columns)
-    figure, axes = rp.panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
-    rp.letters(axes, tuple(rp.plain(panel.title) for panel in histories))
+    figure, axes = rp_panels(rows, columns, height=_MARGIN + _PANEL_HEIGHT * rows, share_x=True)
+    letters(axes, tuple(plain(panel.title) for panel in histories))
     for place, history in zip(axes.ravel(), histories, strict=False):
         _draw(place, history)
     for place in axes.ravel()[len(histories) :]:
         place.set_axis_off()
     for place in axes[-1]:
-        place.set_xlabel(rp.TIME)
+        place.set_xlabel(TIME)
     richest = next((k for k, panel in enumerate(histories) if panel.measured is not None), 0)
-    rp.legend_below(figure, axes.ravel()[richest])
+    legend_below(figure, axes.ravel()[richest])
     return figure
 
 
@@ -76,7 +79,7 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     history = as_printed(history)
     curves = [history.ideal] if history.measured is None else [history.ideal, history.measured]
     # The exact response lies underneath, broad and pale, so that both remain visible where they agree.
-    colour, width = (rp.INK, 0.8) if history.measured is None else (rp.PALE, 2.6)
+    colour, width = (INK, 0.8) if history.measured is None else (PALE, 2.6)
     axes.plot(
         history.times, MILLI * history.ideal, color=colour, linewidth=width, label="exact response $x_I$"
     )
@@ -84,14 +87,14 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
         axes.plot(
             history.times,
             MILLI * history.measured,
-            color=rp.BLUE,
+            color=BLUE,
             linewidth=0.7,
             label="measured displacement $x_m$",
         )
         axes.plot(
             history.times,
             MILLI * (history.measured - history.ideal),
-            color=rp.VERMILION,
+            color=VERMILION,
             linewidth=0.7,
             linestyle=(0, (2.0, 1.0)),
             label="difference $x_m - x_I$",
@@ -99,12 +102,12 @@ def _draw(axes: Axes, history: HistoryPanel) -> None:
     peak = MILLI * max(float(np.abs(values).max()) for values in curves)
     axes.set_ylim(-_HEADROOM * peak, _HEADROOM * peak)
     axes.set_xlim(history.times[0], history.times[-1])
-    axes.set_ylabel(rp.DISPLACEMENT)
+    axes.set_ylabel(DISPLACEMENT)
     if history.note:
-        rp.mark(axes, rp.plain(history.note), (0.985, 0.95), ha="right")
+        mark(axes, plain(history.note), (0.985, 0.95), ha="right")
 
 
-def case_histories(cases: xr.Dataset, *, caption: rp.Prose, label: str, errors: bool = False) -> rp.Figure:
+def case_histories(cases: xr.Dataset, *, caption: Prose, label: str, errors: bool = False) -> RpFigure:
     """Draw the exact response and the measured displacement of each case."""
     panels = [
         HistoryPanel(
@@ -116,4 +119,4 @@ def case_histories(cases: xr.Dataset, *, caption: rp.Prose, label: str, errors: 
         )
         for number in cases["case"].values.tolist()
     ]
-    return rp.Figure(drawing=displacement_histories(panels), caption=caption, label=label)
+    return RpFigure(drawing=displacement_histories(panels), caption=caption, label=label)

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from reliab.report import BLUE, INK, PALE, VERMILION, blank, styled
+from reliab.report.style import BLUE, INK, PALE, VERMILION, blank, styled
 
 _LINE = 1.0
 

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from reliab.report import Paragraph, Points, Prose, Section
-from reliab.report.prose import prose
+from reliab.report.document import Paragraph, Points, Section
+from reliab.report.prose import Prose, prose
 
 from ..printed import CLOSE
 from ..text import SLIPS

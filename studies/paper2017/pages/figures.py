@@ -5,27 +5,29 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from reliab.arrays import Array
-from reliab.boundary import Contour
-from reliab.criterion import Lognormal
-from reliab.criterion.laws import (
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import Metric
+from reliab.criterion.distributions import Lognormal
+from reliab.criterion.laws.guo_2017 import (
     Equation12,
     Equation14,
     Equation15,
     Equation15Corrected,
     Equation17,
     Equation17Corrected,
-    Law,
 )
-from reliab.report import Block, Figure, Section
-from reliab.report.figures import ParameterSeries, parameters_over_damping_ratio, parameters_over_frequency
+from reliab.criterion.laws.law import Law
+from reliab.report.document import Block, Figure, Section
 from reliab.report.figures.parameter_distributions import (
+    ParameterSeries,
     ellipses_and_criterion,
     parameter_correlation,
     parameter_distributions,
+    parameters_over_damping_ratio,
+    parameters_over_frequency,
 )
 from reliab.report.prose import prose
-from reliab.vocabulary import Metric
+from reliab.tracking.boundary.contour import Contour
 
 from ..fits import exponential
 from ..pages.displacement_histories import HistoryPanel, displacement_histories

@@ -5,14 +5,17 @@ from collections.abc import Mapping
 import pandas as pd
 import xarray as xr
 
-from reliab import report as rp
-from reliab.criterion import records_checksum
-from reliab.errors import InputError
-from reliab.report.prose import prose
-from reliab.report.sections import limits_section, method_section
-from reliab.significant import percent
-from reliab.sweep import share_of
-from reliab.vocabulary import PERCENT
+from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import PERCENT
+from reliab.criterion.provenance import records_checksum
+from reliab.report.document import Column, Document, Paragraph, Section, Table
+from reliab.report.numbers import Fixed, Shortest, Significant, in_line
+from reliab.report.prose import Prose, prose
+from reliab.report.provenance import provenance_of
+from reliab.report.sections.method import limits_section, method_section
+from reliab.report.sources import SOURCES
+from reliab.sweep.shares import share_of
 
 from ..audit import items_of, tabulate
 from ..printed import EXAMPLE, PrintedTables
@@ -38,7 +41,7 @@ def paper_report(
     cases: xr.Dataset,
     provenance: Mapping[str, object],
     purpose: str = "",
-) -> rp.Document:
+) -> Document:
     """Report the reproduction of Guo and others (2017)."""
     if example.attrs["motion"] not in ellipses["motion"]:
         raise InputError(
@@ -50,7 +53,7 @@ def paper_report(
     numbers, contained = tabulate(items_of(printed, records)), containment(records)
     window = str(ellipses.attrs.get("window", "record"))
     fraction = share_of(ellipses)
-    return rp.Document(
+    return Document(
         kind="Reproduction of a published study",
         title=title,
         verdict=_verdict(numbers, contained),
@@ -67,12 +70,12 @@ def paper_report(
             _numbers(numbers),
             method_section(None, experimental_fraction=fraction, window=window),
         ),
-        provenance=rp.provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
-        sources=rp.SOURCES,
+        provenance=provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
+        sources=SOURCES,
     )
 
 
-def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> rp.Prose:
+def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     close, recomputed = count(numbers)
     rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
@@ -91,7 +94,7 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> rp.Prose:
     )
 
 
-def _facts(records: Records, fraction: float) -> dict[str, rp.Prose]:
+def _facts(records: Records, fraction: float) -> dict[str, Prose]:
     sample = records.sample()
     return {
         "Paper": prose("Guo and others (2017) @guo2017"),
@@ -105,13 +108,13 @@ def _facts(records: Records, fraction: float) -> dict[str, rp.Prose]:
     }
 
 
-def _numbers(numbers: pd.DataFrame) -> rp.Section:
+def _numbers(numbers: pd.DataFrame) -> Section:
     rows = numbers[~of_row(numbers)]
-    relative = rp.Fixed(decimals=1, factor=PERCENT, signed=True)
-    return rp.Section(
+    relative = Fixed(decimals=1, factor=PERCENT, signed=True)
+    return Section(
         title="All tables, figures and numbered equations",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "@tab:all lists what the paper prints with a number: as printed, as it follows from "
                     "the tables and equations that the paper prints, and as it follows from the records. "
@@ -122,17 +125,17 @@ def _numbers(numbers: pd.DataFrame) -> rp.Section:
                     "@sec:errata."
                 )
             ),
-            rp.Table(
+            Table(
                 frame=_set(rows),
                 columns=(
-                    rp.Column(key="item", heading="Paper"),
-                    rp.Column(key="quantity", heading="Quantity", wide=True),
-                    rp.Column(key="unit", heading="Unit"),
-                    rp.Column(key="printed", heading="Printed"),
-                    rp.Column(key="from_tables", heading="Its tables"),
-                    rp.Column(key="from_records", heading="Records"),
-                    rp.Column(key="difference", heading="Off", unit="%", number=relative),
-                    rp.Column(key="finding", heading="Finding", wide=True),
+                    Column(key="item", heading="Paper"),
+                    Column(key="quantity", heading="Quantity", wide=True),
+                    Column(key="unit", heading="Unit"),
+                    Column(key="printed", heading="Printed"),
+                    Column(key="from_tables", heading="Its tables"),
+                    Column(key="from_records", heading="Records"),
+                    Column(key="difference", heading="Off", unit="%", number=relative),
+                    Column(key="finding", heading="Finding", wide=True),
                 ),
                 caption="What the paper prints, what follows from its tables, and what from its records.",
                 label="tab:all",
@@ -153,17 +156,17 @@ def _set(numbers: pd.DataFrame) -> pd.DataFrame:
         unit=numbers["unit"].replace(_UNITS).where(~without, ""),
         quantity=numbers["quantity"].str.replace("^R", "ᴿ"),
         finding=numbers["finding"].str.replace("^R", "ᴿ"),
-        **{name: [rp.in_line(rp.Significant()(value)) for value in numbers[name]] for name in columns},
+        **{name: [in_line(Significant()(value)) for value in numbers[name]] for name in columns},
     )
 
 
-def _promise(contained: pd.DataFrame) -> rp.Section:
-    share = rp.Fixed(decimals=0, factor=PERCENT)
+def _promise(contained: pd.DataFrame) -> Section:
+    share = Fixed(decimals=0, factor=PERCENT)
     headings = ("(15)", "(18)", "(15) corrected", "(18) corrected")
-    return rp.Section(
+    return Section(
         title="Whether the published criteria keep their promise",
         blocks=(
-            rp.Paragraph(
+            Paragraph(
                 text=prose(
                     "A criterion that promises 95 % should lie inside the ellipses of 95 % of the motions. "
                     "@tab:contained counts the fitted ellipses at $xi = 0.02$ that do. Equation (18) allows "
@@ -172,12 +175,12 @@ def _promise(contained: pd.DataFrame) -> rp.Section:
                     "structures tolerate more."
                 )
             ),
-            rp.Table(
+            Table(
                 frame=contained,
                 columns=(
-                    rp.Column(key="f", heading=prose("$f$"), unit="Hz", number=rp.Shortest()),
+                    Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
                     *(
-                        rp.Column(
+                        Column(
                             key=name,
                             heading=heading,
                             unit="%",
@@ -197,9 +200,9 @@ def _promise(contained: pd.DataFrame) -> rp.Section:
     )
 
 
-def _limits(numbers: pd.DataFrame) -> list[rp.Prose]:
+def _limits(numbers: pd.DataFrame) -> list[Prose]:
     rows, errors, all_rows = rows_that_agree(numbers)
-    sentences: list[rp.Prose] = [
+    sentences: list[Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
             "have another time step, length or name than those used here. Its column “error” comes back in "

@@ -5,22 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.api.arguments import require_sound
-from reliab.assessment import assess
-from reliab.assessment.budget import (
+from reliab.app.api.arguments import require_sound
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.corrections import corrected
+from reliab.assessment.budget.sizes import (
     Size,
     Source,
-    corrected,
     ordinary_equipment,
     read_equipment,
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.errors import InputError
-from reliab.recordings import Recording, read_channels_file
-from reliab.signals import LowPass
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
+from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.channels_file import read_channels_file
+from reliab.recordings.recording import Recording
+from reliab.signals.filters import LowPass
+from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.03)
 

@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 from coupled_structures import coupled_response, described, node, two_storeys
 
-from reliab.assessment.coupled_error import CoupledMonitor, rebuild_coupled
-from reliab.assessment.rebuilt_error import Monitor, Recursion
-from reliab.errors import InputError
-from reliab.structures import Partition, Structure
-from reliab.vocabulary import Metric
+from reliab.assessment.coupled_error.monitor import CoupledMonitor
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 RATE = 256.0
 

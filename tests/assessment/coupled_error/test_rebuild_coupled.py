@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from coupled_structures import coupled_response, lag
 
-from reliab.assessment.coupled_error import rebuild_coupled
-from reliab.assessment.rebuilt_error import Tolerances, rebuild
-from reliab.shipped import shipped
-from reliab.simulation.frames import read_structure
-from reliab.simulation.transfer_systems import ActuatorMatrix
-from reliab.structures import Partition, Structure
-from reliab.vocabulary import Metric
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.shipped import shipped
+from reliab.core.vocabulary import Metric
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0
 

@@ -7,7 +7,6 @@ import pytest
 import scipy
 
 from rebuilt_error.by_transform import respond_spectrally
-from reliab.assessment.rebuilt_error import Tolerances
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
@@ -23,10 +22,11 @@ from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import _for_half, widenings, widenings_of_draws
-from reliab.structures import Partition
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
 
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(2048)

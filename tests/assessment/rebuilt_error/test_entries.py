@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure
-from reliab.structures import Partition
+from reliab.structures.partition import Partition
 
 STIFFNESS = 900.0 * np.array([[2.0, -1.0], [-1.0, 1.0]])
 STRUCTURE = Partition(

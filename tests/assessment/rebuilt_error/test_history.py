@@ -21,9 +21,9 @@ from rebuilt_error.laboratory import (
     run,
     synthetic_ground,
 )
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.structures import Partition
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

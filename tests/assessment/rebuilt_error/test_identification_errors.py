@@ -6,7 +6,7 @@ import scipy
 
 from reliab.assessment.rebuilt_error import identification
 from reliab.assessment.rebuilt_error.identification import Identification, Identified, identify
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0

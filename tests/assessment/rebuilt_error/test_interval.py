@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
-from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.force_form import Form
 from reliab.assessment.rebuilt_error.parts import parts_of
-from reliab.errors import InputError
-from reliab.signals import converter_step
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.signals.noise import converter_step
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
 
 STEP = 1.0 / RATE
 LAB = Lab(1.0, 0.03, 1.0, DELAY, (0.997, 0.0012, 0.0, 0.0))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from reliab.assessment.rebuilt_error import Monitor, watched_modes
-from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy
-from reliab.structures import Partition
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, watched_modes
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.structures.partition import Partition
 
 STEP = 1.0 / 512.0
 STIFFNESS = (2.0 * np.pi * 2.0) ** 2 * np.array([[2.0, -1.0], [-1.0, 1.0]])

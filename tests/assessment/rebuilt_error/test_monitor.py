@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, noise, run, synthetic_ground
-from reliab.assessment.rebuilt_error import rebuild
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

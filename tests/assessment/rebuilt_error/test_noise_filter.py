@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.budget import ordinary_equipment
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.error_of_test import Question, error_of_test
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
-from reliab.recordings import Recording
-from reliab.signals import LowPass
-from reliab.stated_value import StatedValue
-from reliab.structures import Structure
-from reliab.vocabulary import Metric
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.recordings.recording import Recording
+from reliab.signals.filters import LowPass
+from reliab.structures.structure import Structure
 
 RATE = 1024.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

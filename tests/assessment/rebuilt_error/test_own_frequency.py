@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
-from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency, learn_frequency
-from reliab.structures import Partition
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

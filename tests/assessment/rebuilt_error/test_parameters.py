@@ -15,15 +15,15 @@ from rebuilt_error.laboratory import (
     run,
     synthetic_ground,
 )
-from reliab.assessment.rebuilt_error import rebuild
 from reliab.assessment.rebuilt_error.identification import identify
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Specimen
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

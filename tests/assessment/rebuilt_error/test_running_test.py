@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error import Monitor, Tolerances, rebuild
 from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping, watched_modes
-from reliab.errors import InputError
-from reliab.structures import Partition
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.vocabulary import Metric
 
 STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25

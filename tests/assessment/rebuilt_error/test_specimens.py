@@ -6,18 +6,25 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
-from reliab.assessment.rebuilt_error import Tolerances, rebuild, rebuild_with_specimen
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.force_form import combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.interval import Unknown
-from reliab.assessment.rebuilt_error.nonlinear_reference import _drawn, sweep_model, tangent_structure
+from reliab.assessment.rebuilt_error.nonlinear_reference import (
+    _drawn,
+    rebuild_with_specimen,
+    sweep_model,
+    tangent_structure,
+)
+from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.structures import Partition, Specimen, whole_structure
-from reliab.structures.frames import Frame
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.frames.frame import Frame
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

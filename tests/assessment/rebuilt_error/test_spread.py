@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.special import ive
 
 from reliab.assessment.rebuilt_error.spread import Spread
-from reliab.vocabulary import Metric
+from reliab.core.vocabulary import Metric
 
 
 def of_two_components(length, deviation, draws=200_000):

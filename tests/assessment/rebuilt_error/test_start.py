@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment.rebuilt_error.initial import _Answer, _felt, _stands, checked_histories, examine_start
-from reliab.errors import InputError
-from reliab.structures import Partition
+from reliab.core.errors import InputError
+from reliab.structures.partition import Partition
 
 STEP = 1.0 / 256.0
 FREQUENCY = 1.0

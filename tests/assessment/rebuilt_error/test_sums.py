@@ -9,7 +9,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
 from reliab.assessment.rebuilt_error.loop_energy import watched_modes
 from reliab.assessment.rebuilt_error.running_error import RunningError
-from reliab.structures import Partition, whole_structure
+from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0

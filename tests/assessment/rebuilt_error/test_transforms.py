@@ -11,9 +11,9 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
-from reliab.errors import InputError
-from reliab.signals import binned
-from reliab.structures import Partition
+from reliab.core.errors import InputError
+from reliab.signals.spectra import binned
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 

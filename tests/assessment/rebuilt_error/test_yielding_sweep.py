@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error import Tolerances, rebuild
 from reliab.assessment.rebuilt_error.interval import Unknown
+from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.yielding_sweep import YieldingDraws, yielding_specimen
 from reliab.assessment.yielding import draw_yielding, errors_of_ductilities
-from reliab.structures import Partition
-from reliab.vocabulary import Metric
+from reliab.core.vocabulary import Metric
+from reliab.structures.partition import Partition
 
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(round(8.0 / STEP))

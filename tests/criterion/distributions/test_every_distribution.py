@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
+from reliab.core.errors import InputError
 from reliab.criterion.distributions import DISTRIBUTIONS, Empirical
-from reliab.errors import InputError
 
 SKEW_NORMAL: Any = DISTRIBUTIONS["skew_normal"]
 EVERY = pytest.mark.parametrize("family", DISTRIBUTIONS.values(), ids=DISTRIBUTIONS)

@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from reliab.criterion.laws import FITTED, Table, law_from_dict, law_to_dict
+from reliab.core.errors import InputError
+from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.laws.table import Table
 from reliab.criterion.scaling import scales
-from reliab.errors import InputError
 
 F = np.array([0.25, 0.5, 1.0, 2.0])
 XI = np.array([0.02, 0.05, 0.1])

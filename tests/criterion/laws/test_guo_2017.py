@@ -4,9 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.criterion.laws import OF_MANY_MOTIONS, guo_2017
-from reliab.errors import InputError
-from reliab.shipped import shipped
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.criterion.laws import guo_2017
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
 
 
 @pytest.fixture(scope="module")

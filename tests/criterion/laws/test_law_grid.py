@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from reliab.core.errors import InputError
 from reliab.criterion.laws.law import checked_grid
-from reliab.errors import InputError
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import Conformal
+from reliab.criterion.methods.conformal import Conformal
 
 
 @pytest.mark.parametrize(("events", "highest"), [(4, 0.8), (19, 0.95), (99, 0.99)])

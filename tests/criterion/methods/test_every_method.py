@@ -5,8 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import METHODS, BoundMethod, method_of
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.registry import METHODS, method_of
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import Conformal, Dirichlet, OrderStatistic, Quantile, Scatter
+from reliab.criterion.methods.bound import Scatter
+from reliab.criterion.methods.conformal import Conformal
+from reliab.criterion.methods.dirichlet import Dirichlet
+from reliab.criterion.methods.order_statistic import OrderStatistic
+from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.motion_predictive import MotionPredictive
 
 SHAPES = {

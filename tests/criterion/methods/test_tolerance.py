@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods import OrderStatistic, Tolerance, method_of, tolerance_factor
+from reliab.criterion.methods.order_statistic import OrderStatistic
+from reliab.criterion.methods.registry import method_of
+from reliab.criterion.methods.tolerance import Tolerance, tolerance_factor
 
 # Odeh and Owen (1980), as reprinted in US EPA (2009), Unified guidance, table 17-3 (assurance 95 %)
 PROPORTION_95 = {10: 2.911, 20: 2.396, 30: 2.220, 50: 2.065, 100: 1.927}

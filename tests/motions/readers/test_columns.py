@@ -4,8 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import inspect, load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions, read_motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = np.array([0.1, -0.2, 0.3, -0.25, 0.05, 0.15, -0.35, 0.2])

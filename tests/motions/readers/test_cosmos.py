@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions, read_motion
 
 Write = Callable[[str, str | bytes], Path]
 GAL = np.array([0.3437285, 0.343881, -34.40236, 0.344152, 0.3442641])

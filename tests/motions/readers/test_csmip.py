@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions, read_motion
 
 Write = Callable[[str, str | bytes], Path]
 GAL = [-0.001239, 1.171726, -12.6262, -7.202959, 123.4567, -8.110211, 222.25, 8.140768]

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import Motion, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import read_motion
+from reliab.motions.motion import Motion
 
 Write = Callable[[str, str | bytes], Path]
 

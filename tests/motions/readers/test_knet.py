@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions, read_motion
 
 Write = Callable[[str, str | bytes], Path]
 COUNTS = np.array([13186, 13190, 13196, 13187, 13185, 13194, 13191, 13185, 13190, 13106])

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import inspect, load_motions
-from reliab.vocabulary import STANDARD_GRAVITY as G
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY as G
+from reliab.motions.checking import inspect
+from reliab.motions.loading import load_motions
 
 Write = Callable[[str, str | bytes], Path]
 COUNT, STEP = 43, 0.01

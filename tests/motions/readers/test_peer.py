@@ -4,9 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import Motion, read_motion
-from reliab.vocabulary import STANDARD_GRAVITY as G
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY as G
+from reliab.motions.loading import read_motion
+from reliab.motions.motion import Motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = [0.1, -0.2, 0.3, -0.4, 0.5, -0.06, 0.007]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import load_motions, read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions, read_motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = np.random.default_rng(5).normal(size=300).astype(np.float32)

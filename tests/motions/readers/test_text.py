@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from reliab.errors import InputError
-from reliab.motions import read_motion
+from reliab.core.errors import InputError
+from reliab.motions.loading import read_motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = [0.1, -0.2, 0.3, -0.25]

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reliab.motions import MotionSuite, load_motions
 from reliab.motions.intensity import measure
-from reliab.motions.synthetic import synthetic_suite
+from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
+from reliab.motions.synthetic.suite import synthetic_suite
 
 
 def _logarithms(suite: MotionSuite) -> NDArray[np.float64]:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.synthetic.parameters import ComponentParameters
 from reliab.motions.synthetic.recording import Modulation, fit_modulation
-from reliab.vocabulary import STANDARD_GRAVITY
 
 _SHAPES = st.builds(
     Modulation,

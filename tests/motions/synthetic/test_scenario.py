@@ -5,8 +5,7 @@ from math import exp, hypot
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions.synthetic import Mechanism, Scenario
+from reliab.core.errors import InputError
 from reliab.motions.synthetic.event import pulse_probability
 from reliab.motions.synthetic.fema_p695_2009 import (
     Earthquake,
@@ -16,7 +15,7 @@ from reliab.motions.synthetic.fema_p695_2009 import (
     rupture_length,
 )
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.scenario import VALID_RANGES
+from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
 
 _VALUES = {
     "magnitude": 7.0,

@@ -7,11 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.motions import MotionSuite
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.intensity import measure
-from reliab.motions.synthetic import synthetic_entries, synthetic_suite
-from reliab.vocabulary import STANDARD_GRAVITY
+from reliab.motions.suite import MotionSuite
+from reliab.motions.synthetic.suite import synthetic_entries, synthetic_suite
 
 CHECKSUM = "5d541ae9b2ac9b59"
 """Beginning of the SHA-256 of the checksums of all motions; it belongs to the product's definition."""

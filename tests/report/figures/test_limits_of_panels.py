@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency
 from reliab.report.figures import discrepancy
 from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
 from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.kinds.rig_report import rig_over_time
 from reliab.report.sections.rates import coverage_by_frequency
+from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 
 def rates_of(**levels):

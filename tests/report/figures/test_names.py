@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cli.test_names import NAMES
 
-from reliab.criterion import EllipseSample
+from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.report.axes import plain
 from reliab.report.kinds.criterion.motions import event_forest
 from reliab.report.style import svg

@@ -5,7 +5,7 @@ import pytest
 
 from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
 from reliab.report.style import svg
-from reliab.sampling import PosteriorSample
+from reliab.sampling.posterior_sample import PosteriorSample
 
 NAMES = ("mean of a", "mean of b", "spread")
 ENSEMBLES = 4

@@ -9,13 +9,13 @@ from matplotlib.colors import to_rgb
 from matplotlib.legend import Legend
 
 from reliab.assessment.tracking_index import Windows
-from reliab.criterion import derive_criterion
-from reliab.criterion.methods import method_of
-from reliab.errors import InputError
-from reliab.motions import Motion
+from reliab.core.errors import InputError
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.methods.registry import method_of
+from reliab.motions.motion import Motion
 from reliab.report.document import Figure, Section
 from reliab.report.figures.measured_test import tracking_overview
-from reliab.report.kinds.criterion import criterion_report
+from reliab.report.kinds.criterion.report import criterion_report
 from reliab.report.style import RC, FigureWarning, line, panels, styled, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")

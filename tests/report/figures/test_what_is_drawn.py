@@ -11,9 +11,9 @@ from matplotlib.text import Text
 
 from reliab.assessment.design import Tolerance
 from reliab.assessment.tracking_index import Windows
-from reliab.criterion import EllipseSample
+from reliab.core.vocabulary import Block
 from reliab.criterion.distributions import Lognormal
-from reliab.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.report.axes import ellipse_line
 from reliab.report.figures import discrepancy
 from reliab.report.figures.measured_test import error_over_time, tracking_overview
@@ -34,8 +34,8 @@ from reliab.report.kinds.criterion.motions import event_forest
 from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.sections.rates import calibration_curve, coverage_by_frequency
 from reliab.report.style import svg
-from reliab.sampling import PosteriorSample
-from reliab.vocabulary import Block
+from reliab.sampling.posterior_sample import PosteriorSample
+from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 MILLIMETRES = 25.4
 

@@ -6,12 +6,12 @@ import zlib
 import numpy as np
 import pytest
 
-from reliab.assessment import assess
-from reliab.criterion import derive_criterion
-from reliab.criterion.methods import method_of
-from reliab.recordings import Recording
-from reliab.report.kinds.assessment import assessment_report
-from reliab.stated_value import StatedValue
+from reliab.assessment.assess import assess
+from reliab.core.stated_value import StatedValue
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.methods.registry import method_of
+from reliab.recordings.recording import Recording
+from reliab.report.kinds.assessment.report import assessment_report
 from reliab.structures.structure import Structure
 
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.criterion import derive_criterion
-from reliab.criterion.methods import method_of
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.methods.registry import method_of
 from reliab.report.document import Remark
-from reliab.report.kinds.criterion import criterion_report
-from reliab.sampling import ConvergenceWarning
+from reliab.report.kinds.criterion.report import criterion_report
+from reliab.sampling.posterior_sample import ConvergenceWarning
 
 
 def report(ellipses, *, method="dirichlet", coverage=None, confidences=(0.95, 0.8), **changes):

@@ -3,11 +3,12 @@
 import numpy as np
 from rig_rows import keep, rig_table, rig_test
 
-from reliab.api import report_rig
+from reliab.app.api.rig_answers import report_rig
 from reliab.report.kinds.rig_report import rig_report
-from reliab.rig import NextTest, Plan, predict_next
-from reliab.rig.planning import Remedy
-from reliab.structures import Structure
+from reliab.rig.memory import NextTest
+from reliab.rig.planning import Plan, Remedy
+from reliab.rig.prediction import predict_next
+from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 
 
 @pytest.fixture

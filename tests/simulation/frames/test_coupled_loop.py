@@ -14,8 +14,8 @@ from coupled_structures import (
     two_storeys,
 )
 
-from reliab.errors import InputError
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction
+from reliab.core.errors import InputError
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
 
 STEP = 1.0 / 256.0
 

@@ -4,12 +4,18 @@ import numpy as np
 import pytest
 from coupled_structures import coupled_response, described, node, two_storeys
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames import FrameLoop, stable_with
-from reliab.simulation.transfer_systems import ActuatorMatrix, TransferFunction, gain_and_delay
-from reliab.structures import Partition, stability_limit
+from reliab.simulation.frames.exact_loop import stable_with
+from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.simulation.transfer_systems.transfer_function import (
+    ActuatorMatrix,
+    TransferFunction,
+    gain_and_delay,
+)
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.partition import Partition
 
 STEP = 0.01
 

@@ -8,16 +8,18 @@ from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
-from reliab.boundary import motion_contours
-from reliab.effects import find_effect
-from reliab.errors import InputError
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.simulation.transfer_systems import gain_and_delay
-from reliab.structures import Partition, Specimen
-from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 
 def by_method_of_steps(partition, ground, step, gain, delay, end):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables
 
 MASSES, STOREYS = [3.0, 2.0], [500.0, 400.0]

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables, read_frame
-from reliab.structures import Partition, Specimen, drift_interface, floor_interface, with_specimen
-from reliab.structures.frames import Frame, modal_damping, shear_frame
+from reliab.structures.frames.frame import Frame, modal_damping
+from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, drift_interface, floor_interface, with_specimen
 
 
 @pytest.fixture

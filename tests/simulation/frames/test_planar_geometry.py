@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reliab_studies.marths_benchmark.structure import ANGLE, ARM, to_node
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 

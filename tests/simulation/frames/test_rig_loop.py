@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.exact_loop import stable_with
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.frame_loop import FrameLoop
 from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
-from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, gain_and_delay
-from reliab.structures import stability_limit
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
+from reliab.structures.critical_delay import stability_limit
 
 TABLES = {
     "frame": {"masses_kg": [2000.0, 1500.0], "storey_stiffnesses_n_per_m": [4e5, 3e5]},

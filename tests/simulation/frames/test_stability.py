@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.frames.loop_poles import pole_loop
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import CentralDifference, ChenRicles
 from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
-from reliab.simulation.transfer_systems import gain_and_delay
-from reliab.structures import Partition, Specimen, floor_interface, stability_limit
-from reliab.structures.frames import Frame
+from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
+from reliab.structures.critical_delay import stability_limit
+from reliab.structures.frames.frame import Frame
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 
 

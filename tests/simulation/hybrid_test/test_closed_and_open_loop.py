@@ -3,15 +3,18 @@
 import numpy as np
 import pytest
 
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.simulation.compensators import AdaptiveInverse, InverseCompensation, PhaseLeadControl
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect
+from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test import HybridTest, drive, load, read_force, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
-from reliab.simulation.hybrid_test.open_loop import Motion3
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load, read_force
 from reliab.simulation.linear_loop import spectral
-from reliab.structures import Specimen, Structure
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
 STEP = 1.0 / 512.0
 TIME = np.arange(0.0, 20.0, STEP)

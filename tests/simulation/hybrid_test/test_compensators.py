@@ -3,17 +3,15 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.indices.frequency_evaluation import frequency_evaluation
-from reliab.simulation.compensators import (
-    Feedforward,
-    InverseCompensation,
-    ModelInverse,
-    PolynomialExtrapolation,
-)
+from reliab.core.errors import InputError
+from reliab.simulation.compensators.feedforward import Feedforward
+from reliab.simulation.compensators.inverse import InverseCompensation
+from reliab.simulation.compensators.model_inverse import ModelInverse
+from reliab.simulation.compensators.polynomial_extrapolation import PolynomialExtrapolation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 
 STEP = 1.0 / 1024.0
 

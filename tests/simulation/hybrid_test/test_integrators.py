@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.effects import find_effect
+from reliab.effects.registry import find_effect
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest

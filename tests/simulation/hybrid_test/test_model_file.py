@@ -7,17 +7,16 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from reliab.api import ellipses
-from reliab.cli import application
-from reliab.effects import find_effect, library
-from reliab.errors import InputError
-from reliab.motions import load_motions
-from reliab.simulation.hybrid_test import HybridTest
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.app.api.boundaries import ellipses
+from reliab.app.cli import application
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect, library
+from reliab.motions.loading import load_motions
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model, write_model
-from reliab.structures import Specimen
+from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.sweep import open_results
+from reliab.sweep.results import open_results
 
 STRUCTURE = Structure(frequency=1.3, damping_ratio=0.03, experimental_fraction=0.7)
 

@@ -5,16 +5,15 @@ import pytest
 from scipy import signal
 from scipy.io import savemat
 
-from reliab.errors import InputError
-from reliab.simulation.transfer_systems import (
-    ServoHydraulic,
+from reliab.core.errors import InputError
+from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import (
     TransferFunction,
     first_order_lag,
     gain_and_delay,
-    read_matlab,
-    transfer_function_of,
 )
-from reliab.structures import Specimen
+from reliab.structures.specimen import Specimen
 
 SPRING = Specimen(stiffness=1e6)
 SECOND_ORDER = TransferFunction(numerator=(5685.0,), denominator=(1.0, 105.6, 5685.0))  # 12 Hz, 0.7

@@ -7,12 +7,12 @@ from reliab_studies.ductility.specimens import NonlinearSpecimen, SpecimenKind
 from reliab_studies.ductility.tolerances import DIRECTIONS, compare_levels, compare_limits, tolerances
 from reliab_studies.ductility.yielding import _fine, _response
 
-from reliab.boundary import motion_contours
-from reliab.errors import InputError
-from reliab.motions.synthetic import synthetic_suite
+from reliab.core.errors import InputError
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
+from reliab.tracking.boundary.suite_boundary import motion_contours
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 THRESHOLD = 0.05

@@ -7,8 +7,8 @@ from reliab_studies.ductility.kind import KIND, LEVELS, LIMITS, TESTS
 from reliab_studies.ductility.specimens import SPECIMENS
 from reliab_studies.ductility.tolerances import DIRECTIONS, compare_levels, compare_limits
 
-from reliab.errors import InputError
-from reliab.progress import quietly
+from reliab.core.errors import InputError
+from reliab.core.progress import quietly
 from reliab.report.document import Table
 
 

@@ -5,9 +5,9 @@ import pytest
 from reliab_studies.ductility.yielding import _fine, _response, summarise, yielding_tests
 from scipy.integrate import solve_ivp
 
-from reliab.motions.synthetic import synthetic_suite
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.structures.structure import Structure
-from reliab.validation import HARDENING
+from reliab.validation.yielding import HARDENING
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 

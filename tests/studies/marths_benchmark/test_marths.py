@@ -18,7 +18,7 @@ from reliab_studies.marths_benchmark.structure import (
 )
 
 from reliab.assessment.rebuilt_error.recursion import respond
-from reliab.errors import InputError
+from reliab.core.errors import InputError
 
 # J1, J2, J5, J6, J7, J8, J9 and J10 of the nominal plant under El Centro; J3 of RoDeAC is one noise's
 PROTOTYPE = {

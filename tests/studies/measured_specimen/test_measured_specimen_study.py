@@ -8,8 +8,8 @@ from reliab_studies.measured_specimen.kind import KIND, RATES, TESTS
 from reliab_studies.measured_specimen.simulated_tests import Actuator, Loop
 from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STATES, resist
 
-from reliab.errors import InputError
-from reliab.progress import quietly
+from reliab.core.errors import InputError
+from reliab.core.progress import quietly
 
 _STEP = 1.0 / 512.0
 _TIMES = np.arange(0.0, 8.0, _STEP)

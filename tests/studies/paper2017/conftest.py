@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from reliab.shipped import shipped
+from reliab.core.shipped import shipped
 
 
 @pytest.fixture

@@ -16,6 +16,8 @@ from reliab_studies.paper2017.printed import (
     EQUATION_18,
 )
 
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 from reliab.criterion.laws.guo_2017 import (
     Equation11,
     Equation12,
@@ -24,10 +26,8 @@ from reliab.criterion.laws.guo_2017 import (
     Equation17,
     Equation18,
 )
-from reliab.errors import InputError
-from reliab.motions import load_motions
-from reliab.shipped import shipped
-from reliab.sweep import open_ellipses
+from reliab.motions.loading import load_motions
+from reliab.sweep.ellipse_file import open_ellipses
 
 DEFINED = ("1", "2", "3a", "3b", "4", "5", "6", "7a", "7b", "7c", "8", "9", "10", "13")
 FITTED = ("11", "12", "14", "15", "16a", "16b", "17", "18")

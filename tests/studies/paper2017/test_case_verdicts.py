@@ -3,8 +3,8 @@
 import pytest
 from reliab_studies.paper2017.cases import case_verdicts
 
-from reliab.criterion import published_criterion
-from reliab.motions import load_motions
+from reliab.criterion.published import published_criterion
+from reliab.motions.loading import load_motions
 
 
 def test_each_case_is_judged_by_each_criterion():

@@ -5,7 +5,7 @@ import csv
 import pytest
 from reliab_studies.paper2017.cases import case_table, cases_dataset, printed_cases, run_paper_cases
 
-from reliab.motions import load_motions
+from reliab.motions.loading import load_motions
 
 
 def test_masses_are_those_of_table_5():

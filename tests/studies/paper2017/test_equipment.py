@@ -3,9 +3,9 @@
 import pytest
 from reliab_studies.paper2017.cases import COMPENSATORS, INTEGRATORS, printed_cases, run_paper_cases
 
-from reliab.errors import InputError
-from reliab.motions import truncate
-from reliab.motions.synthetic import synthetic_suite
+from reliab.core.errors import InputError
+from reliab.motions.motion import truncate
+from reliab.motions.synthetic.suite import synthetic_suite
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from reliab_studies.paper2017.example import run_paper_example
 
-from reliab.boundary import Contour, Ellipse
-from reliab.motions import Motion, load_motions
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
+from reliab.tracking.boundary.contour import Contour
+from reliab.tracking.boundary.curves import Ellipse
 
 
 @pytest.fixture(scope="module")

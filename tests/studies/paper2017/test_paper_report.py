@@ -9,7 +9,7 @@ from reliab_studies.paper2017.pages.report import paper_report
 from reliab_studies.paper2017.printed import EXAMPLE, PrintedTables
 from reliab_studies.paper2017.records import Records, containment
 
-from reliab.motions import Motion
+from reliab.motions.motion import Motion
 
 
 @pytest.fixture(scope="module")

@@ -5,15 +5,15 @@ import pytest
 from reliab_studies.paper2017.audit import audit
 from reliab_studies.validation.motion_terms import gain_of_terms
 
-from reliab.boundary.first_order import first_order_ellipse
-from reliab.criterion.methods.hierarchical import hierarchical_model
+from reliab.core.shipped import shipped
+from reliab.criterion.methods.hierarchical.fit import hierarchical_model
 from reliab.criterion.population import Population
-from reliab.motions import load_motions
-from reliab.sampling import Ensembles, sample
-from reliab.shipped import shipped
+from reliab.motions.loading import load_motions
+from reliab.sampling.ensembles import Ensembles, sample
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.sweep import EllipseRequest, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.validation.law_comparison import compare_laws
 
 pytestmark = pytest.mark.slow

@@ -6,8 +6,9 @@ import pytest
 from reliab_studies.table2_audit.audit import NONE_FOUND, audit_table2
 from reliab_studies.table2_audit.hidden_difference import logarithms, simulated_ellipse
 
-from reliab.errors import InputError
-from reliab.motions import Motion, load_motions
+from reliab.core.errors import InputError
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)

@@ -17,15 +17,17 @@ from reliab_studies.rths_benchmark.benchmark import (
 )
 from reliab_studies.rths_benchmark.outcomes import NAMES, benchmark_criteria, tracking_delay
 
-from reliab.effects import find_effect
-from reliab.errors import InputError
-from reliab.simulation.compensators import compensators
-from reliab.simulation.hybrid_test import HybridTest, run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.core.errors import InputError
+from reliab.effects.registry import find_effect
+from reliab.simulation.compensators.registry import compensators
+from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, _runge_kutta_step, run_laboratory
-from reliab.simulation.transfer_systems import ServoHydraulic, TransferFunction, gain_and_delay
-from reliab.structures import Partition, Specimen, floor_interface
-from reliab.structures.frames import Frame, undivided_response
+from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
+from reliab.structures.frames.frame import Frame, undivided_response
+from reliab.structures.partition import Partition
+from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 

@@ -21,9 +21,10 @@ from reliab_studies.rths_benchmark.outcomes import (
     summary,
 )
 
-from reliab.errors import InputError
-from reliab.motions import Motion, load_motions
-from reliab.shipped import shipped
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.motions.loading import load_motions
+from reliab.motions.motion import Motion
 
 
 @pytest.fixture

@@ -5,7 +5,9 @@ import pytest
 from reliab_studies.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
 from scipy import stats
 
-from reliab.criterion.methods import METHODS, BoundMethod, Quantile, method_of
+from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.quantile import Quantile
+from reliab.criterion.methods.registry import METHODS, method_of
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 

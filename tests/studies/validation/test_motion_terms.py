@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from reliab_studies.validation.motion_terms import gain_of_terms
 
+from reliab.core.errors import InputError
 from reliab.criterion.population import Population
-from reliab.errors import InputError
 
 
 @pytest.fixture

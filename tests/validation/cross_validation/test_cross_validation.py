@@ -5,14 +5,15 @@ import pytest
 import xarray as xr
 from scipy.stats import binomtest
 
-from reliab.criterion.laws import Dimensionless, Table
-from reliab.criterion.methods import method_of
-from reliab.errors import InputError
-from reliab.validation.cross_validation import (
-    Derived,
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Side
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.table import Table
+from reliab.criterion.methods.registry import method_of
+from reliab.validation.cross_validation.candidates import Derived, Printed
+from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
+from reliab.validation.cross_validation.folds import (
     Fold,
-    Printed,
-    cross_validate,
     from_another,
     k_fold,
     leave_one_event_out,
@@ -20,8 +21,7 @@ from reliab.validation.cross_validation import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
-from reliab.vocabulary import ELLIPSE_DIMENSIONS, Side
+from reliab.validation.cross_validation.judge import cross_validate
 
 
 def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3) -> xr.Dataset:

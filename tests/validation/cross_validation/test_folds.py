@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.errors import InputError
-from reliab.validation.cross_validation import folds_of, transfer
+from reliab.core.errors import InputError
+from reliab.validation.cross_validation.folds import folds_of, transfer
 
 
 @pytest.mark.parametrize("scheme", ["region", "magnitude", "length"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.criterion import read_ellipses
+from reliab.criterion.ellipse_reading import read_ellipses
 
 
 @pytest.fixture(scope="module")

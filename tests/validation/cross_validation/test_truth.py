@@ -3,25 +3,22 @@
 import numpy as np
 import pytest
 
-from reliab import api
-from reliab.criterion.laws import OF_MANY_MOTIONS, Table
-from reliab.errors import InputError
-from reliab.indices.window import Window
-from reliab.motions.synthetic import synthetic_suite
+from reliab.app.api.boundaries import ellipses as api_ellipses
+from reliab.app.api.simulation import simulate
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Side
+from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.table import Table
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
-from reliab.validation.cross_validation import (
-    Cell,
-    EllipseTruth,
-    Printed,
-    SimulatedTruth,
-    StoredTruth,
-    cross_validate,
-    leave_one_event_out,
-)
-from reliab.validation.cross_validation.cell import Region
-from reliab.vocabulary import Side
+from reliab.tracking.indices.window import Window
+from reliab.validation.cross_validation.candidates import Printed
+from reliab.validation.cross_validation.cell import Cell, Region
+from reliab.validation.cross_validation.folds import leave_one_event_out
+from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
 
@@ -33,7 +30,7 @@ def motions():
 
 @pytest.fixture(scope="module")
 def both_sides():
-    return api.ellipses(synthetic_suite(count=6), f=[1.0], xi=[0.02], threshold=[0.05])
+    return api_ellipses(synthetic_suite(count=6), f=[1.0], xi=[0.02], threshold=[0.05])
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +41,7 @@ def ellipses(both_sides):
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     path = tmp_path_factory.mktemp("truth") / "results.zarr"
-    return api.simulate(synthetic_suite(count=6)[:2], out=path, f=[1.0], xi=[0.02])
+    return simulate(synthetic_suite(count=6)[:2], out=path, f=[1.0], xi=[0.02])
 
 
 def spectral_error(motion, region):

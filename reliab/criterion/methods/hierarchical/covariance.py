@@ -6,8 +6,8 @@ thousands of them are handled at once.
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.sampling import Parameter
+from reliab.core.arrays import Array
+from reliab.sampling.model import Parameter
 
 
 def covariance_parameters(prefix: str, typical_spread: float) -> tuple[Parameter, ...]:

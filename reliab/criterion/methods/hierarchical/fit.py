@@ -15,7 +15,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.progress import Progress, silent
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Side
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
 from reliab.criterion.methods.bound import Scatter
 from reliab.criterion.methods.hierarchical.model import Hierarchical
@@ -34,11 +38,9 @@ from reliab.criterion.methods.method import Learned, checked_share
 from reliab.criterion.population import Population
 from reliab.criterion.sample_grid import SampleGrid
 from reliab.criterion.scaling import scales
-from reliab.errors import InputError
-from reliab.progress import Progress, silent
-from reliab.sampling import Ensembles, Laplace, PosteriorSample, draw, width_of
-from reliab.significant import percent
-from reliab.vocabulary import Side
+from reliab.sampling.ensembles import Ensembles, draw, width_of
+from reliab.sampling.laplace import Laplace
+from reliab.sampling.posterior_sample import PosteriorSample
 
 _NODES = 24  # normal distributions that make up a Student's t
 _WIDER = 1e-9  # of a bracket, so that rounding leaves the root inside

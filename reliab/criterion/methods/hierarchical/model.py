@@ -7,7 +7,8 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.criterion.methods.hierarchical.covariance import (
     covariance_of,
     covariance_parameters,
@@ -26,8 +27,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     divide,
     weights_of_motion_mean,
 )
-from reliab.errors import InputError
-from reliab.sampling import Model, Parameter
+from reliab.sampling.model import Model, Parameter
 
 _TYPICAL = {EVENT: 0.3, MOTION: 0.4, MOTION_SLOPE: 0.2, FREQUENCY: 0.4, FREQUENCY_SLOPE: 0.2, REMAINDER: 0.1}
 _PAIR = 2

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from reliab.arrays import Array
+from reliab.core.arrays import Array
 from reliab.criterion.methods.hierarchical.covariance import normal_log_density
 
 EVENT: Final = "event"

@@ -6,27 +6,23 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from reliab.assessment import (
-    CANCELLING,
-    PART_NAMES,
-    Assessment,
-    ErrorOfTest,
-    ErrorWithThreshold,
-    ResponseErrors,
-    Word,
-    error_in_words,
-    part_in_words,
-)
-from reliab.assessment.budget import BudgetItem
-from reliab.assessment.rebuilt_error import DisplacementError, Estimate, Parts
-from reliab.recordings import CoupledRecording, Recording
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.budget.budget import BudgetItem
+from reliab.assessment.error_of_test import CANCELLING, PART_NAMES, ErrorOfTest, part_in_words
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.frame_responses import ResponseErrors
+from reliab.assessment.rebuilt_error.parts import Parts
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
+from reliab.assessment.verdict import Word, error_in_words
+from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 from reliab.report.document import Column, Figure, Table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import ERRORS, spelled_out
-from reliab.significant import percent, percent_with_interval, significant
-from reliab.vocabulary import MILLI, PERCENT, Metric
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
     Word.RELIABLE: "good",

@@ -5,20 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from reliab.assessment import (
-    LEVEL,
-    CoupledAssessment,
-    ErrorOfSeveral,
-    ErrorOfTest,
-    FrameAssessment,
-    JudgedFrame,
-    ModeOfTest,
-    Word,
-    next_steps,
-    part_in_words,
-    probability_text,
-)
-from reliab.indices import TrackingOverFrequency
+from reliab.assessment.error_of_test import ErrorOfTest, part_in_words
+from reliab.assessment.error_with_threshold import ErrorOfSeveral
+from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
+from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.verdict import Word, next_steps, probability_text
+from reliab.core.significant_digits import percent, share_in_words, significant
+from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import legend_below
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.kinds.assessment.error import (
@@ -36,8 +29,7 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
-from reliab.significant import percent, share_in_words, significant
-from reliab.vocabulary import MILLI, PERCENT
+from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 _KILO = 1e3
 

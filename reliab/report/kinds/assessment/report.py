@@ -4,7 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reliab.assessment import LEVEL, Assessment, Word, next_steps
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.verdict import Word, next_steps
+from reliab.core.significant_digits import percent, share_in_words, significant
+from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
@@ -21,8 +25,6 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.wording import meaning_of_confidence, spelled_out
-from reliab.significant import percent, share_in_words, significant
-from reliab.vocabulary import MILLI, PERCENT
 
 _FAR = 10.0
 

@@ -1,5 +1,1 @@
 """Report of criteria for tests, and of why there is none."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

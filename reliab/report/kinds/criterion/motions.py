@@ -6,7 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 
-from reliab.criterion import EllipseSample, Lognormal, LogSkewNormal
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Metric
+from reliab.criterion.distributions import Lognormal, LogSkewNormal
+from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.event_components import event_components
 from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, plain
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
@@ -23,8 +26,6 @@ from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, sty
 from reliab.report.wording import (
     ERRORS,
 )
-from reliab.significant import percent
-from reliab.vocabulary import Metric
 
 _MOST_EVENTS = 40
 

@@ -6,7 +6,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.criterion import Criterion
+from reliab.core.significant_digits import percent, percent_range, share_in_words
+from reliab.core.vocabulary import PERCENT, Metric
+from reliab.criterion.criterion import Criterion
 from reliab.report.document import Block, Column, Document, Points, Section, Table
 from reliab.report.kinds.criterion.motions import appendix_section, motions_section
 from reliab.report.kinds.criterion.reported import ReportedCriteria
@@ -25,9 +27,7 @@ from reliab.report.wording import (
     values,
     window_in_words,
 )
-from reliab.significant import percent, percent_range, share_in_words
-from reliab.sweep import share_of
-from reliab.vocabulary import PERCENT, Metric
+from reliab.sweep.shares import share_of
 
 _NEXT = (
     "judge a test with reliab assess TEST.csv --criterion FILE.json: it takes the index of the test from its "

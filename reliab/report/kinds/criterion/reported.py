@@ -6,8 +6,9 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from reliab.criterion import Criterion, EllipseSample, sample_of
-from reliab.vocabulary import CurveName, Side
+from reliab.core.vocabulary import CurveName, Side
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 
 _PAPER_STRUCTURE = (1.0, 0.02)
 

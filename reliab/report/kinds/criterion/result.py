@@ -12,6 +12,8 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
+from reliab.core.significant_digits import percent, share_in_words
+from reliab.core.vocabulary import PERCENT, Metric
 from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
 from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
 from reliab.report.figures.parameter_distributions import (
@@ -25,8 +27,6 @@ from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
 from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
 from reliab.report.wording import ERROR_NAMES
-from reliab.significant import percent, share_in_words
-from reliab.vocabulary import PERCENT, Metric
 
 _MOST_COLUMNS = 9
 

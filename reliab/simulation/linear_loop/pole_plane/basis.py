@@ -23,14 +23,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy
 
-from reliab.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum
 from reliab.simulation.linear_loop.dominant_pole import (
     ModalLoop,
     comparison_frequencies,
     dominant_pole,
     modal_loop,
 )
-from reliab.structures import Structure
+from reliab.structures.structure import Structure
 
 FARTHEST, _REGION = 0.5, 0.4
 """Largest |p − p₀|/|p + p̄₀| of a pole that is expanded, and of those from which poles are taken."""

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.arrays import Array
-from reliab.compiled import compiled
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
 from reliab.simulation.linear_loop.pole_plane.basis import PoleBasis
 from reliab.simulation.linear_loop.pole_plane.responses import Responses

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reliab.arrays import Array
-from reliab.compiled import compiled, copy_rows
+from reliab.core.arrays import Array
+from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
 from reliab.simulation.linear_loop.pole_plane.basis import PoleBasis
 from reliab.simulation.linear_loop.pole_recursion import pair_recursion

@@ -5,15 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reliab.criterion import Criterion, derive_criterion
-from reliab.criterion.derivation import Derivation
-from reliab.criterion.laws import Dimensionless, Exponential, Power
-from reliab.criterion.methods import Predictive, method_of
-from reliab.criterion.methods.hierarchical import HierarchicalNormal, hierarchical_model
+from reliab.core.errors import InputError
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import Derivation, derive_criterion
+from reliab.criterion.laws.dimensionless import Dimensionless
+from reliab.criterion.laws.exponential import Exponential
+from reliab.criterion.laws.power import Power
+from reliab.criterion.methods.hierarchical.fit import hierarchical_model
+from reliab.criterion.methods.hierarchical.method import HierarchicalNormal
+from reliab.criterion.methods.predictive import Predictive
+from reliab.criterion.methods.registry import method_of
 from reliab.criterion.population import Population
-from reliab.errors import InputError
-from reliab.sampling import ConvergenceWarning
 from reliab.sampling.laplace import Laplace
+from reliab.sampling.posterior_sample import ConvergenceWarning
 
 ERROR = {"threshold": 0.05, "metric": "rms"}
 GRID = np.array([0.5, 1.0, 2.0])[:, None], np.array([0.02, 0.05])

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from reliab.core.errors import InputError
 from reliab.criterion.methods.hierarchical.covariance import covariance_of, factor_of
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.motion_means import MotionMeans
-from reliab.errors import InputError
 
 EVENTS = np.array(["A", "A", "A", "B", "C", "C"])
 

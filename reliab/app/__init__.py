@@ -1,0 +1,1 @@
+"""Questions and how they are asked: functions of Python, and commands."""

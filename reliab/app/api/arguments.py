@@ -1,0 +1,181 @@
+"""Arguments as users state them: numbers with their standard deviations, and those that would not be used.
+
+Messages name an argument in backquotes, `` `xi` ``, or with its value, `` `time_units="ms"` ``; the command
+line writes them as its options.
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    from reliab.assessment.budget.sizes import Equipment
+    from reliab.recordings.recording import Recording
+    from reliab.signals.filters import LowPass
+    from reliab.simulation.hybrid_test.model_file import UpdatedModel
+    from reliab.structures.structure import Structure
+
+Quantity = float | str | StatedValue
+"""A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
+
+LINEAR: Final = "linear"
+"""A specimen that is stated as linear."""
+
+_MEASURED = "measured"
+_QUANTITIES = {
+    "scale": "scale",
+    "command_scale": "scale",
+    "mass": "mass",
+    "hysteresis": "hysteresis",
+    "resolution": "resolution",
+}
+
+
+def stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
+    """Read what is stated; None where nothing is.
+
+    >>> stated_values(f="1±0.01", xi=0.02, mass=None)
+    {'f': StatedValue(value=1.0, deviation=0.01), 'xi': StatedValue(value=0.02, deviation=0.0)}
+    """
+    return {name: _value(quantity, name) for name, quantity in quantities.items() if quantity is not None}
+
+
+def _value(quantity: Quantity, name: str) -> StatedValue:
+    if isinstance(quantity, StatedValue):
+        return quantity
+    return StatedValue.parse(str(quantity), f"value of `{name}`")
+
+
+def require_sound(stated: Mapping[str, StatedValue]) -> None:
+    """Refuse scales, a mass and properties of channels that no laboratory has.
+
+    A hysteresis may be zero with a standard deviation, as a calibration finds it.
+    """
+    for name, quantity in _QUANTITIES.items():
+        if name in stated:
+            none_found = name == "hysteresis" and stated[name].deviation > 0.0
+            require_physical(quantity, stated[name].value, zero=none_found, called=f"value of `{name}`")
+
+
+def stated_threshold(threshold: float | None) -> float:
+    """Read the error that a test may have, 0.05 by default."""
+    limit = 0.05 if threshold is None else float(threshold)
+    require_physical("error threshold", limit, called="value of `threshold`")
+    return limit
+
+
+def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment | None":
+    """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default; None if exact."""
+    from reliab.assessment.budget.sizes import ordinary_equipment, read_equipment
+
+    if exact:
+        if equipment is not None:
+            raise unused("equipment", "together with `exact`, which takes all quantities as known exactly")
+        return None
+    if isinstance(equipment, str | Path):
+        return read_equipment(equipment)
+    return equipment or ordinary_equipment()
+
+
+def require_known_specimen(specimen: str | None, *, beside_model: bool = False) -> bool:
+    """Refuse what no specimen is known by; return whether it is measured.
+
+    >>> require_known_specimen("measured"), require_known_specimen("linear"), require_known_specimen(None)
+    (True, False, False)
+    """
+    if specimen not in (None, LINEAR, _MEASURED):
+        raise InputError(
+            "The specimen must be linear or measured",
+            value=repr(specimen),
+            remedy=f"Give `specimen` as one of: {LINEAR}, {_MEASURED}",
+        )
+    if specimen is not None and beside_model:
+        raise unused("specimen", "together with `model`, which describes the specimen")
+    return specimen == _MEASURED
+
+
+def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
+    """Read the filters of the channels.
+
+    >>> stated_filters(["measured=200/4"])
+    {'measured': LowPass(corner=200.0, order=4)}
+    """
+    from reliab.assessment.budget.corrections import CHANNELS
+    from reliab.signals.filters import LowPass
+
+    filters: dict[str, LowPass] = {}
+    for text in texts:
+        channel, _, low_pass = text.partition("=")
+        if channel not in CHANNELS or channel in filters:
+            raise InputError(
+                "A `filter` must be that of one channel, stated once",
+                value=repr(text),
+                remedy="Write measured=200 or command=200/4",
+            )
+        filters[channel] = LowPass.parse(low_pass)
+    return filters
+
+
+def unused(name: str, why: str) -> InputError:
+    """Describe an argument that would have no effect.
+
+    Parameters
+    ----------
+    name : str
+        The argument.
+    why : str
+        Beside or without what it has no effect.
+
+    Returns
+    -------
+    InputError
+        To be raised.
+    """
+    return InputError(f"`{name}` has no effect {why}", remedy="Leave it out")
+
+
+_SAME: Final = 0.01  # relative difference up to which a stated structure is that of a model
+
+
+def exactly_stated(structure: "Structure") -> dict[str, StatedValue]:
+    """Frequency, damping ratio and share of a structure, without deviations."""
+    return {
+        "f": StatedValue(structure.frequency),
+        "xi": StatedValue(structure.damping_ratio),
+        "alpha": StatedValue(structure.experimental_fraction),
+    }
+
+
+def stated_by_model(model: "UpdatedModel") -> dict[str, StatedValue]:
+    """Take what a model states of its structure."""
+    return {} if model.test.structure is None else exactly_stated(model.test.structure)
+
+
+def stated_of_test(
+    recording: "Recording", numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
+) -> dict[str, StatedValue]:
+    """Take what is stated, else what the model or the file's header states; check that they agree."""
+    if "mass" in numbers and recording.force is None:
+        raise unused("mass", "without a column of force")
+    stated = {**recording.stated, **of_model, **numbers}
+    require_sound(stated)
+    if "f" not in stated:
+        raise InputError(
+            "The natural frequency of the structure must be stated",
+            value="no `f`",
+            remedy='Give it in hertz, `f=1` or `f="1±0.01"`; the verdict depends on it',
+            where=recording.name,
+        )
+    for name, value in of_model.items():
+        if abs(stated[name].value / value.value - 1.0) > _SAME:
+            raise InputError(
+                "The structure must be that of the model",
+                value=f"{name} = {stated[name]} against {value}",
+                remedy=f"Leave `{name}` out, or calibrate the model for this structure",
+                where=recording.name,
+            )
+    return stated

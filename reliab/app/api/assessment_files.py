@@ -1,0 +1,173 @@
+"""Files that an assessment leaves: the report that is filed with a test, the table of verdicts, the chart."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reliab.assessment.assessment import Assessment
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.rows import write_table
+from reliab.core.shipped import or_shipped
+
+if TYPE_CHECKING:
+    from reliab.app.api.design import Design
+    from reliab.assessment.comparison import Comparison
+    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.report.document import Document
+    from reliab.report.setting import Setting
+
+
+def file_report(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    report: str | Path,
+    *,
+    test: str | Path,
+    structure: str | Path | None = None,
+    setting: "Setting | None" = None,
+) -> None:
+    """Write the report that is filed with a test, with the checksums of the files from which it was made.
+
+    Parameters
+    ----------
+    assessment : Assessment, FrameAssessment or CoupledAssessment
+        What :func:`reliab.assess` answered.
+    report : str or pathlib.Path
+        The PDF.
+    test, structure : str or pathlib.Path
+        The test's file, and that of the frame where there is one.
+    setting : Setting, optional
+        Paper, title, date (today by default), and name and logo of the laboratory.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    require_ending(report, ".pdf")
+    from reliab.report.pdf import write_pdf
+
+    document = document_of_test(assessment, test=test, structure=structure)
+    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+
+
+def document_of_test(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    *,
+    test: str | Path,
+    structure: str | Path | None = None,
+) -> "Document":
+    """Make the document that :func:`file_report` sets as a PDF; arguments are the same."""
+    from reliab.report.kinds.assessment.frame import frame_assessment_report
+    from reliab.report.kinds.assessment.report import assessment_report
+
+    files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
+    if structure is not None:
+        files["structure"] = Path(structure)
+    checksums = _checksums(files)
+    if isinstance(assessment, Assessment):
+        return assessment_report(assessment, provenance=checksums)
+    return frame_assessment_report(assessment, provenance=checksums)
+
+
+def _checksums(files: Mapping[str, Path]) -> dict[str, object]:
+    """Names and checksums of files, by what each of them is."""
+    lines: dict[str, object] = {}
+    for name, path in files.items():
+        lines[name] = path.name
+        lines[f"{name}, SHA-256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return lines
+
+
+def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Path) -> None:
+    """Write the table of ranked tests or of verdicts, one row for each test.
+
+    Parameters
+    ----------
+    tests : Comparison or iterable of mapping
+        What :func:`reliab.compare` answered; or what was found about each test, as `to_dict` of its
+        assessment, with its `file`; or `file` and `fault`.
+    out : str or pathlib.Path
+        The CSV file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from reliab.assessment.comparison import Comparison
+    from reliab.assessment.several import verdict_table
+
+    rows = tests.to_frame() if isinstance(tests, Comparison) else verdict_table(tests)
+    require_ending(out, ".csv")
+    write_table(rows, out)
+
+
+def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
+    """Draw the chart of tolerable errors over the frequency, or of ranked tests.
+
+    Parameters
+    ----------
+    answer : Design or Comparison
+        What :func:`reliab.design_test` or :func:`reliab.compare` answered.
+    figure : str or pathlib.Path
+        The file, which ends in .svg, .png or .pdf.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written or ends otherwise.
+    """
+    from reliab.app.api.design import Design
+    from reliab.report.figures.tests_by_error import ranked_tests, tolerable_errors_over_frequency
+    from reliab.report.style import picture
+
+    drawn = (
+        tolerable_errors_over_frequency(answer.chart) if isinstance(answer, Design) else ranked_tests(answer)
+    )
+    require_ending(figure, ".svg", ".png", ".pdf")
+    try:
+        with written_whole(figure) as file:
+            file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "The figure's file must be writable and end in .svg, .png or .pdf",
+            value=str(error),
+            remedy="Name another file",
+            where=str(figure),
+        ) from error
+
+
+def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessment", out: str | Path) -> str:
+    """Write the response that a perfect actuator would have produced.
+
+    Parameters
+    ----------
+    assessment : Assessment, FrameAssessment or CoupledAssessment
+        What was found about a test.
+    out : str or pathlib.Path
+        The file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`.
+
+    Returns
+    -------
+    str
+        How large the correction is, where it is no longer small, and what is not known.
+
+    Raises
+    ------
+    InputError
+        If the file is neither `.csv` nor `.nc`, or it cannot be written.
+    """
+    require_ending(out, ".csv", ".nc")
+    from reliab.assessment.corrected_response import corrected_response
+
+    response = corrected_response(assessment)
+    if Path(out).suffix.lower() == ".csv":
+        write_table(response.to_dataframe(), out, index=True)
+        return str(response.attrs["note"])
+    rule = "The file of the corrected response must be writable"
+    with refuse_unwritable(rule, where=out), written_whole(out) as file:
+        file.write_bytes(response.to_netcdf(engine="h5netcdf"))
+    return str(response.attrs["note"])

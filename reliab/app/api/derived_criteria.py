@@ -1,0 +1,347 @@
+"""Criteria with what they were derived from, and their limits at each structure."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from reliab.core.errors import IncompleteError, InputError
+from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.progress import Show
+from reliab.core.rows import ResultWithRows
+from reliab.core.shipped import shipped
+from reliab.core.significant_digits import percent
+from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import Derivation
+from reliab.criterion.ellipse_table import EllipseTable
+from reliab.criterion.published import printed_share
+from reliab.criterion.scope import population_of
+from reliab.criterion.summary import describe_sample, summarise
+from reliab.sweep.ellipse_file import open_ellipses
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from reliab.sampling.posterior_sample import PosteriorSample
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Criteria(ResultWithRows):
+    """Criteria with what they were derived from.
+
+    Attributes
+    ----------
+    criteria : tuple of Criterion
+        One for each share of the stiffness, error and share of the population's ground motions.
+    structures : tuple of (float, float)
+        Natural frequency [Hz] and damping ratio [-] of each structure that is asked for.
+    ellipses : xarray.Dataset, optional
+        Ellipses of the motions; none for a printed law without a source of them.
+    derivations : tuple of Derivation
+        What was learned, one for each share of the stiffness and error; none for a printed law.
+    beside : dict
+        What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of
+        several actuators `cross_coupling`, of several shares of the stiffness `share_law`.
+    """
+
+    rows_in = "criteria"
+
+    criteria: tuple[Criterion, ...]
+    structures: tuple[tuple[float, float], ...]
+    ellipses: xr.Dataset | None = None
+    derivations: tuple[Derivation, ...] = ()
+    beside: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def rows(self) -> list[dict[str, Any]]:
+        """Limits of each criterion at each structure, with the motions behind them."""
+        return [
+            _row(criterion, self._learned_from(criterion), f, xi)
+            for f, xi in self.structures
+            for criterion in self.criteria
+        ]
+
+    def _learned_from(self, criterion: Criterion) -> EllipseTable | None:
+        """Ellipses from which a criterion was learned; None for a printed law."""
+        provenance = criterion.provenance
+        for derivation in self.derivations:
+            ellipses = derivation.ellipses
+            of_error = derivation.lag.grid.threshold == criterion.threshold
+            if (
+                of_error
+                and ellipses.share == provenance.experimental_fraction
+                and population_of(ellipses) == provenance.population
+            ):
+                return ellipses
+        return None
+
+    @property
+    def posteriors(self) -> list[Mapping[str, Any]]:
+        """Diagnostics of sampled posteriors, one for each error and side."""
+        return [diagnostics for derivation in self.derivations for diagnostics in derivation.diagnostics]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers with stable keys: `criteria`, the rows, and where there is only one its keys too."""
+        posteriors = {"posteriors": self.posteriors} if self.posteriors else {}
+        return {
+            "criteria": self.rows,
+            **(self.rows[0] if len(self.rows) == 1 else {}),
+            **posteriors,
+            **self.beside,
+        }
+
+    def require_converged(self, chains: str | Path | None = None) -> None:
+        """Refuse criteria of posteriors that cannot be relied on.
+
+        Parameters
+        ----------
+        chains : str or pathlib.Path, optional
+            The file that kept the chains.
+
+        Raises
+        ------
+        IncompleteError
+            If a posterior has not converged; it says how to go on.
+        """
+        failed = [posterior for posterior in self.posteriors if not posterior["converged"]]
+        if failed:
+            complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
+            again = f"`steps={2 * failed[0]['steps']}`"
+            how = f"Resume with `chains={chains}` {again}" if chains else f"Give {again}"
+            message = (
+                f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {how}."
+            )
+            raise IncompleteError(message)
+
+
+def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float) -> dict[str, Any]:
+    """Summarise a criterion at one structure, with its motions where the sample has it."""
+    summary = summarise(criterion, f, xi)
+    if criterion.population is None:
+        summary.update(_kept_by(criterion, summary))
+    elif sample is not None and f in sample.at["f"] and xi in sample.at["xi"]:
+        summary.update(describe_sample(sample, criterion, f, xi))
+    return summary
+
+
+def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Measure on the real motions that ship with the package how many keep a printed law."""
+    real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
+    kept = printed_share(criterion, real, summary["f"], summary["xi"])
+    sentence = (
+        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary "
+        f"that contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
+        f"{percent(criterion.confidence)}. This was measured on the ellipses of datasets/real_suite; "
+        "`reliab run validation` measures it for all structures."
+    )
+    return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
+
+
+def write_criterion(criterion: Criterion, out: str | Path) -> None:
+    """Write a criterion to a file, whole or not at all."""
+    require_ending(out, ".json")
+    with refuse_unwritable("The criterion's file must be writable", where=out), written_whole(out) as file:
+        file.write_text(criterion.to_json(), encoding="utf-8")
+
+
+def compare_candidates(
+    dataset: "xr.Dataset | None",
+    structures: Sequence[tuple[float, float]],
+    criteria: "Sequence[Criterion]",
+    show: Show,
+) -> dict[str, Any]:
+    """Compare distributions of a and b at structures, and laws over all structures of the dataset.
+
+    Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
+    `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
+    """
+    import numpy as np
+
+    if dataset is None:
+        raise InputError(
+            "Distributions and laws are compared on ellipses of motions",
+            value="`compare` without a source of ellipses",
+            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
+        )
+    thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
+    metric, confidence = str(criteria[0].metric), criteria[0].confidence
+    curve = criteria[0].provenance.curve
+    if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
+        raise InputError(
+            "Earthquakes are held out in turn, so at least two are needed",
+            value=1,
+            remedy="Give motions of more earthquakes, or leave `compare` out",
+        )
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    jobs = [(f, xi, threshold) for f, xi in held for threshold in thresholds]
+    distributions: list[dict[str, Any]] = []
+    with show("Comparing distributions") as progress:
+        for done, (f, xi, threshold) in enumerate(jobs, start=1):
+            distributions += _distributions(dataset, f, xi, threshold, metric, curve)
+            progress(done, len(jobs))
+    several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
+    laws = (
+        [row for threshold in thresholds for row in _laws(dataset, threshold, metric, confidence, curve)]
+        if several
+        else []
+    )
+    return {"distributions": distributions, "laws": laws}
+
+
+def _distributions(
+    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
+) -> list[dict[str, Any]]:
+    from dataclasses import asdict
+
+    from reliab.criterion.ellipse_sample import sample_of
+    from reliab.criterion.goodness_of_fit import lognormality
+    from reliab.validation.distribution_comparison import compare_distributions
+
+    sample = sample_of(
+        dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
+    )
+    where = {"f": f, "xi": xi, "threshold": threshold}
+    return [
+        {
+            **where,
+            "parameter": name,
+            "lognormality": asdict(lognormality(values)),
+            "scores": compare_distributions(values, sample.events)
+            .rename_axis("distribution")
+            .reset_index()
+            .to_dict(orient="records"),
+        }
+        for name, values in (("a", sample.a), ("b", sample.b))
+    ]
+
+
+def _laws(
+    dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
+) -> list[dict[str, Any]]:
+    from reliab.validation.law_comparison import compare_laws
+
+    scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
+    return [
+        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in scores.to_dict("records")
+    ]
+
+
+def draw_criteria(
+    folder: Path,
+    dataset: "xr.Dataset",
+    criteria: "Sequence[Criterion]",
+    structures: Sequence[tuple[float, float]],
+    derivations: "Sequence[Derivation]",
+    show: Show,
+) -> list[str]:
+    """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
+    from reliab.report.style import FigureWarning
+
+    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
+    if missing := [f"f = {f:g} Hz, ξ = {xi:g}" for f, xi in structures if (f, xi) not in held]:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        warnings.warn(
+            f"No figure for {missing[0]}{more}: the motions have no ellipses there. Choose f among "
+            f"{_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')} for one.",
+            FigureWarning,
+            stacklevel=2,
+        )
+    errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
+    jobs = [(*structure, *error) for structure in held for error in errors]
+    names = []
+    with show("Drawing") as progress:
+        for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
+            alike = [
+                criterion
+                for criterion in criteria
+                if (criterion.threshold, str(criterion.metric)) == (threshold, metric)
+            ]
+            drawn = _plane(dataset, alike, f, xi)
+            names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
+            progress(done, len(jobs))
+    return names + _write_posteriors(folder, derivations)
+
+
+def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list[str]:
+    """Draw traces, ranks and pairs of every posterior, and keep its draws."""
+    from reliab.core.vocabulary import Side
+
+    names = []
+    for learned in (part for derivation in derivations for part in derivation.learned):
+        if learned.sampled is None:
+            continue
+        side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"
+        error = f"{learned.grid.metric}{learned.grid.threshold:g}{side}"
+        for name, drawn in _posterior_figures(learned.sampled).items():
+            names.append(_write(folder, f"{name}_{error}.svg", drawn))
+        names.append(f"posterior_{error}.nc")
+        learned.sampled.write_netcdf(folder / names[-1])
+    return names
+
+
+def _listed(dataset: "xr.Dataset", name: str) -> str:
+    return ", ".join(f"{value:g}" for value in dataset[name].values)
+
+
+def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
+    from reliab.criterion.ellipse_sample import sample_of
+    from reliab.report.figures.parameter_distributions import ellipses_and_criterion
+    from reliab.report.style import VERMILION
+
+    first = alike[0]
+    sample = sample_of(
+        dataset,
+        frequency=f,
+        damping_ratio=xi,
+        threshold=first.threshold,
+        metric=str(first.metric),
+        curve=first.provenance.curve,
+    )
+    named = {}
+    for criterion in alike:
+        a, b = (float(limit) for limit in criterion.limits(f, xi))
+        if a > 0.0 and b > 0.0:
+            named[_share_in_words(criterion)] = (a, b)
+    drawn = ellipses_and_criterion(sample, named)
+    if not first.provenance.settings.get("converged", True):
+        drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
+    return drawn
+
+
+def _share_in_words(criterion: "Criterion") -> str:
+    from reliab.core.significant_digits import percent
+
+    if criterion.population is None:
+        return f"{criterion.law.name}, stated for {percent(criterion.confidence)} of motions"
+    if criterion.promise is None:
+        return f"asked for at {percent(criterion.confidence)}, no share promised"
+    return f"{percent(criterion.promise)} of motions"
+
+
+def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
+    from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
+
+    chief = [
+        *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),
+        "log degrees of freedom",
+    ]
+    present = [name for name in chief if name in posterior.names]
+    return {
+        "traces": traces(posterior),
+        "ranks": ranks(posterior),
+        "pairs": pairs(posterior, present),
+    }
+
+
+def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
+    from reliab.report.style import svg
+
+    with refuse_unwritable("The folder of the figures must be writable", where=folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with written_whole(folder / name) as file:
+            file.write_bytes(svg(drawn))
+    return name

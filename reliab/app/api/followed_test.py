@@ -1,0 +1,374 @@
+"""A test while it runs: its error, its alarms, and its verdict at the end, message by message."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import chain, islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reliab.app.api.arguments import require_sound, stated_filters
+from reliab.app.api.followed_errors import degrees_so_far, errors_with_intervals
+from reliab.assessment.budget.sizes import (
+    Equipment,
+    Size,
+    sizes_of_structure,
+    sizes_of_unknown,
+    tolerances_of,
+)
+from reliab.assessment.coupled_error.monitor import CoupledMonitor
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.measured_specimen.force_channel import ForceChannel
+from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.plausibility import RunningSign
+from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
+from reliab.assessment.rebuilt_error.rebuild import DRAWS
+from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
+from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, word_of_probability
+from reliab.core.encodings import pieces_as_utf8
+from reliab.core.files import written_whole
+from reliab.core.significant_digits import percent, significant
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.recordings.followed_rows import (
+    rows_about_zero,
+    rows_at_equal_steps,
+    rows_without_skew,
+    step_of_rows,
+)
+from reliab.recordings.following import Rows
+from reliab.recordings.recording import StatedChannels
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
+from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
+
+if TYPE_CHECKING:
+    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+
+AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
+
+_MILLISECONDS = 1e-3
+_CELLS = re.compile(rb"[^\s,;]+")
+_FEWEST_PERIODS = 2.0  # of the structure, from which a reversed sign is told
+_OF_ERROR = ("rms", "mte", "governing", "degrees_of_freedom")
+_NOT_KNOWN = "No error of the whole test is known."
+_BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
+_GLANCE = 0.1  # s of the test between two looks at the alarms
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Message:
+    """State of a running test at one moment.
+
+    Attributes
+    ----------
+    kind : {"update", "alarm", "end"}
+        Why it comes: time has passed, an alarm was raised, the test has ended.
+    content : dict
+        The numbers, with stable keys.
+    monitor : Monitor, MeasuredMonitor or CoupledMonitor
+        The monitor, which goes on with the test.
+    alarms : dict of str to str
+        Sentences of the alarms that were raised so far, by name.
+    assessment : Assessment, FrameAssessment or CoupledAssessment, optional
+        At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
+        held, or whose file was replaced.
+    """
+
+    kind: str
+    content: Mapping[str, Any]
+    monitor: AnyMonitor
+    alarms: Mapping[str, str]
+    assessment: "Assessment | FrameAssessment | CoupledAssessment | None" = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers with stable keys."""
+        return dict(self.content)
+
+
+class WholeText:
+    """Text of a test as it came, for as long as it is that of one file and the monitor holds all of it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._pieces: list[bytes] | None = []
+
+    def kept(self, pieces: Iterator[bytes]) -> Iterator[bytes]:
+        """Keep the pieces that pass, as UTF-8; an empty one says that another file begins."""
+        for piece in pieces_as_utf8(pieces):
+            if not piece:
+                self.drop()
+            elif self._pieces is not None:
+                self._pieces.append(piece)
+            yield piece
+
+    def drop(self) -> None:
+        """Keep nothing any more."""
+        self._pieces = None
+
+    def write_to(self, folder: str) -> Path | None:
+        """Write the text to a file of its name, up to its last whole line; None where it was not kept."""
+        if self._pieces is None:
+            return None
+        *lines, last = b"".join(self._pieces).split(b"\n")
+        if lines and len(_CELLS.findall(last)) == len(_CELLS.findall(lines[-1])):
+            lines.append(last)
+        path = Path(folder) / self.name
+        with written_whole(path) as file:
+            file.write_bytes(b"\n".join([*lines, b""]))
+        return path
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowedTest:
+    """Follows rows, and says what is known."""
+
+    text: WholeText
+    judge: "Callable[[Path], Assessment | FrameAssessment | CoupledAssessment]"  # Assesses a finished test
+    stated: dict[str, StatedValue]  # By options, until the first row came
+    laboratory: StatedChannels
+    model: UpdatedModel | None
+    frame: FrameUnderTest | None
+    of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
+    equipment: Equipment | None
+    threshold: float  # [-]
+    metric: Metric
+    every: float  # [s]
+    sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
+    alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
+    sign: RunningSign = field(default_factory=RunningSign)
+
+    def follow(self, rows: Iterator[Rows], rate: float | None) -> Iterator[Message]:
+        """Follow the rows of a test to their end.
+
+        `rate` [Hz].
+        """
+        step, rows = step_of_rows(self._with_header(rows), rate)
+        if skew := self._value("skew") * _MILLISECONDS:
+            rows = rows_without_skew(rows, skew / step)
+        monitor = self._monitor(step)
+        between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
+        for part in rows_about_zero(rows_at_equal_steps(rows, step), step):
+            begin, size = 0, part.command.shape[-1]
+            while begin < size:
+                to_next = min(count - monitor.samples % count for count in (between, glance))
+                end = min(begin + to_next, size)
+                self._feed(monitor, part, slice(begin, end))
+                if not monitor.is_whole:
+                    self.text.drop()
+                if monitor.samples % glance == 0 or monitor.samples % between == 0:
+                    yield from self._new_alarms(monitor)
+                if monitor.samples % between == 0:
+                    yield self._update(monitor)
+                begin = end
+        yield self._end(monitor)
+
+    def _with_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
+        """Take what the file of the test states, where no option does."""
+        first = list(islice(rows, 1))
+        header = first[0].stated if first else {}
+        of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
+        self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
+        require_sound(self.stated)
+        return chain(first, rows)
+
+    def _value(self, name: str) -> float:
+        """Value of what is stated; zero where it is not."""
+        return self.stated[name].value if name in self.stated else 0.0
+
+    def _monitor(self, step: float) -> AnyMonitor:
+        f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
+        structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+        calibrated = self.model is not None
+        self.sizes.update(
+            sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
+        )
+        if self.frame is not None:
+            self.sizes.update(sizes_of_structure(self.frame))
+        tolerances = tolerances_of(self.sizes)
+        if self._value("hysteresis"):  # which is not taken off here, nor are filters
+            tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
+        if filters := stated_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
+            apart = filters["measured"].delay if "measured" in filters else 0.0
+            apart -= filters["command"].delay if "command" in filters else 0.0
+            tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
+        followed = structure if self.frame is None else self.frame.partition
+        lag *= _MILLISECONDS
+        if self.frame is not None and self.frame.several:
+            return CoupledMonitor(
+                self.frame.partition,
+                step,
+                to_interface=self.frame.to_interface,
+                feedback_lag=lag,
+                tolerances=tolerances,
+                metric=self.metric,
+            )
+        if self.of_force is None:
+            return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
+        mass = self.stated.get("mass")
+        return MeasuredMonitor(
+            whole_structure(followed) if mass is None else Partition.of_structure(structure, mass.value),
+            step,
+            StatedForce(
+                mass_deviation=0.0 if mass is None else mass.deviation / mass.value,
+                feedback_lag=lag,
+                channel=self.of_force,
+                tolerances=tolerances,
+            ),
+        )
+
+    def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
+        """Feed a part of some rows, in the scale of the displacement sensor."""
+        command, measured = rows.command[..., part], rows.measured[..., part] / self.stated["scale"].value
+        self.sign.add(command, measured)
+        if isinstance(monitor, MeasuredMonitor):
+            if rows.force is not None:
+                monitor.feed(command, measured, rows.force[part])
+            return
+        if self.frame is not None and self.frame.several:
+            order = self.frame.order_of_channels(rows.actuators, "the test")
+            command, measured = (
+                self.frame.straightened(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
+            )
+        monitor.feed(command, measured)
+
+    def _new_alarms(self, monitor: AnyMonitor) -> Iterator[Message]:
+        """Raise the alarms that are due, at once; of reversed displacements none but that."""
+        if self._is_reversed(monitor):
+            yield from self._alarm(
+                "sign",
+                monitor,
+                "the measured displacement has the opposite sign of the command, so that no error shown is "
+                "right: reverse the sign of one channel",
+            )
+            return
+        if monitor.gains_energy_since is not None:
+            yield from self._alarm(
+                "unstable",
+                monitor,
+                f"the loop gains energy in its mode of {significant(monitor.gaining_frequency or 0.0)} Hz "
+                f"and may diverge; at most {percent(FALSE_ALARMS)} of simulated stable tests raised this "
+                "alarm",
+            )
+        if monitor.exceeds(self.threshold, self.metric):
+            yield from self._alarm(
+                "error",
+                monitor,
+                f"the error is above twice {percent(self.threshold, decimals=2)}; "
+                + (
+                    f"at most {percent(FALSE_ERROR_ALARMS)} of simulated tests that end below "
+                    f"that threshold raised this alarm"
+                    if self.of_force is None
+                    else "how often this alarm is false was not measured for learned specimens"
+                ),
+            )
+
+    def _is_reversed(self, monitor: AnyMonitor) -> bool:
+        frequency = float(monitor.structure.natural_frequencies[0])
+        periods = monitor.now.time * frequency
+        return monitor.moves and periods >= _FEWEST_PERIODS and self.sign.is_reversed(frequency)
+
+    def _alarm(self, name: str, monitor: AnyMonitor, sentence: str) -> Iterator[Message]:
+        if name not in self.alarms:
+            self.alarms[name] = f"Alarm at {monitor.now.time:.2f} s: {sentence}"
+            yield self._message(monitor, "alarm")
+
+    def _update(self, monitor: AnyMonitor) -> Message:
+        asked = monitor.ask() if monitor.due and "sign" not in self.alarms else None
+        if asked is None or monitor.result is None:
+            return self._message(monitor, "update")
+        return self._message(monitor, "update", error=self._intervals(asked, monitor))
+
+    def _end(self, monitor: AnyMonitor) -> Message:
+        """Judge the whole test: as it is assessed where it was kept, else by the running intervals."""
+        with TemporaryDirectory() as folder:
+            file = self.text.write_to(folder) if monitor.moves else None
+            found = None if file is None else self.judge(file)
+        if found is not None and isinstance(monitor, MeasuredMonitor):
+            return self._assessed(monitor, found)
+        asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
+        if found is not None:
+            return self._assessed(monitor, found)
+        if monitor.result is None:
+            return self._message(monitor, "end", **self._told(Word.UNDECIDED, [_NOT_KNOWN], []))
+        error, size = self._intervals(asked, monitor), monitor.result.estimate(self.metric)
+        reason = error_in_words(ERROR_NAMES[self.metric], size, self.threshold, error["probability"])
+        told = self._told(word_of_probability(error["probability"]), [f"{reason}."], [])
+        return self._message(monitor, "end", error=error, **told)
+
+    def _assessed(
+        self, monitor: AnyMonitor, found: "Assessment | FrameAssessment | CoupledAssessment"
+    ) -> Message:
+        """Tell the end of a test by its assessment."""
+        content, now = found.to_dict(), monitor.now
+        error = {
+            **{key: content["error"][key] for key in _OF_ERROR if key in content["error"]},
+            "probability": found.probability,
+            "until_s": now.time,
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+        }
+        told = self._told(Word(content["verdict"]), content["reasons"], content["would_decide"])
+        learned = found.error.specimen if isinstance(found.error, ErrorOfTest) else None
+        if learned is not None:
+            told["specimen"] = {
+                "learning": not learned.learned,
+                "held_out": learned.held_out,
+                "until_s": now.time,
+            }
+            told |= {metric: error[metric]["value"] for metric in Metric}
+            told["error_m"] = learned.rebuilt.error[-1].item()
+        return replace(self._message(monitor, "end", error=error, **told), assessment=found)
+
+    def _told(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:
+        """Put a verdict into plain values."""
+        above = None if word is Word.UNDECIDED else word is Word.NOT_RELIABLE
+        return {
+            "verdict": str(word),
+            "reliable": word is Word.RELIABLE,
+            "reasons": reasons,
+            "would_decide": steps,
+            "above_threshold": above,
+        }
+
+    def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
+        now = monitor.now
+        content = {
+            "kind": kind,
+            "samples": now.samples,
+            "time_s": now.time,
+            "error_m": now.error,
+            "rms": now.rms,
+            "mte": now.mte,
+            "net_damping_ratio": None if now.damping is None else now.damping.ratio,
+            "net_damping_deviation": None if now.damping is None else now.damping.deviation,
+            "near_instability": now.near_instability,
+            "alarms": list(self.alarms),
+            "false_alarm_rates": {
+                "unstable": FALSE_ALARMS,
+                "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
+            },
+            **degrees_so_far(monitor),
+            **_learning(monitor),
+            **more,
+        }
+        return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
+
+    def _intervals(self, asked: object, monitor: AnyMonitor) -> dict[str, Any]:
+        return errors_with_intervals(asked, monitor, self.sizes, self.threshold, self.metric)
+
+
+def _learning(monitor: AnyMonitor) -> dict[str, Any]:
+    """Say whether a measured specimen is still being learned, and what it misses; nothing of others."""
+    if not isinstance(monitor, MeasuredMonitor):
+        return {}
+    specimen = monitor.specimen
+    held_out = None if specimen is None else specimen.held_out
+    of_force = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
+    return {"specimen": of_force}

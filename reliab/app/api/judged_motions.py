@@ -1,0 +1,319 @@
+"""Motions on which criteria are judged: their ellipses, their true errors, and how they are divided."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from reliab.app.api.sources import EllipseSource, listed, paths
+from reliab.core.errors import InputError
+from reliab.core.progress import Show
+from reliab.core.significant_digits import percent, significant
+from reliab.criterion.copies import without_copies
+from reliab.criterion.ellipse_table import with_threshold
+from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
+from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
+from reliab.sweep.results import REAL, open_results, stored_results
+from reliab.sweep.several import Numbers
+from reliab.sweep.shares import at_share, share_of
+from reliab.tracking.indices.window import Window
+from reliab.validation.cross_validation.folds import (
+    Fold,
+    folds_of,
+    from_another,
+    leave_structures_out,
+    transfer,
+)
+from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
+from reliab.validation.earthquakes import earthquakes_among
+
+DEFAULT_SCHEME = "leave_one_event_out"
+"""How earthquakes are divided where nothing is said."""
+
+
+def require_one_share(alpha: Numbers | None) -> None:
+    """Refuse several shares of the stiffness.
+
+    `alpha` [-].
+    """
+    shares = listed(alpha) or []
+    if len(shares) > 1:
+        raise InputError(
+            "Criteria are judged at one share of the stiffness",
+            value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
+            remedy="Give one, or `rebuilt_error`, which compares tests of several",
+        )
+
+
+def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
+    """Trace or look up the ellipses of the motions, each record once.
+
+    They must be at the structures that are asked for.
+    """
+    dataset = at_share(source.dataset(show))
+    for name in ("f", "xi"):
+        held = dataset[name].values.tolist()
+        for value in listed(getattr(source, name)) or []:
+            if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
+                raise InputError(
+                    "Stored boundaries are judged at the structures that they hold",
+                    value=f"`{name}={value:g}`",
+                    remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
+                )
+    for error in listed(source.threshold) or []:
+        dataset = with_threshold(dataset, error)
+    return without_copies(dataset)
+
+
+def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
+    """Choose where true errors come from: the loop, stored results, or else ellipses."""
+    names = dataset["motion"].values.tolist()
+    if source.motions is not None:
+        suite = load_motions(*paths(source.motions), sets=source.sets)
+        return SimulatedTruth(
+            motions=[suite[place] for place in _places(names, suite)],
+            window=Window.parse(str(dataset.attrs["window"])),
+            experimental_fraction=share_of(dataset),
+        )
+    stored = source.results or (source.ellipses if str(source.ellipses) == REAL else None)
+    if stored is None:
+        return EllipseTruth(dataset)
+    window = str(dataset.attrs.get("window", "record"))
+    structures = (dataset[name].values.tolist() for name in ("f", "xi"))
+    results = open_results(stored_results(Path(stored), *structures), window=window).sel(motion=names)
+    return StoredTruth(at_share(results, share_of(dataset)))
+
+
+def _places(names: Sequence[str], suite: MotionSuite) -> list[int]:
+    """Places of motions in a suite."""
+    places = {name: place for place, name in enumerate(suite.names)}
+    return [places[name] for name in names]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Division:
+    """A division of motions into those that are learned from and those that are judged."""
+
+    folds: list[Fold]  # The pairs of both
+    name: str  # What the division is called
+    learn_from: xr.Dataset | None = None  # Ellipses of another suite that is learned from
+    recognised: int = 0  # Motions whose earthquake that suite holds too
+
+
+def require_one_division(
+    scheme: str | None, learn: Sequence[str] | None, judge: Sequence[str] | None
+) -> None:
+    """Refuse a scheme of earthquakes where sets divide the motions."""
+    if scheme is not None and (learn is not None or judge is not None):
+        raise InputError(
+            "`scheme` has no effect here: `learn` and `judge` divide the motions",
+            value=scheme,
+            remedy="Leave it out",
+        )
+
+
+def divide(
+    dataset: xr.Dataset,
+    source: EllipseSource,
+    *,
+    scheme: str | None,
+    leave_out: str | None,
+    learn: Sequence[str] | None,
+    judge: Sequence[str] | None,
+) -> Division:
+    """Divide motions by a scheme of earthquakes, by sets, or with the shipped suite to learn from."""
+    if learn == [REAL]:
+        division = _from_shipped_suite(dataset, source, judge)
+    elif learn or judge:
+        division = _by_sets(dataset, source, learn, judge)
+    else:
+        name = scheme or DEFAULT_SCHEME
+        lengths = dataset["duration"].values if "duration" in dataset.coords else None
+        division = Division(folds=folds_of(name, dataset["event"].values, lengths), name=name)
+    return division if leave_out is None else _without(division, leave_out, dataset)
+
+
+def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
+    """Leave out each frequency or damping ratio in turn, too."""
+    if name not in {"f", "xi"}:
+        raise InputError("What is left out in turn must be f or xi", value=name, remedy="Choose one of these")
+    values = dataset[name].values.tolist()
+    if len(values) < 2:  # noqa: PLR2004 - one is left out
+        raise InputError(
+            f"To leave out each {name} in turn, at least two are needed",
+            value=f"{values[0]:g} alone",
+            remedy=f"Give more with `{name}`, or leave `leave_out` out",
+        )
+    folds = list(leave_structures_out(division.folds, name, values))
+    return replace(division, folds=folds, name=f"{division.name}, each {name} left out")
+
+
+def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Sequence[str] | None) -> Division:
+    """Learn from the shipped suite, without the earthquake of the motion that is judged."""
+    if judge:
+        raise InputError(
+            f"`learn={REAL}` judges all motions that are given",
+            value=f"`judge={' '.join(judge)}`",
+            remedy="Leave `judge` out, or choose among the motions with `sets`",
+        )
+    shipped_suite = EllipseSource(
+        ellipses=REAL,
+        f=dataset["f"].values.tolist(),
+        xi=dataset["xi"].values.tolist(),
+        threshold=source.threshold,
+        metric=source.metric,
+        window=str(dataset.attrs["window"]),
+        alpha=share_of(dataset),
+    )
+    learn_from = shipped_suite.dataset()
+    events, checksums = (dataset[name].values.tolist() for name in ("event", "checksum"))
+    outlines = dataset["outline"].values.tolist() if "outline" in dataset.coords else ()
+    among = earthquakes_among(events, checksums, learn_from, outlines)
+    return Division(
+        folds=list(from_another(among, learn_from["event"].values)),
+        name=f"learned from {REAL}",
+        learn_from=learn_from,
+        recognised=sum(name is not None for name in among),
+    )
+
+
+def _by_sets(
+    dataset: xr.Dataset, source: EllipseSource, learn: Sequence[str] | None, judge: Sequence[str] | None
+) -> Division:
+    """Learn from sets of a catalogue and judge others of its sets."""
+    if not (learn and judge and source.motions):
+        raise InputError(
+            "To judge sets by others, `motions`, `learn` and `judge` are needed",
+            value="only some of them",
+            remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
+        )
+    suite = load_motions(*paths(source.motions), sets=source.sets)
+    sets = np.array(suite.set_names, dtype=np.str_)[_places(dataset["motion"].values.tolist(), suite)]
+    folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
+    name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
+    return Division(folds=list(folds), name=name)
+
+
+def kept_shares(
+    rows: Sequence[Mapping[str, Any]], of_side: str = "", whose: str = "the motions"
+) -> Iterator[str]:
+    """Say of each method and law whether the share that it states is kept, and by which motions.
+
+    >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
+    >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
+    >>> print(*kept_shares(rows))
+    power does not keep the share that it states: it protects 52.0 % of the motions where it states 95 %.
+    >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
+    >>> print(*kept_shares([{**rows[0], "containment": of_one_record}]))
+    power may keep the share that it states, as far as so few earthquakes can tell: it protects 100.0 % of the
+    motions where it states 95 %.
+    """
+    for candidate in dict.fromkeys(row["candidate"] for row in rows):
+        judged = [
+            (row["containment"], row["confidence"])
+            for row in rows
+            if row["candidate"] == candidate and row["containment"]["rate"] is not None
+        ]
+        if not judged:
+            continue
+        shares = ", ".join(
+            f"{percent(rate['rate'], decimals=1)} where it states {percent(stated, decimals=0)}"
+            for rate, stated in judged
+        )
+        first, *others = shares.split(" where", 1)
+        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} where{others[0]}."
+
+
+def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
+    """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
+    phrases: dict[str, list[str]] = {
+        "does not keep the share that it states": [],
+        "keeps the share that it states": [],
+        "may keep the share that it states": [],
+    }
+    broken, kept, open_ = phrases
+    for rate, stated in judged:
+        low, high = (rate[end] if rate[end] is not None else rate["rate"] for end in ("low", "high"))
+        phrase = kept if low >= stated else broken if high < stated else open_
+        phrases[phrase].append(percent(stated, decimals=0))
+    said = {phrase: shares for phrase, shares in phrases.items() if shares}
+    sentences = [
+        phrase if len(said) == 1 else f"{phrase} at {' and '.join(shares)}" for phrase, shares in said.items()
+    ]
+    if open_ in said:
+        sentences[-1] += ", as far as so few earthquakes can tell"
+    return "; it ".join(sentences)
+
+
+_UNITS = {"magnitude": "", "length": " s"}
+
+
+def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[str]:
+    """Say of each division which of its motions no promise is made for, by their length and magnitude.
+
+    `ellipses`: of the motions that are judged, with their lengths where they are known.
+    """
+    learned_from = ellipses if division.learn_from is None else division.learn_from
+    known = _quantities(ellipses)
+    for name, quantity in product(dict.fromkeys(map(_group, division.folds)), known):
+        judged: list[float] = []
+        outside: list[float] = []
+        ends: list[float] = []
+        for fold in division.folds:
+            scope = scope_of(learned_from.isel(motion=fold.learned)) if _group(fold) == name else {}
+            if quantity in scope and fold.judged.any():
+                values = known[quantity][fold.judged].tolist()
+                judged += values
+                ends += [scope[quantity][0], scope[quantity][-1]]
+                outside += [value for value in values if _is_outside(scope, quantity, value)]
+        if outside:
+            unit = _UNITS[quantity]
+            yield (
+                f"Outside of the population: {len(outside)} of the {len(judged)} motions of {name}, of "
+                f"{quantity} {_range(outside)}{unit}; the motions from which their criterion is learned have "
+                f"{_range(ends)}{unit}. The criterion makes no promise for motions outside."
+            )
+
+
+def motions_outside(ellipses: xr.Dataset, division: Division) -> NDArray[np.bool_]:
+    """Which motions lie outside of those from which a criterion that judges them is learned, (motions,)."""
+    learned_from = ellipses if division.learn_from is None else division.learn_from
+    known = _quantities(ellipses)
+    outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
+    for fold in division.folds:
+        scope = scope_of(learned_from.isel(motion=fold.learned))
+        for quantity, values in known.items():
+            beyond = [_is_outside(scope, quantity, float(value)) for value in values]
+            outside |= fold.judged & np.array(beyond, dtype=np.bool_)
+    return outside
+
+
+def _group(fold: Fold) -> str:
+    """Name of what a division judges, whichever structures or earthquakes it leaves out beside."""
+    return fold.name.partition(", ")[0]
+
+
+def _is_outside(scope: Mapping[str, Sequence[float]], quantity: str, value: float) -> bool:
+    return compare_with_scope(scope, {quantity: value}).position is Position.OUTSIDE
+
+
+def _quantities(ellipses: xr.Dataset) -> dict[str, np.ndarray]:
+    """Length [s] and magnitude of each motion, shape (motions,), as far as they are known."""
+    quantities = {}
+    if "duration" in ellipses.coords:
+        quantities["length"] = ellipses["duration"].values.astype(np.float64)
+    if (magnitudes := magnitudes_of(ellipses["event"].values.tolist())) is not None:
+        quantities["magnitude"] = np.array(magnitudes)
+    return quantities
+
+
+def _range(values: Sequence[float]) -> str:
+    ends = [significant(end(values)) for end in (min, max)]
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)

@@ -1,0 +1,250 @@
+"""`reliab.record`, `reliab.calibrate`: a laboratory's file as a record, and what its channels add to it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from reliab.app.api.arguments import Quantity, require_sound, stated_values
+from reliab.app.api.channels import Channels
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.shipped import or_shipped
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
+from reliab.recordings.reading import Histories, stated_by_options
+from reliab.recordings.record import About, check_record, record_test, write_csv, write_record
+from reliab.recordings.recording import Part
+from reliab.structures.structure import Structure
+
+_STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
+"""A structure, of which a user may state any part."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """A record that was made: what was recognised in a file, and what was written."""
+
+    source: Path
+    files: tuple[Path, ...]
+    histories: Histories
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        columns = self.histories.columns
+        return {
+            "source": str(self.source),
+            "files": [str(path) for path in self.files],
+            "test": columns.test,
+            "rate_hz": 1.0 / self.histories.time_step,
+            "samples": int(next(iter(self.histories.values.values())).size),
+            "recording": {"channels": [channel.summary() for channel in self.histories.channels.values()]},
+            "left": [name for name in columns.values if name not in self._used],
+            "notes": list(self.histories.notes),
+        }
+
+    @property
+    def _used(self) -> set[str]:
+        return {channel.column for channel in self.histories.channels.values()}
+
+
+def record(
+    source: str | Path,
+    out: str | Path | None = None,
+    *,
+    csv: str | Path | None = None,
+    test_name: str | None = None,
+    channels: str | Path | None = None,
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    units: str | None = None,
+    time_units: str | None = None,
+    delimiter: str | None = None,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    mass: Quantity | None = None,
+    specimen: str = "",
+    rig: str = "",
+    operator: str = "",
+    date: str = "",
+    attributes: Mapping[str, str] | None = None,
+) -> Record:
+    """Recognise the channels of a test, and write them as one open record.
+
+    Parameters
+    ----------
+    source : str or pathlib.Path
+        File of a laboratory, in any format that `reliab.assess` reads.
+    out, csv : str or pathlib.Path, optional
+        NetCDF file of the record; and a CSV of the recognised channels in SI units.
+    test_name : str, optional
+        Which test, where the file holds several.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which a laboratory states its channels.
+    command, measured, time, rate, units, time_units, delimiter
+        As for `reliab.assess`.
+    f, xi, alpha, mass : float, str or StatedValue, optional
+        The structure: natural frequency [Hz], damping ratio [-], share in the laboratory [-] and mass [kg].
+    specimen, rig, operator, date : str, optional
+        What was tested, on what, by whom and when.
+    attributes : mapping of str to str, optional
+        Further attributes.
+
+    Returns
+    -------
+    Record
+        What was recognised, with the reasons, and the files that were written.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
+    """
+    for place, ending in ((out, ".nc"), (csv, ".csv")):
+        if place is not None:
+            require_ending(place, ending)
+    path = or_shipped(Path(source), "datasets", "test.csv")
+    names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
+    stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
+    require_sound(stated)
+    _require_a_structure(stated)
+    about = About(
+        **{name: str(value) for name, value in stated.items()},
+        specimen=specimen,
+        rig=rig,
+        operator=operator,
+        date=date,
+        further=dict(attributes or {}),
+    )
+    dataset, histories = record_test(
+        path,
+        laboratory=stated_by_options(channels, names, units, rate),
+        test=test_name,
+        about=about,
+        time_units=time_units,
+        delimiter=delimiter,
+    )
+    written = []
+    with refuse_unwritable("The record must be writable", where=out or csv):
+        if out is not None:
+            write_record(dataset, out)
+            written.append(Path(out))
+        if csv is not None:
+            write_csv(dataset, histories, csv)
+            written.append(Path(csv))
+    return Record(source=path, files=tuple(written), histories=histories)
+
+
+def check_records(sources: list[Path]) -> dict[str, list[str]]:
+    """Examine records; return what is wrong with each, in sentences.
+
+    Parameters
+    ----------
+    sources : list of pathlib.Path
+        NetCDF files.
+
+    Returns
+    -------
+    dict of str to list of str
+        Faults by file; none for a sound record.
+
+    Raises
+    ------
+    InputError
+        If a file is no NetCDF file.
+    """
+    return {str(path): check_record(path) for path in sources}
+
+
+def _require_a_structure(stated: Mapping[str, StatedValue]) -> None:
+    """Refuse a frequency, a damping ratio or a share that no structure has."""
+    f, xi, alpha = (stated[name].value if name in stated else known for name, known in _STRUCTURE.items())
+    Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+
+
+def calibrate(
+    test: str | Path | pd.DataFrame,
+    *,
+    out: str | Path | None = None,
+    actuator_delay: Quantity | None = None,
+    channels: str | Path | None = None,
+    test_name: str | None = None,
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    units: str | None = None,
+    time_units: str | None = None,
+    delimiter: str | None = None,
+) -> ChannelCalibration:
+    """Measure skew, scale, hysteresis, noise and resolution of the two channels from a test made for it.
+
+    Parameters
+    ----------
+    test : str, pathlib.Path or pandas.DataFrame
+        Recording of one motion by both channels: sines, a sweep or steps with rests, of an actuator without
+        a specimen or of one signal that is fed to both; of a locked actuator noise and resolution only.
+    out : str or pathlib.Path, optional
+        File `channels.toml` to write, for `channels` of :func:`reliab.assess`; it also keeps what the file
+        `channels` states. One that exists is replaced only where it is the file `channels`.
+    actuator_delay : float, str or StatedValue, optional
+        Delay of the actuator in this test [ms], "12±0.5"; it is taken off the lag between the channels.
+    channels : str or pathlib.Path, optional
+        File `channels.toml` in which the laboratory states names, units and signs.
+    test_name, command, measured, time, rate, units, time_units, delimiter : optional
+        How the file is read, as for :func:`reliab.assess`.
+
+    Returns
+    -------
+    ChannelCalibration
+        With a standard deviation of each, and what limits them in sentences.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its motion is not one from which the channels follow.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.arange(0.0, 20.0, 0.001)
+    >>> command, late = 0.02 * np.sin(6.0 * time), 0.02 * np.sin(6.0 * (time - 4e-4))
+    >>> frame = pd.DataFrame({"time_s": time, "command_m": command, "measured_m": 1.01 * late})
+    >>> measured = calibrate(frame)
+    >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
+    (0.4, 1.01)
+    """
+    recording = Channels(
+        command=command,
+        measured=measured,
+        time=time,
+        rate=rate,
+        units=units,
+        time_units=time_units,
+        delimiter=delimiter,
+        test_name=test_name,
+        channels=channels,
+    ).read(test)
+    delay = stated_values(actuator_delay=actuator_delay).get("actuator_delay")
+    calibration = calibrate_channels(recording, actuator_delay_ms=delay)
+    if out is not None:
+        _write(calibration, Path(out), None if channels is None else Path(channels), recording.name)
+    return calibration
+
+
+def _write(calibration: ChannelCalibration, out: Path, channels: Path | None, source: str) -> None:
+    """Write a file of channels, with what another states."""
+    if out.exists() and (channels is None or not out.samefile(channels)):
+        raise InputError(
+            "A file of channels is not replaced",
+            value=out,
+            remedy=f"Name another file, or give `channels` = {out} to keep what it states",
+        )
+    described = "" if channels is None else channels.read_text(encoding="utf-8")
+    with written_whole(out) as file:
+        file.write_text(calibration_in_toml(calibration, described, source), encoding="utf-8")

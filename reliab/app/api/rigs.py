@@ -1,0 +1,428 @@
+"""Tests of a rig: they are judged and kept in its folder, listed, shown, exported and removed."""
+
+import hashlib
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, cast
+
+from reliab.app.api.arguments import Quantity
+from reliab.app.api.assessment import assess
+from reliab.app.api.channels import Channels
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.core.encodings import as_text
+from reliab.core.errors import InputError
+from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
+from reliab.core.progress import Progress, silent
+from reliab.core.rows import ResultWithRows
+from reliab.core.shipped import or_shipped
+from reliab.core.stated_value import StatedValue
+from reliab.criterion.criterion import Criterion
+from reliab.recordings.readers.registry import read_tests
+from reliab.recordings.reading import stated_by_options
+from reliab.recordings.record import About, record_test
+from reliab.recordings.recording import Part
+from reliab.rig.rig_folder import RigFolder
+from reliab.rig.rig_table import RigTable
+from reliab.rig.rig_test import COLUMNS, describe_test, require_date
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigList(ResultWithRows):
+    """The tests of a rig."""
+
+    rows_in = "tests"
+
+    rig: Path
+    table: RigTable
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        columns = self.table.columns
+        rows = [{name: row.get(name) for name in columns} for row in self.table.rows]
+        return {"rig": str(self.rig), "tests": rows, "faults": dict(self.table.faults)}
+
+
+def list_rig(rig: str | Path) -> RigList:
+    """List the tests of a rig in the order of their dates.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder.
+
+    Returns
+    -------
+    RigList
+        A row for each test.
+
+    Raises
+    ------
+    InputError
+        If it is no folder of a rig.
+    """
+    folder = RigFolder.opened(rig)
+    return RigList(rig=folder.path, table=folder.table())
+
+
+def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
+    """Return all that is kept of a test.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder.
+    test : str
+        Name of the test, or the first digits of its checksum.
+
+    Returns
+    -------
+    dict
+        `test` (its row), `terms` (what was stated), `assessment` (as of `reliab assess`), `record`.
+
+    Raises
+    ------
+    InputError
+        If there is no such test, or several.
+    """
+    folder = RigFolder.opened(rig)
+    sha256 = folder.find(test)["sha256"]
+    content = folder.read(sha256)
+    return {**content, "record": str(folder.record_path(sha256))}
+
+
+def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, ...]:
+    """Remove tests from a rig.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder.
+    tests : str or iterable of str
+        Names, or first digits of checksums.
+
+    Returns
+    -------
+    tuple of str
+        Names of the tests that were removed.
+
+    Raises
+    ------
+    InputError
+        If one of them is no test of the rig; then none is removed.
+    """
+    folder = RigFolder.opened(rig)
+    table = folder.table()
+    rows = [folder.find(test, table) for test in ([tests] if isinstance(tests, str) else tests)]
+    for row in rows:
+        folder.remove(row["sha256"])
+    return tuple(row["name"] for row in rows)
+
+
+def export_rig(rig: str | Path, out: str | Path) -> int:
+    """Write the table of a rig as CSV.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder.
+    out : str or pathlib.Path
+        The file.
+
+    Returns
+    -------
+    int
+        Number of tests.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    require_ending(out, ".csv")
+    table = RigFolder.opened(rig).table()
+    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
+        file.write_text(table.to_csv(), encoding="utf-8", errors="backslashreplace")
+    return len(table)
+
+
+_ALL_TESTS = "all"
+_TAKEN = ("day", "change", "file_state")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AddedTests:
+    """Outcome for each file that was added to a rig."""
+
+    rig: Path
+    added: tuple[dict[str, Any], ...]  # Rows of the tests that are new
+    present: tuple[str, ...]  # Names of those that were there already
+    faults: Mapping[str, str]  # Why files could not be judged
+    tests: int  # In the rig now
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "rig": str(self.rig),
+            "added": list(self.added),
+            "present": list(self.present),
+            "faults": dict(self.faults),
+            "tests": self.tests,
+        }
+
+
+def add_to_rig(
+    rig: str | Path,
+    tests: str | Path | Iterable[str | Path],
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    scale: Quantity | None = None,
+    feedback_lag: Quantity | None = None,
+    mass: Quantity | None = None,
+    skew: Quantity | None = None,
+    equipment: str | Path | Equipment | None = None,
+    exact: bool = False,
+    criterion: str | Path | Criterion | None = None,
+    structure: str | Path | None = None,
+    threshold: float | None = None,
+    date: str | None = None,
+    event: str | None = None,
+    specimen: str | None = None,
+    note: str | None = None,
+    covariate: Iterable[str] | None = None,
+    channels: str | Path | None = None,
+    test_name: str | None = None,
+    command: str | None = None,
+    measured: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    units: str | None = None,
+    time_units: str | None = None,
+    delimiter: str | None = None,
+    show: Progress = silent,
+) -> AddedTests:
+    """Judge tests and keep them in the folder of their rig.
+
+    Parameters
+    ----------
+    rig : str or pathlib.Path
+        The folder, made where there is none.
+    tests : str or pathlib.Path, or several of them
+        Files in any format that `reliab.assess` reads. A file that is in the rig already stays as it is.
+    f, xi, alpha, scale, feedback_lag, mass, skew, equipment, exact, criterion, structure, threshold
+        As for `reliab.assess`.
+    date : str, optional
+        When the tests were performed, in ISO 8601; their order, and what changed with time, follow from it.
+    event, specimen, note : str, optional
+        Earthquake of the ground motion, the specimen, and anything else. Tests of one earthquake are not
+        independent, so it should be stated where it is known.
+    covariate : iterable of str, optional
+        Further numbers on which the rig may depend, "current=0.4"; a test is predicted by them too.
+    channels, test_name, command, measured, time, rate, units, time_units, delimiter
+        As for `reliab.assess`.
+    show : callable, optional
+        Called after each file.
+
+    Returns
+    -------
+    AddedTests
+        The new rows, what was there already, and why files could not be judged.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written, or what is stated of all files is wrong.
+    """
+    files = [tests] if isinstance(tests, str | Path) else list(tests)
+    if not files:
+        raise InputError("A test's file is needed", value="none", remedy="Name it")
+    reading = Channels(
+        command=command,
+        measured=measured,
+        time=time,
+        rate=rate,
+        units=units,
+        time_units=time_units,
+        delimiter=delimiter,
+        test_name=test_name,
+        channels=channels,
+    )
+    terms = {
+        "f": f,
+        "xi": xi,
+        "alpha": alpha,
+        "scale": scale,
+        "feedback_lag": feedback_lag,
+        "mass": mass,
+        "skew": skew,
+        "equipment": equipment,
+        "criterion": criterion,
+        "structure": structure,
+        "threshold": threshold,
+        "exact": exact or None,
+    }
+    moment = require_date(date) if date else None
+    labels = {"date": moment, "event": event, "specimen": specimen, "note": note}
+    keeper = _Keeper(
+        folder=RigFolder(Path(rig)),
+        reading=reading,
+        terms={name: value for name, value in terms.items() if value is not None},
+        labels={name: as_text(value) for name, value in labels.items() if value},
+        covariates=stated_covariates(covariate or ()),
+    )
+    return keeper.keep(files, show)
+
+
+def stated_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> dict[str, float]:
+    """Read covariates as users write them; `measured` are columns of every test that may be among them.
+
+    >>> stated_covariates(["current=0.4"])
+    {'current': 0.4}
+    """
+    covariates: dict[str, float] = {}
+    for text in texts:
+        name, sign, number = text.partition("=")
+        if not sign or not name.isidentifier() or name in {*COLUMNS, *_TAKEN} - {*measured} | {*covariates}:
+            raise InputError(
+                "A `covariate` must be a new name and a number",
+                value=repr(text),
+                remedy="Write current=0.4",
+            )
+        covariates[name] = StatedValue.parse(number, f"value of {name}").value
+    return covariates
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Keeper:
+    """Judges files by the same terms and keeps them; see `add_to_rig`."""
+
+    folder: RigFolder
+    reading: Channels
+    terms: Mapping[str, Any]
+    labels: Mapping[str, str]
+    covariates: Mapping[str, float]
+
+    def keep(self, files: Iterable[str | Path], progress: Progress) -> AddedTests:
+        every = [Path(file) for file in files]
+        added: list[dict[str, Any]] = []
+        present: list[str] = []
+        faults: dict[str, str] = {}
+        for count, file in enumerate(every, start=1):
+            try:
+                for reading in self._readings_of(file):
+                    row = self._keep_test(file, reading)
+                    if row is None:
+                        present.append(_name(file, reading))
+                    else:
+                        added.append(row)
+            except InputError as error:
+                if len(every) == 1:
+                    raise
+                faults[str(file)] = str(error)
+            progress(count, len(every))
+        tests = len(self.folder.table()) if added or present else 0
+        return AddedTests(
+            rig=self.folder.path, added=tuple(added), present=tuple(present), faults=faults, tests=tests
+        )
+
+    def _readings_of(self, file: Path) -> list[Channels]:
+        """How each test of a file is read."""
+        if self.reading.test_name != _ALL_TESTS:
+            return [self.reading]
+        names = [columns.test for columns in read_tests(file, delimiter=self.reading.delimiter)]
+        return [replace(self.reading, test_name=name or None) for name in names]
+
+    def _stated(self) -> dict[str, str]:
+        """Put what is stated of the test into texts."""
+        numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
+        return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
+
+    def _keep_test(self, file: Path, reading: Channels) -> dict[str, Any] | None:
+        """Judge and keep a test; None where it is there."""
+        path = or_shipped(file, "datasets", "test.csv")
+        checksum = _checksum(path, reading.test_name)
+        if self.folder.holds(checksum):
+            self._require_same(checksum, path)
+            return None
+        assessment = assess(path, **{**vars(reading), **self.terms})
+        if isinstance(assessment, CoupledAssessment):
+            raise InputError(
+                "A rig keeps tests of one actuator",
+                value=f"{len(assessment.error.displacements)}",
+                remedy="Judge this one with `reliab assess`",
+                where=str(path),
+            )
+        now = datetime.now(tz=UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
+        texts = {
+            "sha256": checksum,
+            "name": as_text(_name(file, reading)),
+            "file": as_text(path.name),
+            "added": now,
+            **self.labels,
+        }
+        test = describe_test(assessment, texts, self.covariates)
+        record, _ = record_test(
+            path,
+            laboratory=stated_by_options(
+                reading.channels,
+                {Part.COMMAND: reading.command, Part.MEASURED: reading.measured, Part.TIME: reading.time},
+                reading.units,
+                reading.rate,
+            ),
+            test=reading.test_name,
+            about=self._about(),
+            time_units=reading.time_units,
+            delimiter=reading.delimiter,
+        )
+        self.folder.add(test, record, assessment.to_dict(), self._stated())
+        return test.to_dict()
+
+    def _about(self) -> About:
+        named = {name: str(self.terms[name]) for name in ("f", "xi", "alpha", "mass") if name in self.terms}
+        further = {name: text for name, text in self.labels.items() if name in ("event", "note")}
+        further |= {name: f"{value:.17g}" for name, value in self.covariates.items()}
+        return About(
+            **named,
+            date=self.labels.get("date", ""),
+            specimen=self.labels.get("specimen", ""),
+            rig=self.folder.path.name,
+            further=further,
+        )
+
+    def _require_same(self, checksum: str, path: Path) -> None:
+        """Refuse a test that is there already if something else is stated of it now."""
+        former = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
+        for name, text in self._stated().items():
+            if former.get(name) != text:
+                raise InputError(
+                    "A test that is in the rig already must be stated as it was then",
+                    value=f"{name} {text} after {former.get(name) or 'nothing'}",
+                    remedy="Remove it first with `reliab rig remove` to add it anew",
+                    where=str(path),
+                )
+
+
+def _name(file: Path, reading: Channels) -> str:
+    return f"{file.name}, {reading.test_name}" if reading.test_name else file.name
+
+
+def _checksum(path: Path, test_name: str | None) -> str:
+    """SHA-256 of a test: that of its file, with its name where the file holds several."""
+    try:
+        with ordinary(path).open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256")
+    except OSError as error:
+        raise InputError(
+            "A test must be a file that can be read",
+            value=error.strerror or os.fspath(path),
+            remedy="Check the path",
+            where=str(path),
+        ) from None
+    if test_name:
+        digest.update(test_name.encode("utf-8", "surrogateescape"))
+    return digest.hexdigest()

@@ -1,0 +1,280 @@
+"""Where ellipses come from: a file of them, stored results, or ground motions that are simulated."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from reliab.app.api.arguments import stated_threshold
+from reliab.core.errors import InputError
+from reliab.core.progress import Show, quietly, silent
+from reliab.core.shipped import or_shipped
+from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.experimental_share import carry_to_share
+from reliab.motions.loading import load_motions
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+from reliab.sweep.results import open_results, stored_results
+from reliab.sweep.several import Numbers, several
+from reliab.sweep.shares import at_share, for_each_share, shares_of
+from reliab.tracking.indices.window import Window
+
+Files = str | Path | Sequence[str | Path]
+"""Files, folders or names of what ships; one or several."""
+
+ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
+"""The paper's structure and threshold, which hold where nothing else is stated."""
+
+_RECORD, _WHOLE = "record", 1.0
+
+
+def paths(files: Files) -> tuple[str | Path, ...]:
+    """Take one file, folder or name, or several."""
+    return (files,) if isinstance(files, str | Path) else tuple(files)
+
+
+def listed(values: Any) -> list[Any] | None:  # noqa: ANN401 - numbers or names
+    """List one value or several; None where none is stated."""
+    return None if values is None else list(several(values))
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipseSource:
+    """Where the ellipses that a question is about come from."""
+
+    motions: Files | None = None  # Sources of ground motions
+    sets: Sequence[str] | None = None  # Sets of their catalogue
+    results: str | Path | None = None  # Stored results instead
+    ellipses: str | Path | None = None  # A file of ellipses instead, CSV or NetCDF
+    # f, xi: Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
+    # hold, by default and where one that is asked for is not among them
+    f: Numbers | None = None
+    xi: Numbers | None = None
+    threshold: Numbers | None = None  # Errors on the boundary [-]
+    metric: str  # Error of the whole test
+    # Part of the record over which the error is computed; None leaves it to the source, which is the whole
+    # record for records
+    window: str | None = None
+    # Experimental fractions [-]; 1 for records unless given. Stored results and files must be of these
+    # fractions, or of 1, from which a law carries them
+    alpha: Numbers | None = None
+    model: str | Path | None = None  # Model with effects instead of structures, for records
+    structure: str | Path | None = None  # Description of a frame instead of structures, for records
+    actuator: int | None = None  # Number of the only actuator of the frame that errs; all alike by default
+    first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
+
+    def __post_init__(self) -> None:
+        given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
+        if len(given) != 1:
+            raise InputError(
+                "Ellipses must come from exactly one source: ground motions, stored results or a file of "
+                "ellipses",
+                value=f"{len(given)} of them",
+                remedy="Give `motions` (records or 'synthetic'), `results` or `ellipses`",
+            )
+        if self.motions is None:
+            self._refuse_options_of_motions()
+        if self.actuator is not None and self.structure is None:
+            raise InputError(
+                "An actuator can be chosen only among those of a frame",
+                value=f"`actuator={self.actuator}` without `structure`",
+                remedy="Describe the frame, or leave it out",
+            )
+        require_thresholds(self.threshold)
+        Metric.parse(self.metric)
+
+    def _refuse_options_of_motions(self) -> None:
+        """Refuse what only ground motions can serve."""
+        sets = None if self.sets is None else f"`sets={' '.join(several(self.sets))}`"
+        options = (
+            (
+                "`model`" if self.model else None,
+                "A model needs ground motions to be simulated under",
+                "Give `motions`; a results store names the model that it was simulated with",
+            ),
+            (
+                "`first_order`" if self.first_order else None,
+                "Ellipses are predicted from the spectra of ground motions",
+                "Give `motions`, or leave `first_order` out",
+            ),
+            (
+                sets,
+                "Sets can be chosen only from a catalogue of ground motions",
+                "Give the folder of the catalogue with `motions`",
+            ),
+            (
+                "`structure`" if self.structure else None,
+                "A frame needs ground motions to be simulated under",
+                "Give `motions`",
+            ),
+        )
+        for option, rule, remedy in options:
+            if option is not None:
+                raise InputError(rule, value=f"{option} without `motions`", remedy=remedy)
+
+    @property
+    def _thresholds(self) -> tuple[float, ...]:
+        return several(FIVE_PERCENT if self.threshold is None else self.threshold)
+
+    def dataset(self, show: Show = quietly) -> xr.Dataset:
+        """Trace the ellipses, or look them up."""
+        if self.ellipses is not None:
+            path = Path(self.ellipses)
+            return _of_shares(self._read(path), self.alpha, path)
+        if self.results is not None:
+            path = Path(self.results)
+            return _of_shares(self._traced_in(path, show), self.alpha, path)
+        if self.structure is not None:
+            return self._of_frame(self.structure, show)
+        from reliab.app.api.boundaries import ellipses
+
+        suite = load_motions(*paths(self.motions or ()), sets=self.sets)
+        with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
+            return ellipses(
+                suite,
+                f=self.f,
+                xi=self.xi,
+                threshold=self._thresholds,
+                metric=[self.metric],
+                window=self.window or _RECORD,
+                alpha=_WHOLE if self.alpha is None else self.alpha,
+                model=self.model,
+                first_order=self.first_order,
+                progress=progress,
+            )
+
+    def _read(self, path: Path) -> xr.Dataset:
+        """Read a file of ellipses."""
+        path = or_shipped(path, "datasets", "ellipses.nc")
+        if path.suffix == ".nc":
+            return at_structures(open_ellipses(path, window=self.window), self.f, self.xi)
+        if self.window is not None:
+            raise InputError(
+                "A CSV table of ellipses does not state over which window its errors were computed",
+                value=f"`window={self.window}`",
+                remedy="Leave it out, or give `motions`, `results` or a file of ellipses in NetCDF",
+            )
+        dataset = read_ellipses(path)
+        for name in ("f", "xi", "threshold", "metric"):
+            _require_column(dataset, name, getattr(self, name), path)
+        return at_structures(dataset, self.f, self.xi)
+
+    def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
+        """Trace the boundaries in stored results."""
+        stored = open_results(
+            stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
+        )
+        with show("Tracing boundaries") as progress:
+            traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
+                self._thresholds, (Metric(self.metric),), progress=progress
+            )
+        return traced
+
+    def _of_frame(self, path: str | Path, show: Show) -> xr.Dataset:
+        """Trace the boundaries of a frame under records."""
+        given = [f"`{name}`" for name in ("f", "xi", "alpha", "model") if getattr(self, name) is not None]
+        if given:
+            raise InputError(
+                "The file of a frame states its frequencies, damping ratios and shares",
+                value=f"`structure` with {', '.join(given)}",
+                remedy="Leave them out",
+            )
+        request = FrameRequest(
+            frame=read_structure(path),
+            actuator=self.actuator,
+            thresholds=self._thresholds,
+            metrics=(Metric(self.metric),),
+            window=Window.parse(self.window or _RECORD),
+        )
+        suite = load_motions(*paths(self.motions or ()), sets=self.sets)
+        with show("Tracing boundaries") as progress:
+            return trace_frame_ellipses(suite, request, progress=progress)
+
+
+def require_thresholds(threshold: Numbers | None) -> None:
+    """Refuse errors that are no shares of a peak.
+
+    `threshold` [-].
+    """
+    for error in () if threshold is None else several(threshold):
+        stated_threshold(error)
+
+
+def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401
+    """Refuse to relabel a table that is of one structure and error."""
+    held = dataset[name].values
+    numeric = held.dtype.kind == "f"
+    for value in () if values is None else several(values):
+        known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
+        if not known and held.size == 1:
+            raise InputError(
+                f"A table of ellipses holds only for the {name} with which the ellipses were traced",
+                value=f"{value} for {path.name}, whose {name} is {held[0]}",
+                remedy=(
+                    f"Leave `{name}` out, or add the column {name} to the table if its "
+                    f"ellipses are of another"
+                ),
+                where=str(path),
+            )
+
+
+def _of_shares(dataset: xr.Dataset, alpha: Numbers | None, path: Path) -> xr.Dataset:
+    """Choose shares of the stiffness among stored boundaries, or carry those of α = 1 to a smaller share.
+
+    `alpha` [-].
+    """
+    if alpha is None:
+        return dataset
+    shares = sorted(set(several(alpha)))
+    return for_each_share(shares, lambda share, _: _of_share(dataset, share, path), silent)
+
+
+def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
+    """Choose one share, or carry the boundaries of α = 1 to it."""
+    shares = shares_of(dataset)
+    if _near(alpha, shares):
+        return at_share(dataset, alpha)
+    stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
+    if not stated or not _near(_WHOLE, shares):
+        raise InputError(
+            "The share of the stiffness in the laboratory must be that of the boundaries",
+            value=f"`alpha={alpha:g}`, where it is {', '.join(f'{share:g}' for share in shares)}",
+            remedy="Leave `alpha` out, or give `motions`, whose boundaries are computed for any fraction",
+            where=str(path),
+        )
+    return carry_to_share(at_share(dataset, _WHOLE), alpha)
+
+
+def _near(alpha: float, shares: tuple[float, ...]) -> bool:
+    return any(math.isclose(alpha, share, rel_tol=1e-9) for share in shares)
+
+
+def at_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -> xr.Dataset:
+    """Keep the structures that are asked for, or all where one of them lies between the stored ones.
+
+    `f`, `xi` [Hz, -].
+    """
+    for name, values in (("f", listed(f)), ("xi", listed(xi))):
+        held = dataset[name].values
+        if values and all(np.isclose(held, value, rtol=1e-9).any() for value in values):
+            dataset = dataset.sel({name: values}, method="nearest")
+    return dataset
+
+
+def with_room(dataset: xr.Dataset) -> xr.Dataset:
+    """Refuse boundaries that leave no room, since the effects of a model fill it."""
+    full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
+    if full.any():
+        motions = full.any([name for name in full.dims if name != "motion"])
+        raise InputError(
+            "The effects of the model must leave room for errors of the actuator",
+            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
+            remedy="Remove or compensate the effects, or allow a larger error by `threshold`",
+        )
+    return dataset

@@ -1,0 +1,152 @@
+"""`reliab.perform_study`: a study from its name to the report; which studies ship; a report made again."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reliab.app.api.sources import Files, listed
+from reliab.core.progress import Show, quietly
+from reliab.report.setting import Setting
+from reliab.study.reading import open_study, shipped_studies
+from reliab.study.running import run_study, write_report
+from reliab.sweep.several import Names
+
+_OUT = Path("reliab-run")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PerformedStudy:
+    """A study that was run."""
+
+    title: str
+    folder: Path
+    report: Path
+    stages: Mapping[str, bool]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys: `study`, `folder`, `report` and `stages`."""
+        return {
+            "study": self.title,
+            "folder": str(self.folder),
+            "report": str(self.report),
+            "stages": dict(self.stages),
+        }
+
+
+def perform_study(
+    study: str | Path = "quick",
+    *,
+    out: str | Path | None = None,
+    motions: Files | None = None,
+    sets: Names | None = None,
+    setting: Setting | None = None,
+    show: Show = quietly,
+    tell: Callable[[str, bool], None] = lambda _name, _done: None,
+) -> PerformedStudy:
+    """Run a study: simulate, fit, derive, validate, report.
+
+    Parameters
+    ----------
+    study : str or pathlib.Path, optional
+        Folder or file of a study, or the name of one that comes with reliab. Code in the folder is executed.
+    out : str or pathlib.Path, optional
+        The run folder; reliab-run/STUDY by default.
+    motions : str, pathlib.Path or sequence of these, optional
+        Ground motions in place of the study's own.
+    sets : str or sequence of str, optional
+        Sets of their catalogue.
+    setting : Setting, optional
+        How the report is set.
+    show : callable, optional
+        Takes the name of a task and shows its progress.
+    tell : callable, optional
+        Called after each stage with its name and whether there was something to do.
+
+    Returns
+    -------
+    PerformedStudy
+        The run folder, the report, and the stages.
+
+    Raises
+    ------
+    InputError
+        If there is no such study, it asks for what is not there, or the folder holds something else.
+    """
+    described = open_study(study)
+    if motions or sets:
+        described = described.on(listed(motions), listed(sets))
+    place = Path(study).resolve()
+    name = place.parent.name if place.name == "study.toml" else place.stem
+    folder = _OUT / name if out is None else Path(out)
+    stages: dict[str, bool] = {}
+
+    def count(stage: str, done: bool) -> None:  # noqa: FBT001 - called by position
+        stages[stage] = done
+        tell(stage, done)
+
+    report = run_study(described, folder, show=show, tell=count, setting=setting)
+    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages)
+
+
+@dataclass(frozen=True)
+class StudyList:
+    """Studies that ship."""
+
+    rows: list[dict[str, str]]
+
+    def to_dict(self) -> dict[str, list[dict[str, str]]]:
+        """Plain values with stable keys: `studies`, the rows."""
+        return {"studies": self.rows}
+
+
+def list_studies() -> StudyList:
+    """List the studies that ship.
+
+    Returns
+    -------
+    StudyList
+        Their names, kinds and titles.
+
+    Examples
+    --------
+    >>> "quick" in [row["name"] for row in list_studies().rows]
+    True
+    """
+    studies = shipped_studies().items()
+    return StudyList([{"name": name, "kind": study.kind, "title": study.title} for name, study in studies])
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrittenReport:
+    """A report that was made of a finished run."""
+
+    folder: Path
+    report: Path
+
+    def to_dict(self) -> dict[str, str]:
+        """Plain values with stable keys: `folder` and `report`."""
+        return {"folder": str(self.folder), "report": str(self.report)}
+
+
+def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:
+    """Write the PDF of a finished run again, from its folder alone.
+
+    Parameters
+    ----------
+    folder : str or pathlib.Path
+        The run folder.
+    setting : Setting, optional
+        Paper, title, date, and name and logo of the laboratory.
+
+    Returns
+    -------
+    WrittenReport
+        Where it is.
+
+    Raises
+    ------
+    InputError
+        If nothing was run there, or the run is not finished.
+    """
+    return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

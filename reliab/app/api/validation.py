@@ -1,0 +1,368 @@
+"""`reliab.validate_criteria`, `reliab.calibrate_probabilities`: whether criteria hold on unseen motions."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from reliab.app.api.judged_motions import (
+    DEFAULT_SCHEME,
+    Division,
+    divide,
+    judged_ellipses,
+    kept_shares,
+    motions_outside,
+    require_one_division,
+    require_one_share,
+    sentences_of_outside,
+    true_errors,
+)
+from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
+from reliab.core.errors import InputError
+from reliab.core.progress import Show, quietly
+from reliab.core.rows import ResultWithRows
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Side
+from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.scope import population_of
+from reliab.sweep.several import Names, Numbers
+from reliab.sweep.shares import share_of
+from reliab.validation.cross_validation.candidates import Candidate, Derived, Printed
+from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
+from reliab.validation.cross_validation.folds import GROUP_SCHEMES
+from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.probability_calibration import probability_calibration
+
+_CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
+_TRIALS = 512
+_CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Validation(ResultWithRows):
+    """How often criteria hold on motions from which they were not learned."""
+
+    rows_in = "rows"
+
+    counts: CrossValidation
+    ellipses: xr.Dataset
+    division: Division
+
+    def to_dict(self) -> dict[str, Any]:
+        """Rates with their intervals and confusion matrices as plain values with stable keys."""
+        counts = self.counts.counts
+        rows, leads = (_rows(self.counts, ("f", "xi"), side) for side in ("lag", "lead"))
+        return {
+            "scheme": self.counts.scheme,
+            "threshold": self.counts.threshold,
+            "metric": self.counts.metric,
+            "window": str(self.ellipses.attrs.get("window", "unknown")),
+            "alpha": share_of(self.ellipses),
+            "n_motions": int(counts.sizes["motion"]),
+            "n_events": len(set(counts["event"].values.tolist())),
+            "n_of_learned_earthquakes": self.division.recognised,
+            "truth": self.counts.truth,
+            "unresolved": int(counts["unresolved"].sum()),
+            "not_carried": _not_carried(self.counts),
+            "judged_on": _judged(self.ellipses, self.counts.scheme),
+            "outside": list(sentences_of_outside(self.ellipses, self.division)),
+            "rows": rows,
+            "sentences": list(_sentences(self, rows, leads)),
+            "by_frequency": _rows(self.counts, ("xi",)),
+            "by_damping_ratio": _rows(self.counts, ("f",)),
+            "rows_lead": leads,
+        }
+
+
+def validate_criteria(
+    *,
+    motions: Files | None = None,
+    sets: Names | None = None,
+    results: str | Path | None = None,
+    ellipses: str | Path | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    threshold: float = FIVE_PERCENT,
+    metric: str = "rms",
+    window: str | None = None,
+    alpha: Numbers | None = None,
+    scheme: str | None = None,
+    leave_out: str | None = None,
+    learn: Names | None = None,
+    judge: Names | None = None,
+    method: Names | None = None,
+    joint: bool | None = None,
+    law: Names | None = None,
+    confidence: Numbers | None = None,
+    trials: int = _TRIALS,
+    show: Show = quietly,
+) -> Validation:
+    """Test criteria on earthquakes from which they were not learned.
+
+    Parameters
+    ----------
+    motions, sets, results, ellipses, f, xi, metric, window, alpha : optional
+        Where the ellipses of the motions come from, as :func:`reliab.derive_criteria` takes them; one share
+        of the stiffness.
+    threshold : float, optional
+        Error up to which a test is good [-].
+    scheme : {"leave_one_event_out", "k_fold", "random_halves", "region", "magnitude", "length"}, optional
+        How earthquakes are divided; the last three leave out each class of motions.
+    leave_out : {"f", "xi"}, optional
+        Whether each frequency or damping ratio is left out in turn, too.
+    learn, judge : str or sequence of str, optional
+        Sets of the motions to learn from and to judge; or to learn from "real_suite", the shipped results.
+    method, law : str or sequence of str, optional
+        Meanings of the confidence and laws; the recommended method, and the table with the printed laws, by
+        default.
+    joint : bool, optional
+        Whether the confidence holds for a and b together; by default as the method defines it.
+    confidence : float or sequence of float, optional
+        Stated shares of the motions, from 0.5 to 0.99 by default.
+    trials : int, optional
+        Tests for each structure, near the boundaries.
+    show : callable, optional
+        Takes the name of a task and shows its progress.
+
+    Returns
+    -------
+    Validation
+        Rates of containment, of bad tests accepted and of good tests accepted.
+
+    Raises
+    ------
+    InputError
+        If the source cannot serve what is asked for, or an argument would have no effect.
+    """
+    require_one_share(alpha)
+    learn, judge = listed(learn), listed(judge)
+    require_one_division(scheme, learn, judge)
+    confidences = list(dict.fromkeys(listed(confidence) or _CONFIDENCES))
+    question = _Candidates(error=threshold, metric=metric, confidences=confidences)
+    candidates = question.made_of(listed(law), listed(method), joint=joint)
+    source = EllipseSource(
+        motions=motions,
+        sets=listed(sets),
+        results=results,
+        ellipses=ellipses,
+        f=f,
+        xi=xi,
+        threshold=[threshold],
+        metric=metric,
+        window=window,
+        alpha=alpha,
+    )
+    dataset = judged_ellipses(source, show)
+    truth = true_errors(source, dataset)
+    division = divide(dataset, source, scheme=scheme, leave_out=leave_out, learn=learn, judge=judge)
+    with show("Cross-validating") as progress:
+        counts = cross_validate(
+            dataset,
+            division.folds,
+            candidates,
+            scheme=division.name,
+            confidences=confidences,
+            threshold=threshold,
+            metric=metric,
+            truth=truth,
+            trials=trials,
+            learn_from=division.learn_from,
+            progress=progress,
+        )
+    return Validation(counts=counts, ellipses=dataset, division=division)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Candidates:
+    """Criteria that are judged at an error and its confidences."""
+
+    error: float
+    metric: str
+    confidences: list[float]
+
+    def made_of(
+        self, laws: list[str] | None, methods: list[str] | None, *, joint: bool | None
+    ) -> list[Candidate]:
+        """Make the criteria of every law and method that is asked for."""
+        has_printed = (self.error, self.metric) == (FIVE_PERCENT, "rms")
+        names = laws or ["table", *(("guo_2017_15", "guo_2017_18") if has_printed else ())]
+        candidates: list[Candidate] = []
+        for name in names:
+            if name in OF_MANY_MOTIONS:
+                candidates.append(self._printed(name, OF_MANY_MOTIONS[name], asked=bool(laws)))
+                continue
+            fitted = known(FITTED, name)
+            for method in methods or [RECOMMENDED]:
+                label = method if name == "table" else f"{method}, {name}"
+                candidates.append(Derived(name=label, method=method_of(method), joint=joint, law=fitted))
+        idle = "`method`" if methods else "`joint`" if joint is not None else ""
+        if idle and not any(isinstance(candidate, Derived) for candidate in candidates):
+            raise InputError(
+                f"{idle} has no effect on laws that are printed",
+                value=", ".join(names),
+                remedy="Leave it out",
+            )
+        return candidates
+
+    def _printed(self, name: str, law: Law, *, asked: bool) -> Candidate:
+        """Take a printed law, which states one confidence for one error."""
+        law.validity.require_error(self.error, self.metric)
+        candidate = Printed(name=name, law=law)
+        if asked and not any(candidate.promises(confidence) for confidence in self.confidences):
+            raise InputError(
+                f"The law {name} states {percent(candidate.confidence, decimals=0)}",
+                value=", ".join(f"{confidence:g}" for confidence in self.confidences),
+                remedy=f"Ask for `confidence={candidate.confidence:g}`, or leave the law out",
+            )
+        return candidate
+
+
+def _judged(ellipses: xr.Dataset, scheme: str) -> str:
+    """Say which motions are judged, and how they were left out."""
+    ways = {
+        "leave_one_event_out": "each judged by other earthquakes",
+        **{name: f"each {name} judged by the others" for name in GROUP_SCHEMES},
+    }
+    return f"{population_of(ellipses)} ({ways.get(scheme, scheme.replace('_', ' '))})"
+
+
+def _sentences(
+    validation: Validation, rows: list[dict[str, Any]], leads: list[dict[str, Any]]
+) -> Iterator[str]:
+    """Say of each criterion whether the share that it states is kept by the motions of which it speaks.
+
+    Printed laws are learned from none of the motions, and speak of all.
+    """
+    if copies := str(validation.ellipses.attrs.get("copies", "")):
+        yield copies
+    outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
+    whose = "the motions that do not lie outside" if outside.any() else "the motions"
+    if outside.all():
+        yield (
+            "All motions lie outside of the populations from which their criteria are learned: no share "
+            "is promised."
+        )
+    for side, of_side, of_all in (("lag", "", rows), ("lead", " for leads", leads)):
+        inside = of_all
+        if outside.any():
+            inner = replace(counts, counts=counts.counts.isel(motion=~outside))
+            inside = [] if outside.all() else _rows(inner, ("f", "xi"), side)
+        yield from kept_shares([row for row in inside if not _is_printed(row)], of_side, whose)
+        yield from kept_shares([row for row in of_all if _is_printed(row)], of_side)
+
+
+def _is_printed(row: Mapping[str, Any]) -> bool:
+    return row["candidate"] in OF_MANY_MOTIONS
+
+
+def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
+    """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
+    rows = []
+    for line in tabulate(validation, over, side=Side(side)).to_dict(orient="records"):
+        row: dict[str, Any] = {
+            str(name): line[name] for name in ("candidate", "confidence", "f", "xi") if name in line
+        }
+        for name in RATES:
+            ends = {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
+            row[name] = {end: _number(line[key]) for end, key in ends.items()}
+        row["confusion"] = {name: int(line[name]) for name in _CONFUSION}
+        rows.append(row)
+    return rows
+
+
+def _not_carried(validation: CrossValidation) -> list[dict[str, Any]]:
+    """Criteria and confidences for which every fold has too few motions."""
+    counts = validation.counts
+    touched = (counts["judged"] + counts["unresolved"]).sum(["side", "f", "xi", "motion"])
+    return [
+        {"candidate": candidate, "confidence": confidence}
+        for candidate in counts["candidate"].values.tolist()
+        for confidence in counts["confidence"].values.tolist()
+        if candidate not in OF_MANY_MOTIONS
+        and not int(touched.sel(candidate=candidate, confidence=confidence))
+    ]
+
+
+def _number(value: float) -> float | None:
+    return float(value) if value == value else None  # noqa: PLR0124 - NaN where nothing was accepted
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibration(ResultWithRows):
+    """Probabilities that were stated for tests, against how many of the tests are good."""
+
+    rows_in = "bins"
+
+    scheme: str
+    truth: str
+    bins: pd.DataFrame
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys: `scheme`, `truth` and `bins`."""
+        return {"scheme": self.scheme, "truth": self.truth, "bins": self.bins.to_dict(orient="records")}
+
+
+def calibrate_probabilities(
+    *,
+    motions: Files | None = None,
+    sets: Names | None = None,
+    results: str | Path | None = None,
+    ellipses: str | Path | None = None,
+    f: Numbers | None = None,
+    xi: Numbers | None = None,
+    threshold: float = FIVE_PERCENT,
+    metric: str = "rms",
+    window: str | None = None,
+    alpha: Numbers | None = None,
+    scheme: str = DEFAULT_SCHEME,
+    trials: int = _TRIALS,
+    show: Show = quietly,
+) -> Calibration:
+    """Compare the probabilities that are stated for tests with how many of the tests are good.
+
+    Parameters
+    ----------
+    motions, sets, results, ellipses, f, xi, threshold, metric, window, alpha, scheme, trials, show : optional
+        As :func:`reliab.validate_criteria` takes them.
+
+    Returns
+    -------
+    Calibration
+        Shares of good tests by stated probability.
+
+    Raises
+    ------
+    InputError
+        If the source cannot serve what is asked for.
+    """
+    require_one_share(alpha)
+    source = EllipseSource(
+        motions=motions,
+        sets=listed(sets),
+        results=results,
+        ellipses=ellipses,
+        f=f,
+        xi=xi,
+        threshold=[threshold],
+        metric=metric,
+        window=window,
+        alpha=alpha,
+    )
+    dataset = judged_ellipses(source, show)
+    truth = true_errors(source, dataset)
+    with show("Comparing probabilities") as progress:
+        bins = probability_calibration(
+            dataset,
+            scheme=scheme,
+            threshold=threshold,
+            metric=metric,
+            truth=truth,
+            trials=trials,
+            progress=progress,
+        )
+    return Calibration(scheme=scheme, truth=truth.name, bins=bins)

@@ -1,0 +1,1 @@
+"""`reliab assess`: the verdict on a test, or what is tolerable before one."""

@@ -1,0 +1,380 @@
+"""`reliab criterion`: how much amplitude error and delay a test may have."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+from reliab.app.cli import options
+from reliab.app.cli.completion import laws, methods
+from reliab.app.cli.demand import Demand, flag, option, takes
+from reliab.app.cli.output import console, progress_bar, say, say_for_which_motions, table, write_json
+from reliab.core.significant_digits import percent, significant
+
+
+@dataclass(frozen=True, kw_only=True)
+class CriterionDemand(Demand):
+    """Options of `reliab criterion`; those of the derivation are arguments of `reliab.derive_criteria`."""
+
+    motions: list[str] | None = options.MOTIONS
+    sets: list[str] | None = options.SETS
+    results: Path | None = options.RESULTS
+    ellipses: Path | None = options.ELLIPSES
+    f: list[float] | None = options.FREQUENCIES
+    xi: list[float] | None = options.DAMPING_RATIOS
+    threshold: list[float] | None = options.THRESHOLDS
+    confidence: list[float] | None = option(
+        "SHARE...", "Shares of the population's ground motions that the criterion holds for."
+    )
+    metric: str = options.METRIC_NAME
+    window: str | None = options.WINDOW_IF_GIVEN
+    alpha: list[float] | None = options.FRACTIONS
+    duration: float | None = option(
+        "SECONDS",
+        "Length of the tests' records; by default the criterion is for lengths like those of the ground "
+        "motions from which it is derived.",
+    )
+    motion: Path | None = option(
+        "FILE",
+        "Record under which the test will be run: derive a criterion for responses like the one to this "
+        "record, and the record's own boundary.",
+    )
+    suite: list[Path] | None = option(
+        "NAME|FOLDER...",
+        "A few records of the earthquakes that are expected, pooled with the motions behind the criterion.",
+    )
+    weights: Path | None = option(
+        "FILE.csv",
+        "Magnitudes, distances, lengths or significant durations that a site expects, by which the "
+        "motions are weighted; columns quantity, low, high, share.",
+    )
+    model: Path | None = options.MODEL_FILE
+    structure: Path | None = options.STRUCTURE_FILE
+    actuator: int | None = option(
+        "N", "Number of the only actuator of --structure that errs, from 1; all err alike by default."
+    )
+    method: str | None = option(
+        "NAME",
+        "What the confidence means: dirichlet (recommended, the default), quantile (the "
+        "paper's), or another; --list names all.",
+        autocompletion=methods,
+    )
+    assurance: float | None = option(
+        "SHARE",
+        "Probability that the stated share is kept, for methods that take it (see --list): "
+        "share of suites that keep it, or posterior probability.",
+    )
+    distribution: str | None = option("NAME", "Family for the method quantile.")
+    joint: bool | None = option(
+        "",
+        "Whether the confidence holds for a and b together or for each of them separately; by "
+        "default together, with quantile separately.",
+        name="--joint/--each",
+    )
+    law: str = option(
+        "NAME",
+        "How the limits depend on f and ξ: table (of the simulated structures, the default), or "
+        "another law, fitted or printed; --list names all.",
+        default="table",
+        autocompletion=laws,
+    )
+    steps: int | None = option("N", "Steps of the hierarchical methods' chains, a multiple of 4.")
+    chains: Path | None = option(
+        "FILE.h5",
+        "Keep the chains of the hierarchical methods, so that an interrupted or short run can resume.",
+    )
+    compare: bool = flag("Also test distributions and laws on earthquakes from which they were not learned.")
+    figures: Path | None = option(
+        "FOLDER",
+        "Folder for figures of the criteria over the motions' own ellipses, and of traces, "
+        "ranks and pairs of a posterior.",
+    )
+    out: Path | None = option(
+        "FILE.json", "Write the criterion for later use.", callback=options.written_as(".json")
+    )
+    list_all: bool = flag("Name all methods, laws and distributions, with what each means.", name="--list")
+    json_target: str | None = options.JSON_TARGET
+
+
+@takes(CriterionDemand)
+def criterion(demand: CriterionDemand) -> None:
+    """Derive how much amplitude error and delay a test may have."""
+    if demand.list_all:
+        demand.refuse_all_but({"list_all"}, "together with `list_all`")
+        show_choices()
+        return
+    from reliab.app.api.criteria import derive_criteria
+
+    derived = demand.ask(derive_criteria, "json_target", show=progress_bar)
+    content = derived.to_dict()
+    if not write_json(content, demand.json_target):
+        show_criteria(content)
+    derived.require_converged(demand.chains)
+
+
+_HEADINGS = (
+    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
+    *("|A − 1| alone ≤", "lag alone ≤ [ms]", "lead alone ≤ [ms]"),
+)
+_CURVES = {
+    "inscribed": "inscribed in the motions' boundaries",
+    "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
+}
+_DIAGNOSTICS = {
+    "parameter": "left",
+    "mean": "right",
+    "spread": "right",
+    "R-hat": "right",
+    "bulk size": "right",
+    "tail size": "right",
+    "autocorrelation time": "right",
+}
+_KEYS = ("mean", "spread", "r_hat", "bulk_size", "tail_size", "autocorrelation_time")
+_FORMATS = (".3f", ".3f", ".4f", ".0f", ".0f", ".1f")
+_FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
+_HEADINGS_OF_SHARES = (
+    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]"),
+    *(
+        "a over a of the largest α",
+        "b over b of the largest α",
+        "law",
+        "a off by",
+        "b off by",
+    ),
+)
+
+
+def show_criteria(content: Mapping[str, Any]) -> None:
+    """Print criteria, the diagnostics of their posteriors, and what stands beside them."""
+    _show_limits(content["criteria"], content.get("posteriors", ()))
+    for name, show in _BESIDE.items():
+        if name in content:
+            show(content[name])
+
+
+def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
+    first = rows[0]
+    shown = table(
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
+        "earthquakes",
+        dict.fromkeys(_HEADINGS, "right"),
+    )
+    for row in rows:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold")),
+            "none" if row["confidence"] is None else f"{row['confidence']:g}",
+            *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
+            "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
+        )
+    terminal = console()
+    say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
+    for posterior in posteriors:
+        _show_posterior(posterior)
+    terminal.print(shown)
+    together = "a and b together" if first["joint"] else "a and b separately"
+    say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
+    say(*_definitions(rows))
+    say(
+        *(
+            f"Note: {warning}"
+            for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"])
+        )
+    )
+
+
+def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Say what the limits and the error mean."""
+    from reliab.core.vocabulary import LABELS
+
+    alone = (
+        "Each limit alone is that of a test without the other error; a test with both errors "
+        "must lie inside the ellipse."
+    )
+    first = rows[0]
+    error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
+    shares = ", ".join(dict.fromkeys(f"{row['alpha']:g}" for row in rows))
+    fraction = f"Share α of the stiffness in the laboratory: {shares}."
+    return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
+
+
+def _show_posterior(posterior: Mapping[str, Any]) -> None:
+    shown = table(
+        f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
+        f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
+        f"{percent(posterior['accepted'], decimals=0)} of the moves accepted",
+        _DIAGNOSTICS,
+    )
+    for parameter in posterior["parameters"]:
+        numbers = zip(_KEYS, _FORMATS, strict=True)
+        shown.add_row(
+            parameter["parameter"],
+            *("-" if parameter[key] is None else format(parameter[key], digits) for key, digits in numbers),
+        )
+    terminal = console()
+    terminal.print(shown)
+    if posterior["converged"]:
+        terminal.print("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
+        return
+    terminal.print("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
+    say(*posterior["complaints"], style="red")
+
+
+def _show_frame(frame: Mapping[str, Any]) -> None:
+    """Print what the limits of a frame are of."""
+    erring = frame["erring_actuator"]
+    whose = (
+        "all actuators, which err alike"
+        if erring == "all alike"
+        else f"actuator {erring}; others are perfect"
+    )
+    say(f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {whose}.")
+
+
+def _show_coupling(coupling: Mapping[str, Any]) -> None:
+    """Print how far actuators may move with each other's commands."""
+    rows, share = coupling["limits"], percent(coupling["share_of_motions"], decimals=0)
+    shown = table(
+        "Motion by another actuator's command alone that keeps the error below "
+        f"{percent(coupling['threshold'])} under "
+        f"{share} of these motions",
+        {"": "left", **{f"command {number + 1}": "right" for number in range(len(rows))}},
+    )
+    for number, row in enumerate(rows):
+        cells = ("-" if value is None else percent(value, decimals=2) for value in row)
+        shown.add_row(f"actuator {number + 1}", *cells)
+    console().print(shown)
+
+
+def _show_rig(rig: Mapping[str, Any]) -> None:
+    """Print the error of a rig."""
+    terminal = console()
+    if not rig["stable"]:
+        terminal.print("With the described rig, the test of this frame is unstable.", style="yellow")
+        return
+    shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
+    shown.add_row("median of the motions", percent(rig["median"], decimals=2))
+    shown.add_row("largest", percent(rig["largest"], decimals=2))
+    shown.add_row(f"motions below {significant(rig['threshold'])}", percent(rig["share_below"], decimals=0))
+    for name, form in (("A", ".4f"), ("d_ms", ".3f")):
+        values = sorted(motion[name] for motion in rig["motions"])
+        shown.add_row(f"{name}, least to largest", f"{values[0]:{form}} to {values[-1]:{form}}")
+    terminal.print(shown)
+
+
+def _show_shares(share_law: Mapping[str, Any]) -> None:
+    """Print how limits of several shares compare with the law."""
+    shown = table(
+        "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
+        dict.fromkeys(_HEADINGS_OF_SHARES, "right"),
+    )
+    for row in share_law["ratios"]:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
+            *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
+            *(
+                "-" if row[key] is None else f"{100.0 * row[key]:+.1f} %"
+                for key in ("a_deviation", "b_deviation")
+            ),
+        )
+    terminal = console()
+    terminal.print(shown)
+    for fit in share_law["fits"]:
+        where = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
+        for name in ("a", "b"):
+            strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
+            if strength is not None:
+                say(
+                    f"{name} at {where}: s = {significant(strength)} fits best, off by "
+                    f"{percent(deviation, decimals=1)} "
+                    f"at most; by the law s = {significant(fit['white_noise'])}."
+                )
+    say(
+        "No law is stated for α below 10 ξ, and no ratio of a where boundaries reach the end of the "
+        "traced range."
+    )
+
+
+def _show_comparison(comparison: Mapping[str, Any]) -> None:
+    """Print how distributions and laws compare."""
+    for judged in comparison["distributions"]:
+        tests = ", ".join(
+            f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()
+        )
+        where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
+        heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
+        say(f"{heading} p of lognormality: {tests}.")
+        shown = table(
+            "",
+            {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
+        )
+        for row in judged["scores"]:
+            shown.add_row(row["distribution"], *(significant(row[name]) for name in _FIGURES))
+        console().print(shown)
+    for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
+        alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
+        _show_laws(f"error {threshold:g}", alike)
+
+
+def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    frequencies = list(dict.fromkeys(row["f"] for row in rows))
+    for key, what in (
+        ("log_score", "held-out log score"),
+        ("region_at_f", "accepted region at equal coverage"),
+    ):
+        say(f"Laws at {error}: {what} by f [Hz].")
+        shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
+        for law in dict.fromkeys(row["law"] for row in rows):
+            shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
+        console().print(shown)
+
+
+def show_choices() -> None:
+    """Print what --method, --law and --distribution may be, with what each means."""
+    from reliab.criterion.distributions import DISTRIBUTIONS
+    from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+    from reliab.criterion.methods.registry import METHODS
+
+    laws = {**FITTED, **OF_MANY_MOTIONS}
+    _show_meanings("--method", {name: _of_method(method) for name, method in METHODS.items()})
+    _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
+    _show_meanings(
+        "--distribution", {name: _first_sentence(family) for name, family in DISTRIBUTIONS.items()}
+    )
+
+
+def _of_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
+    assured = any(field.name == "assurance" for field in fields(method))
+    return f"{method.meaning}{' (takes --assurance)' if assured else ''}"
+
+
+def _first_sentence(family: type) -> str:
+    return (family.__doc__ or "").partition(".")[0]
+
+
+def _show_meanings(option: str, meanings: dict[str, str]) -> None:
+    terminal = console()
+    terminal.print(f"{option}:", style="bold")
+    say(*(f"  {name}: {meaning}" for name, meaning in meanings.items()), soft_wrap=True)
+
+
+def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
+    shown = table(
+        f"Boundary of {rows[0]['motion']} itself: for a test under this very record",
+        dict.fromkeys(("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]"), "right"),
+    )
+    for row in rows:
+        shown.add_row(
+            *(f"{row[key]:g}" for key in ("f", "xi", "threshold")),
+            *(significant(row[key]) for key in ("a", "b")),
+        )
+    console().print(shown)
+
+
+_BESIDE: Final[dict[str, Callable[[Any], None]]] = {
+    "frame": _show_frame,
+    "own_boundary": _show_own_boundary,
+    "cross_coupling": _show_coupling,
+    "rig": _show_rig,
+    "share_law": _show_shares,
+    "comparison": _show_comparison,
+}

@@ -1,0 +1,301 @@
+"""`reliab monitor`: the error of a test while it runs, and the verdict on it at the end."""
+
+import json
+import sys
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self, TextIO
+
+import typer
+
+from reliab.app.cli import options
+from reliab.app.cli.completion import samples
+from reliab.app.cli.demand import Demand, argument, flag, option, takes
+from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.cli.printable import printable
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable
+from reliab.core.significant_digits import percent, percent_with_interval
+from reliab.core.vocabulary import Metric
+
+if TYPE_CHECKING:
+    from reliab.app.api.followed_test import Message
+
+_NO = 1  # exit code where the answer is no
+
+
+@dataclass(frozen=True, kw_only=True)
+class MonitorDemand(Demand):
+    """Options of `reliab monitor`, arguments of `reliab.follow_test` and `reliab.export_monitor`."""
+
+    source: str | None = argument(
+        "FILE|-",
+        "CSV file to which the test is or will be written, or - to read rows from standard input; "
+        "or sample_test, which comes with reliab. No file with --export.",
+        default=None,
+        autocompletion=samples,
+    )
+    f: str | None = option("HZ", "Natural frequency, 1 or with its standard deviation 1±0.01.")
+    xi: str | None = option("RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
+    alpha: str = option("SHARE", "Share of the structure's stiffness in the laboratory.", default="1")
+    scale: str | None = option(
+        "RATIO",
+        "Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %; by default as "
+        "calibrated in --channels, else 1.",
+    )
+    feedback_lag: str = option(
+        "MS", "Time by which the force is fed back late [ms]; not with --model.", default="0"
+    )
+    equipment: Path | None = options.EQUIPMENT_FILE
+    exact: bool = options.TAKEN_AS_EXACT
+    structure: Path | None = option(
+        "FRAME.toml",
+        "File of a frame whose specimen is driven by one actuator or several, in "
+        "place of --f, --xi and --alpha.",
+    )
+    model: Path | None = option(
+        "MODEL.toml", "Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha."
+    )
+    specimen: str | None = option(
+        "linear|measured",
+        "How the specimen is known: linear (default), or measured: learned while the test runs from "
+        "its recorded force, which needs --mass or --structure.",
+    )
+    mass: str | None = options.MASS_OF_STRUCTURE
+    force_channel: list[str] | None = options.HELD_BY_FORCE
+    threshold: float = option(
+        "ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.", default=0.05
+    )
+    metric: str = options.METRIC_NAME
+    command: str | None = options.COLUMN
+    measured: str | None = options.COLUMN
+    time: str | None = options.COLUMN
+    rate: float | None = option("HZ", "Sampling rate; by default read from the times.")
+    units: str | None = option("m|mm|in...", "Unit of both displacements.")
+    channels: Path | None = options.CHANNELS_FILE
+    every: float = option("SECONDS", "Time of the test between two messages.", default=0.5)
+    wait: float = option(
+        "SECONDS",
+        "Time without new rows after which the test counts as finished; longer than any pause of the test.",
+        default=10.0,
+    )
+    start_within: float = option(
+        "SECONDS",
+        "Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
+        default=600.0,
+    )
+    export: tuple[str, str] | None = option(
+        "c DIR|fmu FILE|fmu3 FILE",
+        "Write the monitor for use inside the control loop, as C sources or as an FMU of FMI 2.0 or 3.0; "
+        "needs --rate.",
+    )
+    check: bool = flag("Exit with code 1 unless the test is reliable, as `reliab assess` does.")
+    json_target: str | None = option(
+        "FILE|-",
+        "One JSON object per line for each message; '-' prints only these to standard output.",
+        name="--json",
+    )
+
+
+@takes(MonitorDemand)
+def monitor(demand: MonitorDemand) -> None:
+    """Follow the error of a test while it runs, and judge the whole test at its end.
+
+    The verdict at the end is that of `reliab assess` on the same file; exit code 1 where it is not reliable,
+    0 where it is reliable or undecided. With --check the exit code is 1 unless it is reliable.
+
+    Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
+    may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
+    The alarm of the error waits until its interval is above twice the threshold and the peak of the response
+    has not doubled for 12 s. A reversed sign of the measured displacement is told after two periods.
+
+    A test may last as long as you like: its memory stays below 1 GB. One that is too long to be held, from
+    about 1000 periods on, is judged by the interval that was drawn piece by piece. With --model, a measured
+    specimen or several actuators it is held whole, and may last about an hour. What --export writes has no
+    such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its force
+    is predicted to 10 % on parts of the test that were held out, no error is stated.
+    """
+    if demand.export is not None:
+        _export(demand)
+    else:
+        _follow(demand)
+
+
+def _export(demand: MonitorDemand) -> None:
+    from reliab.app.api.in_loop import export_monitor
+
+    written = demand.ask(export_monitor, "json_target", why="together with `export`")
+    if demand.json_target is not None:
+        write_json(written.to_dict(), demand.json_target)
+    if demand.json_target != "-":
+        say(f"Written to {written.path}: {', '.join(written.files)}")
+
+
+def _follow(demand: MonitorDemand) -> None:
+    from reliab.app.api.following import follow_test
+
+    if demand.source is None:
+        raise InputError(
+            "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
+        )
+    messages = demand.ask(
+        follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
+    )
+    quiet = demand.json_target == "-"
+    screen = Screen(metric=demand.metric, threshold=demand.threshold, quiet=quiet)
+    verdict = ""
+    with _opened(demand.json_target) as lines, screen:
+        for message in messages:
+            if lines is not None:
+                lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
+                lines.flush()
+            screen.show(message)
+            verdict = message.to_dict().get("verdict", verdict)
+    if demand.source != "-" and not quiet:
+        say(
+            f"No new row came for {demand.wait:g} s: the test counts as finished. When called again, it "
+            "reads "
+            "the file from its beginning; of a replaced file it reads only the new rows."
+        )
+    if verdict == "not_reliable" or (demand.check and verdict != "reliable"):
+        raise typer.Exit(_NO)
+
+
+def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
+    if target is None:
+        return nullcontext()
+    if target == "-":
+        return nullcontext(typer.get_text_stream("stdout"))
+    with refuse_unwritable("The JSON file must be writable", where=target):
+        return Path(target).open("w", encoding="utf-8")
+
+
+_NO_MOTION = "No displacement stands out of the noise of its sensors."
+
+
+class Screen:
+    """Shows messages of a running test; `threshold` [-]."""
+
+    def __init__(self, *, metric: str, threshold: float, quiet: bool) -> None:
+        from rich.live import Live
+
+        self._metric, self._threshold, self._quiet = Metric.parse(metric), threshold, quiet
+        self._terminal = console()
+        is_live = not quiet and self._terminal.is_terminal
+        self._live = Live(console=self._terminal, refresh_per_second=8) if is_live else None
+
+    def __enter__(self) -> Self:
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._live is not None:
+            self._live.stop()
+
+    def show(self, message: "Message") -> None:
+        """Show a message."""
+        if self._quiet:
+            return
+        content = message.to_dict()
+        if message.kind == "alarm":
+            self._print(list(message.alarms.values())[-1], style="red")
+        elif message.kind == "end":
+            self._stop()
+            self._show_end(message)
+        elif self._live is not None:
+            self._live.update(_table(message, self._metric, self._threshold))
+        elif "error" in content:
+            self._print(_line(content, self._metric, self._threshold))
+        elif content.get("specimen", {}).get("until_s") == content["time_s"]:
+            self._print(_still_learning(content))
+
+    def _show_end(self, message: "Message") -> None:
+        """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
+        from reliab.app.cli.assess.shown_briefly import show_briefly
+
+        content = message.to_dict()
+        if "error" in content:
+            self._print(_line(content, self._metric, self._threshold))
+        if message.assessment is not None:
+            show_briefly(message.assessment.to_dict(), without_details=False)
+            self._print("For warnings and all results: `reliab assess` with the same options, and --details.")
+            return
+        if "error" not in content:
+            self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)
+        self._print(f"{content['verdict'].replace('_', ' ').upper()}: {' '.join(content['reasons'])}")
+
+    def _print(self, text: str, style: str | None = None) -> None:
+        """Print a line at once, in a pipe too."""
+        self._terminal.print(text, style=style, highlight=False)
+        self._terminal.file.flush()
+
+
+def _still_learning(message: Mapping[str, Any]) -> str:
+    """Say that the specimen is not learned yet, and how far that is."""
+    missed = message["specimen"]["held_out"]
+    far = (
+        "nothing was learned"
+        if missed is None
+        else f"{percent(missed, decimals=0)} of its force is not predicted on held-out parts"
+    )
+    return f"{message['time_s']:8.2f} s  still learning the specimen: {far}"
+
+
+def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
+    from reliab.assessment.verdict import probability_text
+
+    error = message["error"][metric]
+    damping, deviation = message["net_damping_ratio"], message["net_damping_deviation"]
+    return (
+        f"{message['time_s']:8.2f} s  {metric.upper()}{_governing(message)} "
+        f"{percent_with_interval(error['value'], error['low'], error['high'])}, probability below "
+        f"{percent(threshold)}: {probability_text(message['error']['probability'])}, net damping "
+        + ("not settled" if damping is None else _with_deviation(damping, deviation))
+        + (", near instability" if message["near_instability"] else "")
+    )
+
+
+def _with_deviation(damping: float, deviation: float) -> str:
+    """Net damping with its standard error."""
+    return f"{100.0 * damping:.2f} ± {percent(deviation, decimals=2)}"
+
+
+def _governing(message: Mapping[str, Any]) -> str:
+    """Name the displacement of several with the largest error."""
+    return f" of {message['governing']}" if "governing" in message else ""
+
+
+def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - a table of Rich
+    now, result = message.monitor.now, message.monitor.result
+    shown = table(
+        f"{now.time:.2f} s of the test, {now.samples} samples", {"quantity": "left", "value": "right"}
+    )
+    if now.error is None or now.rms is None or now.mte is None:
+        shown.add_row("specimen", "still learning")
+    else:
+        if "governing" in message.to_dict():
+            shown.add_row("displacement with the largest error", message.to_dict()["governing"])
+        shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
+        shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
+        shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))
+    if result is not None:
+        error = result.estimate(metric)
+        shown.add_row(
+            f"{metric.upper()} with its 90 % interval",
+            percent_with_interval(error.value, error.low, error.high),
+        )
+        probability = result.probability(threshold, metric)
+        shown.add_row(f"probability below {percent(threshold)}", f"{probability:.3f}")
+    shown.add_row(
+        "net damping ratio",
+        "not settled" if now.damping is None else _with_deviation(now.damping.ratio, now.damping.deviation),
+    )
+    for alarm in message.alarms.values():
+        shown.add_row("ALARM", alarm)
+    return shown

@@ -1,0 +1,214 @@
+"""What every command prints: JSON for programs, tables and progress for people."""
+
+import codecs
+import io
+import json
+import os
+import sys
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final, TextIO
+
+import typer
+
+from reliab.app.cli.printable import printable, substituted
+from reliab.app.cli.progress_lines import progress_lines
+from reliab.core.errors import CLOSED_PIPE
+from reliab.core.files import write_json_file
+from reliab.core.progress import Progress, quietly, shows_tasks
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+    from typing_extensions import Buffer
+
+_WIDTH_OF_PIPES = 160
+
+
+def console() -> "Console":
+    """Return a console for results: as wide as the terminal; in a pipe of a fixed width for sentences."""
+    from reliab.app.cli.literal_console import LiteralConsole
+
+    terminal = LiteralConsole()
+    return terminal if terminal.is_terminal else LiteralConsole(width=_WIDTH_OF_PIPES)
+
+
+def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> None:
+    """Print sentences as they are, each from the beginning of a line."""
+    terminal = console()
+    for sentence in sentences:
+        terminal.print(sentence, style=style, highlight=False, soft_wrap=soft_wrap)
+
+
+def say_for_which_motions(stated: Iterable[tuple[float | None, str]], position: str) -> None:
+    """Print for which ground motions criteria are valid, and where the case asked for lies outside of these.
+
+    `stated`: the share [-] and the population of each.
+    """
+    from reliab.criterion.scope import Position, populations_in_words
+
+    valid_for = populations_in_words(stated)
+    say(*valid_for)
+    if valid_for and position != Position.INSIDE:
+        say(f"The case asked for lies {position} of these motions.", style="yellow")
+
+
+def write_line(text: str) -> None:
+    """Print a line, in characters that the terminal or pipe has; `typer.echo` alone would not ask it."""
+    typer.echo(text, file=sys.stdout)
+
+
+def takes_any_character(stream: TextIO) -> bool:
+    """Tell whether a stream can write every character, which only UTF encodings can."""
+    return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
+
+
+def write_what_can_be_written(stream: TextIO) -> TextIO:
+    """Replace characters that a terminal or pipe cannot show, "ξ" by "xi", and end where nobody reads on."""
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
+    stream = _ending_with_its_reader(stream)
+    if takes_any_character(stream):
+        stream.reconfigure(errors="backslashreplace")  # for names of files that are no text
+    else:
+        codecs.register_error(_SUBSTITUTION, _substitute)
+        stream.reconfigure(errors=_SUBSTITUTION)
+    return stream
+
+
+def _ending_with_its_reader(stream: io.TextIOWrapper) -> io.TextIOWrapper:
+    """Return the same stream, on which a closed pipe ends the command; terminals cannot be closed."""
+    try:
+        number = stream.fileno()
+    except io.UnsupportedOperation:
+        return stream
+    if stream.isatty():
+        return stream
+    return io.TextIOWrapper(
+        io.BufferedWriter(_ReadPipe(number, "wb", closefd=False)),
+        encoding=stream.encoding,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
+
+
+class _ReadPipe(io.FileIO):
+    """A pipe or file. Libraries turn a closed pipe into exit code 1, which is an answer of ours."""
+
+    def write(self, data: "Buffer", /) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())  # what is still held back would fail once more at the end
+            os.close(nowhere)
+            if isinstance(error, BrokenPipeError):
+                raise SystemExit(CLOSED_PIPE) from None
+            raise
+
+
+def _substitute(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    missing = error.object[error.start : error.end]
+    text = "".join(_IN_ASCII.get(character) or _without_marks(character) for character in missing)
+    return text, error.end
+
+
+def _without_marks(character: str) -> str:
+    """Nearest plain text of a character, "R" for "ᴿ", "xi" for "ξ"; "?" where there is none."""
+    parts = unicodedata.normalize("NFKD", character)
+    plain = "".join(_IN_ASCII.get(part) or _greek(part) for part in parts if not unicodedata.combining(part))
+    return plain.encode("ascii", "ignore").decode() or ("" if unicodedata.combining(character) else "?")
+
+
+def _greek(letter: str) -> str:
+    """Name of a Greek letter, as it is said; every other character as it is."""
+    name = unicodedata.name(letter, "")
+    return name.split()[-1].lower() if name.startswith("GREEK ") else letter
+
+
+_SUBSTITUTION = "reliab"
+_IN_ASCII: Final = {
+    "Σ": "sum",
+    "λ": "lambda",
+    "±": "+-",
+    "°": " degrees",
+    "µ": "u",
+    "′": "'",
+    "∝": "~",
+    "█": "#",
+    "√": "sqrt ",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "≠": "!=",
+    "×": "x",
+    "·": "*",
+    "⋅": "*",
+    "ß": "ss",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "…": "...",
+    "→": "->",
+    "“": '"',
+    "”": '"',
+    "‘": "'",
+    "’": "'",
+    "∞": "inf",
+}
+
+
+def table(title: str, headings: Mapping[str, str]) -> "Table":
+    """Make a table with headings and their justification, "left" or "right"."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
+    for heading, justify in headings.items():
+        literal = substituted(printable(heading), sys.stdout)
+        rich_table.add_column(Text(literal), justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    return rich_table
+
+
+def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:
+    """Write JSON if it is asked for; return whether it went to standard output, which then is complete."""
+    if target is None:
+        return False
+    if target == "-":
+        ascii_only = not takes_any_character(sys.stdout)
+        write_line(json.dumps(content, indent=2, ensure_ascii=ascii_only, allow_nan=False))
+        return True
+    write_json_file(content, target)
+    return False
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Progress]:
+    """Show a bar with the time left on a terminal, and lines that state it in a pipe or a file."""
+    show = _bar if sys.stderr.isatty() else progress_lines
+    with show(what) as report, shows_tasks(quietly):  # a task inside another is a part of it
+        yield report
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(compact=True),
+    )
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+
+        def report(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield report

@@ -1,5 +1,0 @@
-"""`reliab assess`: the verdict on a test, or what is tolerable before one."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,1 @@
+"""What every room rests on: errors, files, registries, units, and numbers in sentences."""

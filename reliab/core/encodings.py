@@ -1,0 +1,93 @@
+"""Text between programs: UTF-8, UTF-16 as on Windows or Latin-1, and cells that are no formulas."""
+
+import codecs
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from reliab.core.files import ordinary
+
+_UNMARKED = re.compile(rb"\x00[\t\n\r -~]|[\t\n\r -~]\x00(?!\x00)")
+_FORMULA = re.compile(r"'*(\s*[=+\-@＝＋－＠]|[\t\r\n])")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def encoding_of(head: bytes) -> str:
+    r"""Name the encoding of a text: UTF-16, as from Windows, by its mark or its first character; else UTF-8.
+
+    >>> encoding_of("f".encode("utf-16")), encoding_of(b"f\x00"), encoding_of(b"\x00f"), encoding_of(b"f,")
+    ('utf-16', 'utf-16-le', 'utf-16-be', 'utf-8-sig')
+    """
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    if _UNMARKED.match(head):
+        return "utf-16-be" if head[0] == 0 else "utf-16-le"
+    return "utf-8-sig"
+
+
+def encoding_of_file(path: str | Path) -> str:
+    """Name the encoding of a text file, an ordinary one, as :func:`encoding_of` does."""
+    with ordinary(path).open("rb") as file:
+        return encoding_of(file.read(2))
+
+
+def as_utf8(content: bytes) -> bytes:
+    r"""Take the byte order mark from a text, and write UTF-16 as UTF-8.
+
+    >>> as_utf8("f = 1 Hz".encode("utf-16")), as_utf8(b"\xef\xbb\xbff = 1 Hz"), as_utf8(b"\xb0")
+    (b'f = 1 Hz', b'f = 1 Hz', b'\xb0')
+    """
+    encoding = encoding_of(content)
+    if encoding.startswith("utf-16"):
+        return content.decode(encoding, errors="replace").encode()
+    return content.removeprefix(codecs.BOM_UTF8)
+
+
+def pieces_as_utf8(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Write a text that comes in pieces as UTF-8; after an empty piece begins another, with its own mark."""
+    decoder, begins = None, True
+    for piece in pieces:
+        if begins and piece:
+            encoding = encoding_of(piece)
+            decoder = None
+            if encoding.startswith("utf-16"):
+                decoder = codecs.getincrementaldecoder(encoding)("replace")
+        begins = not piece
+        if decoder is None or not piece:
+            yield piece
+        elif text := decoder.decode(piece):
+            yield text.encode()
+
+
+def decoded(content: bytes) -> str:
+    """Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise."""
+    plain = as_utf8(content)
+    try:
+        return plain.decode("utf-8")
+    except UnicodeDecodeError:
+        return plain.decode("latin-1")
+
+
+def as_text(argument: str) -> str:
+    """Read what the command line's locale could not read, and holds as surrogates, as UTF-8.
+
+    >>> as_text("1±0.01".encode().decode("ascii", "surrogateescape"))
+    '1±0.01'
+    """
+    return argument.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
+def as_cell(text: str) -> str:
+    """Write a text for a cell of a table so that a spreadsheet shows it, and computes nothing.
+
+    Returns the text; behind an apostrophe where it would be a formula and is no number.
+
+    >>> as_cell("=1+1"), as_cell("-0.5"), as_cell("KOBE"), of_cell(as_cell("=1+1"))
+    ("'=1+1", '-0.5', 'KOBE', '=1+1')
+    """
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def of_cell(cell: str) -> str:
+    """Read what :func:`as_cell` wrote."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell

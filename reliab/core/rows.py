@@ -1,0 +1,49 @@
+"""Results that hold rows give them as a table of pandas; tables are written so that no cell is a formula."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from reliab.core.encodings import as_cell, of_cell
+from reliab.core.files import refuse_unwritable, written_whole
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class ResultWithRows(ABC):
+    """A result whose plain values hold rows: criteria, tests, motions, ellipses."""
+
+    rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys."""
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Put the rows into a table, with their keys as columns; a value within a value is `outer_inner`."""
+        import pandas as pd
+
+        return pd.json_normalize(self.to_dict()[self.rows_in], sep="_")
+
+
+def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
+    """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
+    escaped = _with_texts(table, as_cell)
+    with refuse_unwritable("The table's file must be writable", where=path), written_whole(path) as file:
+        escaped.to_csv(file, index=index, errors="backslashreplace")
+
+
+def read_table(path: str | Path) -> "pd.DataFrame":
+    """Read what :func:`write_table` wrote."""
+    import pandas as pd
+
+    return _with_texts(pd.read_csv(path), of_cell)
+
+
+def _with_texts(table: "pd.DataFrame", change: Callable[[str], str]) -> "pd.DataFrame":
+    """Change the texts of a table, in its cells and in the names of its columns."""
+    texts = table.select_dtypes(exclude=["number", "bool"])
+    changed = texts.map(lambda cell: change(cell) if isinstance(cell, str) else cell)
+    return table.assign(**changed).rename(columns=lambda name: change(str(name)))

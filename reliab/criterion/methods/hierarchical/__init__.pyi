@@ -1,2 +1,0 @@
-from .fit import hierarchical_model as hierarchical_model
-from .method import HierarchicalNormal as HierarchicalNormal, HierarchicalRobust as HierarchicalRobust

@@ -1,1 +1,0 @@
-from .server import serve_desk as serve_desk

@@ -1,1 +1,0 @@
-from .unexplained import LARGEST_REMAINDER as LARGEST_REMAINDER

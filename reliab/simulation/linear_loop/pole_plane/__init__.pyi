@@ -1,1 +1,0 @@
-from .plane import mean_squares as mean_squares

@@ -1,0 +1,1 @@
+"""How an actuator followed its command: indices of tracking, and boundaries of equal error."""

@@ -1,0 +1,1 @@
+"""Contours of equal error and the curves that stand for them; what simulates is imported on first use."""

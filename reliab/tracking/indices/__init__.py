@@ -1,0 +1,1 @@
+"""Indices of actuator tracking and errors of the whole test."""
