@@ -13,6 +13,7 @@ import reliab
 
 PACKAGE = Path(reliab.__file__).parent
 ROOMS = (
+    "desk",
     "app",
     "study",
     "report",

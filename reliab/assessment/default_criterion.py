@@ -224,6 +224,18 @@ def ellipses_of_motions(structure: Structure) -> tuple[NDArray[np.float64], NDAr
     return a * of_a / np.median(a), b * of_b / np.median(b)
 
 
+def ellipses_of_nearest(frequency: float, damping_ratio: float, metric: str) -> EllipseTable:
+    """Return the shipped ellipses of the structure that is nearest in proportion."""
+    ellipses = _shipped_ellipses(metric)
+    wanted = {"f": frequency, "xi": damping_ratio}
+    return ellipses.take(
+        **{
+            name: [int(np.abs(np.log(ellipses.at[name].astype(np.float64) / value)).argmin())]
+            for name, value in wanted.items()
+        }
+    )
+
+
 def shipped_frequencies() -> list[float]:
     """Natural frequencies [Hz] of the shipped ellipses, increasing."""
     return [float(frequency) for frequency in np.sort(_shipped_ellipses().at["f"])]

@@ -6,9 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.default_criterion import default_criterion, shipped_frequencies
+from reliab.assessment.default_criterion import (
+    default_criterion,
+    ellipses_of_nearest,
+    shipped_frequencies,
+)
 from reliab.assessment.placement import carried_limits
-from reliab.core.vocabulary import MILLI
+from reliab.core.arrays import Array
+from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import growth
 from reliab.criterion.scope import promised
@@ -146,3 +151,42 @@ def tolerable_errors(
                 )
             )
     return tolerances
+
+
+def tolerable_sides(
+    *,
+    f: float,
+    xi: float,
+    alpha: float = 1.0,
+    threshold: float = 0.05,
+    confidence: float = 0.95,
+    metric: str = "rms",
+    duration: float | None = None,
+) -> dict[str, tuple[float, float]]:
+    """Return the tolerable ellipse, a [-] and b [ms²], of actuators that are late ("lag") and early ("lead").
+
+    Of the criterion that ships; for records of a `duration` [s], or of any length.
+    """
+    criterion = default_criterion(f, xi, threshold, confidence, metric=metric, duration=duration)
+    structure, larger = Structure(frequency=f, damping_ratio=xi), float(growth(alpha, xi))
+    limits = {
+        str(side): carried_limits(criterion, structure, side)[:2]
+        for side in (Side if criterion.knows_leads else (Side.LAG,))
+    }
+    return {side: (larger * a, larger * b) for side, (a, b) in limits.items()}
+
+
+def boundaries_of_motions(
+    *, f: float, xi: float, alpha: float = 1.0, threshold: float = 0.05, metric: str = "rms"
+) -> tuple[Array, Array]:
+    """Return a [-] and b [ms²] of each motion that ships, shape (motions,) each, of actuators that are late.
+
+    Those of the nearest shipped structure, carried as limits are; motions without an ellipse are left out.
+    """
+    table = ellipses_of_nearest(f, xi, metric).at_threshold(threshold)
+    near = Structure(frequency=float(table.at["f"][0]), damping_ratio=float(table.at["xi"][0]))
+    lag = table.at["side"].tolist().index(str(Side.LAG))
+    a, b = (np.asarray(values[..., lag], dtype=np.float64).ravel() for values in (table.a, table.b))
+    larger = float(growth(alpha, xi)) * (xi / near.damping_ratio) ** 2
+    known = (a > 0.0) & (b > 0.0)
+    return larger * a[known], larger * (near.frequency / f) ** 2 * b[known]

@@ -1,1 +1,1 @@
-"""The explorer: one page with sliders for the tolerable region, in which a test file is placed."""
+"""The explorer: one page with sliders for the tolerable region."""

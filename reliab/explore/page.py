@@ -2,8 +2,7 @@
 
 The scripts in `web/` are modules that import each other. The page holds all of them in one script: each
 module follows those that it imports, as a function that returns its exports. A content security policy allows
-only this script and this style, by their checksums: no network request and no other script, whatever a test
-file contains.
+only this script and this style, by their checksums: no network request and no other script.
 """
 
 import base64
@@ -29,10 +28,7 @@ from reliab.criterion.derivation import MOST_AT_REST
 from reliab.criterion.ellipse_sample import is_ellipse
 from reliab.criterion.ellipse_table import REST, names_along
 from reliab.criterion.protection import protect_over_lengths
-from reliab.criterion.scope import population_of, range_of, scope_of
-from reliab.criterion.shipped_tables import shipped_measures
-from reliab.recordings.naming import page_words
-from reliab.recordings.units import LENGTHS, TIMES, UNITS
+from reliab.criterion.scope import population_of
 from reliab.sweep.shares import at_share, share_of
 from reliab.version import __version__
 
@@ -122,7 +118,6 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
     data = {
         "ellipses": dict(packed),
         "settings": _opening(packed, settings),
-        "words": words(),
         "provenance": f"Written by reliab {__version__} from {source}.",
     }
     script, style = bundled_script(), (_FOLDER / "style.css").read_text(encoding="utf-8")
@@ -135,18 +130,6 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
     }
     template = (_FOLDER / "template.html").read_text(encoding="utf-8")
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
-
-
-def words() -> dict[str, Any]:
-    """Return the names and units by which the page recognises columns: plain ones of `reliab assess`."""
-    names, others = page_words()
-    return {
-        "names": names,
-        "lengths": dict(LENGTHS),
-        "times": {name: factor for name, factor in TIMES.items() if name not in {"d", "h"}},  # disp_d
-        "otherUnits": sorted({name for units in UNITS.values() for name in units} - {*LENGTHS, *TIMES}),
-        "otherQuantities": others,
-    }
 
 
 def bundled_script() -> str:
@@ -247,36 +230,12 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
         "motions": first["motion"].values.tolist(),
         "events": first["event"].values.tolist(),
         "share": share_of(first),
-        **_ranges(first),
         "population": population_of(next(iter(ellipses.values()))),
         "protection": str(first.attrs.get("carried_to", "")),
         "meaningless": [_meaningless(table) for table in tables],
         "offsets": offsets,
         "codes": base64.b64encode(zlib.compress(planes.tobytes())).decode("ascii"),
     }
-
-
-def _ranges(ellipses: xr.Dataset) -> dict[str, Any]:
-    """Ranges over the motions of their lengths, and of the responses to them at each structure."""
-    return {"lengths": scope_of(ellipses).get("length"), "responses": _of_responses(ellipses)}
-
-
-def _of_responses(ellipses: xr.Dataset) -> dict[str, list[list[list[float]]]] | None:
-    """Ranges of what is known of responses, over (f, ξ, 4); None for other motions than those that ship."""
-    measures = shipped_measures()
-    pairs = (ellipses["f"], measures.frequencies), (ellipses["xi"], measures.damping_ratios)
-    alike = all(np.array_equal(values.values, known) for values, known in pairs)
-    if not alike or set(ellipses["motion"].values.tolist()) != set(measures.motions.tolist()):
-        return None
-    rows, columns = (range(known.size) for _, known in pairs)
-    return {
-        name: [[_rounded(range_of(values[:, row, column])) for column in columns] for row in rows]
-        for name, values in measures.compared.items()
-    }
-
-
-def _rounded(values: list[float]) -> list[float]:
-    return [float(f"{value:.4g}") for value in values]
 
 
 def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:

@@ -103,24 +103,6 @@ def describe(columns: Sequence[str], units: Mapping[str, str]) -> dict[str, Name
     return {column: _by_ending(what, named) for column, what in named.items()}
 
 
-def page_words() -> tuple[dict[str, list[str]], list[str]]:
-    """Return words of time, command and measured displacement, and of other quantities, for the page."""
-    sides = {str(role): ROLES[role].split() for role in (Role.COMMAND, Role.MEASURED)}
-    symbols = {name: str(role or quantity) for name, (quantity, role) in SYMBOLS.items()}
-    names = {str(Quantity.TIME): QUANTITIES[Quantity.TIME].split(), **sides}
-    for symbol, part in symbols.items():
-        if part in names and SYMBOLS[symbol][0] in {Quantity.TIME, Quantity.DISPLACEMENT}:
-            names[part].append(symbol)
-    plain_quantities = {Quantity.TIME, Quantity.DISPLACEMENT}
-    others = {
-        word
-        for quantity, listed in QUANTITIES.items()
-        if quantity not in plain_quantities
-        for word in listed.split()
-    }
-    return names, sorted(others)
-
-
 def plain(name: str) -> str:
     """Letters and digits of a name, small, without what stands before its last point."""
     return re.sub(r"[^a-z0-9]+", "", _ascii(leaf(name)).lower())

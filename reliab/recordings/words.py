@@ -2,8 +2,7 @@
 
 English first, then German, Italian, Spanish, French, Turkish and Chinese in pinyin; what is written in
 Chinese, Japanese or Korean signs is translated first. A word is recognised wherever it stands in a name
-("Act1_DispCmd", "Axial Displacement (mm)"). Nothing else in the package lists one; the page
-of `reliab explore` takes them from here.
+("Act1_DispCmd", "Axial Displacement (mm)"). Nothing else in the package lists one.
 """
 
 from collections.abc import Mapping

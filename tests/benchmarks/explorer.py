@@ -3,8 +3,7 @@
     python tests/benchmarks/explorer.py [--screenshot reports/explorer.png]
 
 Needs selenium, chromium and its driver. Prints the size of the file [MB], the time from opening it to the
-first picture [ms] and the longest and median time of a slider's move until the drawings stand [ms]; a test is
-loaded.
+first picture [ms] and the longest and median time of a slider's move until the drawings stand [ms].
 """
 
 import argparse
@@ -17,7 +16,6 @@ from pathlib import Path
 from selenium.webdriver import Chrome
 
 from reliab.app.cli import run
-from reliab.core.shipped import shipped
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -56,7 +54,6 @@ def main() -> None:
         )
         ready = float(page.execute_script("return document.documentElement.dataset.ready"))
         print(f"first paint {first:.0f} ms, region drawn {ready:.0f} ms")
-        page.find_element("id", "file").send_keys(str(shipped("datasets", "sample_test/test.csv")))
         time.sleep(4.0)
         if arguments.screenshot:
             page.save_screenshot(str(arguments.screenshot))

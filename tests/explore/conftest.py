@@ -7,7 +7,7 @@ import pytest
 
 import reliab
 from reliab.core.shipped import shipped
-from reliab.explore.page import by_length, pack, words
+from reliab.explore.page import by_length, pack
 from reliab.sweep.ellipse_file import open_windows
 
 WINDOWS = ("record", "20", "30", "40")
@@ -33,8 +33,8 @@ def by_javascript(packed):
         pytest.skip("the page's scripts are run by node, and there is none here")
 
     def ask(*questions):
-        table = packed if any(kind in ("limits", "band", "ranges") for kind, _ in questions) else None
-        job = json.dumps({"packed": table, "words": words(), "questions": questions})
+        table = packed if any(kind in ("limits", "band") for kind, _ in questions) else None
+        job = json.dumps({"packed": table, "questions": questions})
         script = Path(__file__).with_name("numbers.mjs")
         done = subprocess.run(  # noqa: S603
             [node, str(script), str(WEB)], input=job, capture_output=True, text=True, check=True, timeout=120

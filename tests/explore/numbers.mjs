@@ -7,15 +7,11 @@ import { pathToFileURL } from "node:url";
 const folder = process.argv[2];
 const load = (name) => import(pathToFileURL(join(folder, `${name}.js`)).href);
 const { band, index, limits, printedLimits } = await load("criterion");
-const { among, examine, judgingCommand, place, rangesAt } = await load("dropped_test");
+const { judgingCommand } = await load("command");
 const { unpack } = await load("ellipses");
-const { realTransform } = await load("fourier");
-const { readTest } = await load("reading");
-const { responseMeasures } = await load("response");
-const { spline } = await load("spline");
 const functions = await load("special_functions");
 
-const { packed, words, questions } = JSON.parse(readFileSync(0, "utf8"));
+const { packed, questions } = JSON.parse(readFileSync(0, "utf8"));
 const ellipses = packed && (await unpack(packed));
 
 const answers = {
@@ -24,14 +20,7 @@ const answers = {
   printed: (question) => printedLimits(question),
   index: ({ limits: pair, amplitude, delay }) => index(pair, amplitude, delay),
   special: ({ name, values }) => values.map((value) => functions[name](...value)),
-  transform: ({ values, points }) => realTransform(Float64Array.from(values), points).map((part) => [...part]),
-  spline: ({ values, places }) => places.map(spline(Float64Array.from(values))),
-  read: ({ text }) => { const test = readTest(text, words); return { ...test, command: [...test.command], measured: [...test.measured] }; },
-  test: ({ text, threshold }) => place(examine(readTest(text, words)), threshold),
-  among: ({ quantities, ranges }) => among(quantities, ranges),
-  ranges: ({ structure }) => rangesAt(packed, structure),
-  response: ({ values, step, structure }) => responseMeasures(Float64Array.from(values), step, structure),
-  command: ({ name, structure, deviations, criterion }) => judgingCommand(name, structure, deviations, criterion),
+  command: ({ structure, deviations, criterion }) => judgingCommand(structure, deviations, criterion),
 };
 
 function answer([kind, question]) {

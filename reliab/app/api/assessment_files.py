@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from reliab.app.api.design import Design
     from reliab.assessment.comparison import Comparison
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.report.document import Document
     from reliab.report.setting import Setting
 
 
@@ -46,19 +47,29 @@ def file_report(
         If the file cannot be written.
     """
     require_ending(report, ".pdf")
+    from reliab.report.pdf import write_pdf
+
+    document = document_of_test(assessment, test=test, structure=structure)
+    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+
+
+def document_of_test(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    *,
+    test: str | Path,
+    structure: str | Path | None = None,
+) -> "Document":
+    """Make the document that :func:`file_report` sets as a PDF; arguments are the same."""
     from reliab.report.kinds.assessment.frame import frame_assessment_report
     from reliab.report.kinds.assessment.report import assessment_report
-    from reliab.report.pdf import write_pdf
 
     files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
     if structure is not None:
         files["structure"] = Path(structure)
     checksums = _checksums(files)
     if isinstance(assessment, Assessment):
-        document = assessment_report(assessment, provenance=checksums)
-    else:
-        document = frame_assessment_report(assessment, provenance=checksums)
-    write_pdf(document, Path(report), date=datetime.now(tz=UTC).date(), setting=setting)
+        return assessment_report(assessment, provenance=checksums)
+    return frame_assessment_report(assessment, provenance=checksums)
 
 
 def _checksums(files: Mapping[str, Path]) -> dict[str, object]:

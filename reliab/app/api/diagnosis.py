@@ -10,6 +10,7 @@ from reliab.discrepancy.adding.adding import Addition, add
 from reliab.discrepancy.campaign.reading import campaign_folder, read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.report.document import Document
 from reliab.report.kinds.discrepancy_report import discrepancy_report
 from reliab.report.pdf import write_pdf
 from reliab.report.setting import Setting
@@ -90,12 +91,16 @@ def report_diagnosis(
     InputError
         If the report cannot be written.
     """
+    newest = max(path.stat().st_mtime for path in campaign_folder(campaign).iterdir())
+    day = datetime.fromtimestamp(newest, tz=UTC).date()
+    write_pdf(document_of_diagnosis(addition, campaign), Path(out) / _REPORT, date=day, setting=setting)
+
+
+def document_of_diagnosis(addition: Addition, campaign: str | Path) -> Document:
+    """Make the document that :func:`report_diagnosis` sets as a PDF."""
     folder = campaign_folder(campaign)
-    newest = max(path.stat().st_mtime for path in folder.iterdir())
-    document = discrepancy_report(
+    return discrepancy_report(
         addition.diagnosis,
         posteriors=addition.posteriors,
         provenance={"campaign": folder.name, "campaign, SHA-256": digest(folder)},
     )
-    day = datetime.fromtimestamp(newest, tz=UTC).date()
-    write_pdf(document, Path(out) / _REPORT, date=day, setting=setting)

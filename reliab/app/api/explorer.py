@@ -43,7 +43,7 @@ def write_explorer(
     confidence: float = 0.95,
     metric: str | None = None,
 ) -> ExplorerPage:
-    """Write a web page, for use without a network, of tolerable errors and of where a test lies among them.
+    """Write a web page, for use without a network, of tolerable errors before a test.
 
     Parameters
     ----------

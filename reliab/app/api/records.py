@@ -81,8 +81,7 @@ def record(
     source : str or pathlib.Path
         File of a laboratory, in any format that `reliab.assess` reads.
     out, csv : str or pathlib.Path, optional
-        NetCDF file of the record; and a CSV of the recognised channels in SI units, which the page of
-        `reliab explore` reads.
+        NetCDF file of the record; and a CSV of the recognised channels in SI units.
     test_name : str, optional
         Which test, where the file holds several.
     channels : str or pathlib.Path, optional

@@ -26,6 +26,7 @@ from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse
 
 if TYPE_CHECKING:
+    from reliab.report.document import Document
     from reliab.report.setting import Setting
 
 _SHIPPED_SUITE = "real_suite"
@@ -202,8 +203,23 @@ def report_rig(
         If there are fewer than three tests, an argument cannot be used, or the file cannot be written.
     """
     require_ending(out, ".pdf")
-    from reliab.report.kinds.rig_report import rig_report
     from reliab.report.pdf import write_pdf
+
+    document = document_of_rig(rig, f=f, xi=xi, alpha=alpha, threshold=threshold)
+    write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
+    return Path(out)
+
+
+def document_of_rig(
+    rig: str | Path,
+    *,
+    f: Quantity | None = None,
+    xi: Quantity | None = None,
+    alpha: Quantity | None = None,
+    threshold: float | None = None,
+) -> "Document":
+    """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
+    from reliab.report.kinds.rig_report import rig_report
 
     table = RigFolder.opened(rig).table()
     if not table.rows:
@@ -217,15 +233,13 @@ def report_rig(
         structure = _structure_of_next(last, f, xi, alpha)
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
-    document = rig_report(
+    return rig_report(
         Path(rig).resolve().name,
         table,
         prediction,
         structure=structure,
         provenance={"tests": len(table), "checksums of the tests, SHA-256": digest},
     )
-    write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
-    return Path(out)
 
 
 def _structure_of_next(

@@ -36,6 +36,7 @@ EXAMPLES: Final = {
     "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
     "diagnose": "reliab diagnose rig_a --out diagnosis",
     "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
+    "desk": "reliab desk tests",
     "explore": "reliab explore --out criterion.html",
     "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
@@ -50,9 +51,10 @@ EXAMPLES: Final = {
 
 _GROUPS = ("motions", "rig")
 _MODULES = {
-    **dict.fromkeys(("fetch", "samples", "info"), "installation"),
-    **dict.fromkeys(("run", "report"), "studies"),
-    "assess": "assess.command",
+    **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
+    **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
+    "assess": "reliab.app.cli.assess.command",
+    "desk": "reliab.desk.command",
 }
 """Modules of commands that share one or stand in a folder; the others have one of their name."""
 
@@ -85,7 +87,7 @@ def application(*names: str) -> typer.Typer:
     app = typer.Typer(name="reliab", no_args_is_help=True, pretty_exceptions_enable=False)
     app.callback(help="Can I trust this real-time hybrid simulation?")(_answer)
     for name in names or (*_GROUPS, *EXAMPLES):
-        module = import_module(f"reliab.app.cli.{_MODULES.get(name, name)}")
+        module = import_module(_MODULES.get(name, f"reliab.app.cli.{name}"))
         if name in _GROUPS:
             app.add_typer(module.app, name=name)
         else:

@@ -1,4 +1,4 @@
-"""`reliab explore`: a web page with sliders for the tolerable region, in which a test file is placed."""
+"""`reliab explore`: a web page with sliders for the tolerable region."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,7 +37,7 @@ class ExploreDemand(Demand):
 
 @takes(ExploreDemand)
 def explore(demand: ExploreDemand) -> None:
-    """Write a web page, for use offline, that shows tolerable errors and where a test dropped on it lies."""
+    """Write a web page, for use offline, with sliders that show tolerable errors before a test."""
     from reliab.app.api.explorer import write_explorer
 
     written = demand.ask(write_explorer, "json_target")

@@ -25,9 +25,7 @@ export function prepareControls(ellipses, settings, changed) {
   field("confidence").value = settings.confidence;
   field("share").value = settings.share;
   choices("metric", ellipses.metrics.map((name) => [name, METRICS[name]]), settings.metric);
-  const lengths = ellipses.windows.filter((label) => Number(label) > 0);
   choices("duration", [
-    ...(lengths.length > 1 ? [["test", "the length of your test; without one, the whole record"]] : []),
     ...ellipses.windows.map((label) => [label, durationInWords(label)]),
   ]);
   for (const input of field("controls").querySelectorAll("input, select")) {
@@ -61,10 +59,10 @@ function write() {
   }
 }
 
-// The question that the controls ask; `length` [s] is that of the test, or null without one.
-export function question(length) {
+// The question that the controls ask.
+export function question() {
   const number = (id) => Number(field(id).value), chosen = field("duration").value;
-  const seconds = chosen === "test" ? length : Number(chosen);
+  const seconds = Number(chosen);
   return {
     frequency: number("frequency"), dampingRatio: number("damping"), threshold: number("threshold"),
     confidence: number("confidence"), metric: field("metric").value, duration: seconds > 0 ? seconds : null,

@@ -1,12 +1,11 @@
 // The page: from the controls to the drawings, the quick ones at once and the slow ones when a slider rests.
 
-import { inWords, prepareControls, question } from "./controls.js";
+import { copyCommand, judgingCommand } from "./command.js";
+import { inWords, prepareControls, question, testedStructure } from "./controls.js";
 import { band, carriedConfidence, limits, motionLimits, printedLimits, thresholdIsMeaningless } from "./criterion.js";
 import { unpack } from "./ellipses.js";
 import { drawOverFrequency } from "./over_frequency.js";
 import { describePlace, drawPlane, drawProbe } from "./plane.js";
-import { quantileOf } from "./fourier.js";
-import { TestPanel } from "./test_panel.js";
 
 const field = (id) => document.getElementById(id);
 const REST = 120; // milliseconds without a change after which the slow drawings follow
@@ -15,20 +14,20 @@ const SLICE = 12; // milliseconds of computing between two looks at the controls
 const data = JSON.parse(field("data").textContent);
 const ellipses = await unpack(data.ellipses);
 const state = { kept: null, drawn: null, probe: [1, 0], round: 0 };
-const panel = new TestPanel(data.words, data.ellipses, () => refresh());
 
 prepareControls(ellipses, data.settings, () => refresh());
 field("provenance").textContent = data.provenance;
 field("share-hint").textContent = `The tolerable region is that of α = ${ellipses.share}: with a smaller share it is ` +
   "on the safe side. reliab assess takes the share set here.";
 field("keep").addEventListener("click", keep);
+field("copy").addEventListener("click", copyCommand);
 field("compared").addEventListener("input", () => refresh());
 listenToPlane(field("plane"));
 refresh();
 document.documentElement.dataset.ready = String(Math.round(performance.now()));
 
 function asked() {
-  return question(panel.test?.duration ?? null);
+  return question();
 }
 
 function bySide(compute) {
@@ -39,9 +38,10 @@ function bySide(compute) {
 function refresh() {
   const now = asked();
   const own = bySide((side) => limits(ellipses, { ...now, side }));
-  const tracking = panel.show(now, own);
   const motions = bySide((side) => motionLimits(ellipses, { ...now, side }));
-  state.drawn = { now, own, motions, compared: comparedLimits(now), test: tracking, band: null };
+  state.drawn = { now, own, motions, compared: comparedLimits(now), band: null };
+  const { structure, deviations } = testedStructure();
+  field("command").textContent = judgingCommand(structure, deviations, now);
   draw();
   explain();
   state.round += 1;
@@ -88,10 +88,6 @@ function explain() {
     : thresholdIsMeaningless(ellipses, now)
       ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
       : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
-  if (panel.among()?.position === "outside") {
-    field("meaning").textContent = "No share of the population's ground motions is promised for this test: it lies outside of the motions behind the criterion.";
-    return;
-  }
   field("meaning").textContent = `A test inside the region has an error below ${inWords(now).split(" for ")[0]} with a ` +
     `predictive probability of ${Number((100 * now.confidence).toFixed(1))} % for a motion of a further earthquake like ` +
     `these: ${ellipses.population}${lengthsInWords(now)}.`;
@@ -137,6 +133,13 @@ function rowAt(asking) {
     motions: [0, 1].map((k) => [0.05, 0.95].map((share) => quantileOf(finite(k), share))),
     compared: choice === "printed" ? printedLimits(asking) : kept,
   };
+}
+
+// Quantile with linear interpolation between values, as numpy's.
+function quantileOf(values, share) {
+  const ordered = Float64Array.from(values).sort(), place = share * (ordered.length - 1);
+  const below = Math.floor(place), above = Math.min(below + 1, ordered.length - 1);
+  return ordered[below] + (place - below) * (ordered[above] - ordered[below]);
 }
 
 function chart(rows, { frequency }) {

@@ -1,4 +1,4 @@
-// The plane of amplitude A and delay d: the motions' boundaries, the tolerable region, a test and a probe.
+// The plane of amplitude A and delay d: the motions' boundaries, the tolerable region, and a probe.
 
 import { index } from "./criterion.js";
 import { Frame, roundUp, shape } from "./drawing.js";
@@ -6,14 +6,13 @@ import { Frame, roundUp, shape } from "./drawing.js";
 const SIZE = { width: 520, height: 430 };
 
 // Draw regions: limits [a, b] by side of the criterion, of the motions, of the band and of what is compared.
-export function drawPlane(svg, { own, motions, band, compared, test }) {
+export function drawPlane(svg, { own, motions, band, compared }) {
   const reach = [0, 1].map((k) => {
     const regions = [...Object.values(own), ...Object.values(compared ?? {})].map((pair) => Math.sqrt(pair[k]));
     const ordered = motions.lag.map((pair) => Math.sqrt(pair[k])).filter(Number.isFinite).sort((p, q) => p - q);
     return Math.max(...regions) || ordered[ordered.length >> 1];
   });
-  const point = test ? [Math.abs(test.amplitude - 1), Math.abs(1e3 * test.delay)] : [0, 0];
-  const [x, y] = reach.map((value, k) => roundUp(1.15 * Math.min(Math.max(1.9 * value, point[k]), 12 * value)));
+  const [x, y] = reach.map((value) => roundUp(1.15 * 1.9 * value));
   const frame = new Frame(svg,
     { low: -100 * x, high: 100 * x, label: "Amplitude error A \u2212 1 [%]" },
     { low: -y, high: y, label: "Delay d [ms]; a lead is negative" }, SIZE);
@@ -23,7 +22,6 @@ export function drawPlane(svg, { own, motions, band, compared, test }) {
   }
   frame.path(outline(frame, own), "region");
   if (compared) frame.path(outline(frame, compared), "compared");
-  if (test) drawTest(frame, test);
   frame.inside.append(
     shape("line", { class: "zero", x1: frame.across(0), x2: frame.across(0), y1: frame.down(-y), y2: frame.down(y) }),
     shape("line", { class: "zero", x1: frame.across(-100 * x), x2: frame.across(100 * x), y1: frame.down(0), y2: frame.down(0) }));
@@ -43,13 +41,6 @@ export function describePlace({ own, motions }, amplitude, delay) {
   const known = motions[side].filter(([a, b]) => Number.isFinite(a) && Number.isFinite(b)).length;
   return `A = ${amplitude.toFixed(4)}, d = ${(1e3 * delay).toFixed(3)} ms: index ${value.toPrecision(3)}, ` +
     `${value <= 1 ? "accepted" : "not accepted"}; inside the boundaries of ${holding} of ${known} motions.`;
-}
-
-function drawTest(frame, { amplitude, delay }) {
-  const x = frame.across(100 * (amplitude - 1)), y = frame.down(1e3 * delay);
-  frame.inside.append(
-    shape("path", { class: "test-mark", d: `M${x - 9} ${y}H${x + 9}M${x} ${y - 9}V${y + 9}` }),
-    shape("circle", { class: "test-mark", cx: x, cy: y, r: 5 }));
 }
 
 function sideBySide(band, place) {

@@ -1,0 +1,238 @@
+"""Judge: drop a test, see what was recognised in it, and get its verdict."""
+
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from typing import Any, Final
+
+import pandas as pd
+import panel as pn
+
+from reliab.core.errors import InputError
+from reliab.core.files import written_whole
+from reliab.core.shipped import shipped
+from reliab.desk.drawings import draw_traces
+from reliab.desk.elements import (
+    KNOWING,
+    METRICS,
+    button,
+    choice,
+    copyable,
+    dropper,
+    field,
+    folded,
+    html,
+    listed,
+    refusal,
+)
+from reliab.desk.jobs import Job
+from reliab.desk.page import Page
+from reliab.desk.questions import channels_toml, command_line, filled, number, python_line
+from reliab.desk.verdict_view import VerdictView
+from reliab.desk.work import Look, judge, look_at
+
+PARTS: Final = ("command", "measured", "time", "force", "ground")
+_UNITS: Final = {
+    "command": ["", "m", "cm", "mm", "in"],
+    "measured": ["", "m", "cm", "mm", "in"],
+    "time": ["", "s", "ms"],
+    "force": ["", "N", "kN", "kgf", "lbf", "kip"],
+    "ground": ["", "m/s2", "cm/s2", "g"],
+}
+_RECOGNISED: Final = "as recognised"
+_OF_STRUCTURE: Final = ("f", "xi", "alpha", "mass")
+ARGUMENTS: Final = (
+    *("f", "xi", "alpha", "specimen", "threshold", "metric"),
+    *("mass", "scale", "skew", "feedback_lag"),
+)
+"""Fields of the form, which are arguments of `reliab.assess`."""
+
+
+def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Read what a form corrects of the channels.
+
+    >>> corrections_of({"column_measured": "LVDT", "sign_measured": "-1", "unit_time": ""})
+    {'measured': {'column': 'LVDT', 'sign': -1}}
+    """
+    corrections = {}
+    for channel in PARTS:
+        table = filled({name: values.get(f"{name}_{channel}") for name in ("column", "unit")})
+        if values.get(f"sign_{channel}") == "-1":
+            table["sign"] = -1
+        if table:
+            corrections[channel] = table
+    return corrections
+
+
+def channels_html(look: Look) -> str:
+    """Tabulate the recognised channels, and why each was recognised."""
+    columns = {"channel": "Channel", "column": "Column", "unit": "Unit", "reason": "Recognised by"}
+    table = pd.DataFrame(look.channels)[[*columns, "applied"]].rename(columns=columns)
+    table["Applied"] = table.pop("applied").map("; ".join)
+    rate = f"<p>{look.rate:.5g} samples a second</p>" if look.rate else ""
+    rows = table.to_html(index=False, border=0, escape=True)
+    return f"{rate}<div class='wide' tabindex='0' role='group' aria-label='Channels'>{rows}</div>"
+
+
+class JudgePage(Page):
+    """One test."""
+
+    name = "judge"
+    title = "Judge"
+    heading = "Judge a test"
+    about = "Drop the file of a test. See what was recognised in it, then get the error of this very test."
+
+    def build(self) -> None:
+        """Lay out the form, what was recognised, and the verdict."""
+        memory = self.memory
+        self._channels = pn.Column(sizing_mode="stretch_width")
+        self._file, self._menus = html(), ("", (), ())
+        self._looked = pn.Column(sizing_mode="stretch_width")
+        self._lines = pn.Column(sizing_mode="stretch_width")
+        self._verdict = VerdictView()
+        further = [field(memory, name) for name in ("mass", "scale", "skew", "feedback_lag")]
+        self.form[:] = [
+            dropper("1. Drop a test", self._take_test),
+            html("<h2>2. State the structure</h2>" + KNOWING),
+            *(field(memory, name) for name in ("f", "xi", "alpha", "threshold")),
+            choice(memory, "metric", "Error that counts", METRICS),
+            choice(
+                memory, "specimen", "Specimen",
+                {"may have yielded": "", "stayed linear": "linear", "learned from its force": "measured"},
+            ),
+            button("Judge this test", lambda: self.attempt(self._judge), "primary"),
+            self.stop,
+            folded(
+                "More about the laboratory",
+                *further, dropper("A frame instead of f and ξ (TOML)", self._take_frame),
+            ),
+            self._channels,
+        ]  # fmt: skip
+        self.result[:] = [self.status, self._verdict.column, self._lines, self._looked]
+        if not memory.files:
+            self._looked[:] = [
+                html("<p>No test yet. Drop one at the left, or try the one that comes with reliab.</p>"),
+                button("Show me with the shipped test", self._take_sample),
+            ]
+
+    def _take_sample(self) -> None:
+        path = shipped("datasets", "sample_test/test.csv")
+        self.memory.values |= {"f": "1±0.01", "xi": "0.02±0.002"}
+        self.build()
+        self._take_test({path.name: path.read_bytes()})
+
+    def _take_test(self, dropped: Mapping[str, bytes | str]) -> None:
+        def keep() -> None:
+            self.memory.files = [self.desk.folder.keep_last(dropped)]
+            about_structure = {*ARGUMENTS, "structure"} & self.memory.values.keys()
+            self.memory.values = {name: self.memory.values[name] for name in about_structure}
+            self._look()
+
+        self.attempt(keep)
+
+    def _take_frame(self, dropped: Mapping[str, bytes | str]) -> None:
+        def keep() -> None:
+            self.memory.values["structure"] = str(self.desk.folder.keep_last(dropped))
+
+        self.attempt(keep)
+
+    def _look(self) -> None:
+        self.forget(("look", "judge"))
+        self._verdict.clear()
+        self._lines.clear()
+        self.start("look", look_at, path=str(self.memory.files[0]), **self._reading())
+        self.refresh()
+
+    def _reading(self) -> dict[str, Any]:
+        """State a test's name, and corrections as a file of channels."""
+        values = self.memory.values
+        rate = number(values["rate"], "rate") if values.get("rate") else None
+        text = channels_toml(corrections_of(values), rate)
+        reading = filled({"test_name": values.get("test_name")})
+        if text:
+            place = self.memory.files[0].parent / "channels"
+            place.mkdir(exist_ok=True)
+            with written_whole(place / "channels.toml") as file:
+                file.write_text(text, encoding="utf-8")
+            reading["channels"] = str(place / "channels.toml")
+        return reading
+
+    def _arguments(self) -> dict[str, Any]:
+        values = self.memory.values
+        arguments = filled({name: values.get(name) for name in ARGUMENTS})
+        if arguments.get("metric") == "rms":
+            del arguments["metric"]
+        if "threshold" in arguments:
+            arguments["threshold"] = number(arguments["threshold"], "threshold")
+        frame = filled({"structure": values.get("structure")})
+        for name in _OF_STRUCTURE if frame else ():
+            arguments.pop(name, None)
+        return {**arguments, **frame, **self._reading()}
+
+    def _judge(self) -> None:
+        if not self.memory.files:
+            raise InputError("A test's file is needed", value="none", remedy="Drop it on the page first")
+        self.forget(("judge",))
+        self._verdict.clear()
+        self._lines.clear()
+        test = str(self.memory.files[0])
+        self.start("judge", judge, test=test, folder=str(self.new_place()), arguments=self._arguments())
+
+    def show(self, kind: str, job: Job) -> None:
+        """Show what was recognised, or the verdict."""
+        if kind == "look" and job.outcome is not None:
+            self._show_look(job.outcome)
+        elif kind == "judge":
+            if job.news and not self._verdict.column.objects:
+                self._verdict.show(job.news[-1])
+                self._show_lines()
+            if job.outcome is not None:
+                self._verdict.file(job.outcome)
+
+    def _show_lines(self) -> None:
+        arguments = self._arguments()
+        for name in ("channels", "structure"):
+            if name in arguments:
+                arguments[name] = Path(arguments[name]).name
+        file = [self.memory.files[0].name]
+        self._lines[:] = [
+            html("<h2>The same without the desk</h2>"),
+            copyable("command", command_line("assess", file, arguments)),
+            copyable("line of Python", python_line("assess", file, arguments)),
+        ]
+
+    def _show_look(self, look: Look) -> None:
+        channels = refusal(self.desk.in_options(look.refusal)) if look.refusal else channels_html(look)
+        self._looked[:] = [
+            html(f"<h2>What was recognised in {escape(self.memory.files[0].name)}</h2>{channels}"),
+            html(listed(look.notes)),
+            draw_traces(look.traces),
+        ]
+        values = self.memory.values
+        text = channels_toml(corrections_of(values))
+        self._file.object = (
+            f"<p class='hint'>As channels.toml:</p><code>{escape(text)}</code>" if text else ""
+        )
+        menus = (str(self.memory.files[0]), look.columns, look.tests)
+        if menus == self._menus:  # a menu that is in use stays as it is
+            return
+        self._menus = menus
+        widgets = self._corrections(look)
+        for widget in widgets:
+            widget.param.watch(lambda _event: self.attempt(self._look), "value")
+        opened = bool(look.refusal or text or values.get("rate") or look.tests)
+        hint = html("<p class='hint'>Choose what a column is; the drawing follows.</p>")
+        self._channels[:] = [folded("Correct what was recognised", hint, *widgets, self._file, opened=opened)]
+
+    def _corrections(self, look: Look) -> list[Any]:
+        """Menus for the test, the column, unit and sign of each channel, and the rate."""
+        memory, columns = self.memory, {_RECOGNISED: "", **{column: column for column in look.columns}}
+        menus = [choice(memory, "test_name", "Test in this file", list(look.tests))] if look.tests else []
+        for channel in PARTS:
+            units = {unit or "unit as recognised": unit for unit in _UNITS[channel]}
+            menus.append(choice(memory, f"column_{channel}", f"Column of {channel}", columns))
+            menus.append(choice(memory, f"unit_{channel}", f"Unit of {channel}", units))
+            if channel != "time":
+                signs = {"as recorded": "", "reversed": "-1"}
+                menus.append(choice(memory, f"sign_{channel}", f"Sign of {channel}", signs))
+        return [*menus, field(memory, "rate", "Sampling rate [Hz], if there is no time", "as in the file")]

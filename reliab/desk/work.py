@@ -1,0 +1,321 @@
+"""What workers do for the pages: questions to the Python interface, and their answers as plain values."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import chdir
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab.app.api.assessment import assess
+from reliab.app.api.assessment_files import document_of_test, write_corrected, write_tests
+from reliab.app.api.comparison import compare_assessments
+from reliab.app.api.diagnosis import diagnose_campaign, document_of_diagnosis
+from reliab.app.api.following import follow_test
+from reliab.app.api.records import record as api_record
+from reliab.app.api.rig_answers import document_of_rig
+from reliab.app.api.rigs import export_rig, list_rig
+from reliab.app.api.tracing import trace_boundaries
+from reliab.assessment.assessment import Assessment
+from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.core.arrays import Array
+from reliab.core.errors import InputError
+from reliab.core.files import write_json_file
+from reliab.core.progress import show_task
+from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.vocabulary import MILLI
+from reliab.desk.document_html import document_html
+from reliab.desk.jobs import Tell
+from reliab.recordings.readers.registry import read_tests
+from reliab.report.document import Column, Document, Figure, Points, Table
+from reliab.report.figures.tests_by_error import ranked_tests
+from reliab.report.pdf import write_pdf
+
+if TYPE_CHECKING:
+    from reliab.assessment.comparison import Comparison
+    from reliab.assessment.frame_assessment import FrameAssessment
+
+    AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
+
+_POINTS: Final = 2000  # pairs of least and greatest value in which a history is drawn
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trace:
+    """A history as it is drawn: no peak of it is lost."""
+
+    name: str
+    unit: str
+    time: Array  # s
+    values: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Look:
+    """What was recognised in a file."""
+
+    channels: Sequence[Mapping[str, Any]] = ()  # As of `reliab record`
+    columns: tuple[str, ...] = ()
+    tests: tuple[str, ...] = ()  # Names, where the file holds several
+    traces: tuple[Trace, ...] = ()
+    rate: float | None = None  # Hz
+    notes: tuple[str, ...] = ()
+    refusal: str = ""  # Why the channels could not be told from each other
+
+
+def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `reliab.record`
+    """Recognise the channels of a test; a file whose channels cannot be told still lists its columns."""
+    by_name = {columns.test: tuple(columns.series) for columns in read_tests(path)}
+    several = len(by_name) > 1
+    first = next(iter(by_name))
+    name = arguments.get("test_name") or (first if several else None)
+    listed = Look(columns=by_name.get(name or first, ()), tests=tuple(by_name) if several else ())
+    try:
+        record = api_record(path, **{**arguments, "test_name": name})
+    except InputError as error:
+        return replace(listed, refusal=str(error))
+    histories, content = record.histories, record.to_dict()
+    traces = tuple(
+        _trace(key, _UNITS.get(str(channel.part), ""), histories.values[key], histories.time_step)
+        for key, channel in histories.channels.items()
+        if key in histories.values
+    )
+    return replace(
+        listed,
+        channels=content["recording"]["channels"],
+        traces=traces,
+        rate=content["rate_hz"],
+        notes=tuple(content["notes"]),
+    )
+
+
+_UNITS: Final = {"command": "mm", "measured": "mm", "force": "N", "ground acceleration": "m/s²"}
+
+
+def _trace(name: str, unit: str, values: Array, time_step: float) -> Trace:
+    time, drawn = thinned(
+        time_step * np.arange(values.size, dtype=np.float64), values * (MILLI if unit == "mm" else 1.0)
+    )
+    return Trace(name=name, unit=unit, time=time, values=drawn)
+
+
+def thinned(time: Array, *values: Array) -> tuple[Array, ...]:
+    """Keep least and greatest value of each stretch of the first history, and the others there.
+
+    >>> thinned(np.arange(3.0), np.array([1.0, 5.0, 2.0]))[1].tolist()
+    [1.0, 5.0, 2.0]
+    """
+    if time.size <= 2 * _POINTS:
+        return (time, *values)
+    length = -(-time.size // _POINTS)
+    padded = np.pad(values[0], (0, -values[0].size % length), mode="edge").reshape(-1, length)
+    begins = length * np.arange(padded.shape[0])
+    places = np.unique(np.concatenate([begins + padded.argmin(axis=1), begins + padded.argmax(axis=1)]))
+    places = places[places < time.size]
+    return (time[places], *(history[places] for history in values))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """A stretch of a test in which something is wrong."""
+
+    begin: float  # s
+    end: float  # s
+    finding: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judgement:
+    """The verdict on a test as its page shows it."""
+
+    content: Mapping[str, Any]  # As of `reliab assess --json`
+    # time [s], error, low, high [mm]; None where several displacements have errors
+    histories: tuple[Array, Array, Array, Array] | None = None
+    bound: float = 0.0  # Threshold times the peak of the exact response [mm]
+    marks: tuple[Mark, ...] = ()
+    contradictions: tuple[str, ...] = ()  # Sentences
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filed:
+    """What is kept of an answer: the page's details, and files by what they are called."""
+
+    html: str
+    files: Mapping[str, str]
+
+
+def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed:
+    """Judge a test; the verdict comes first, the report and the files follow."""
+    with show_task("Rebuilding the error"):
+        assessment = assess(test, **arguments)
+    tell(judgement_of(assessment))
+    return _filed(assessment, test, folder, arguments.get("structure"))
+
+
+def judgement_of(assessment: "AnyAssessment") -> Judgement:
+    """Take what a page shows from an assessment."""
+    plain = Judgement(content=assessment.to_dict(), contradictions=tuple(_contradictions(assessment)))
+    if not isinstance(assessment.error, ErrorOfTest):
+        return plain
+    rebuilt = assessment.error.rebuilt
+    time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
+    histories = (rebuilt.smooth_error, rebuilt.low, rebuilt.high)
+    drawn = thinned(time, *(MILLI * history for history in histories))
+    return replace(
+        plain,
+        histories=(drawn[0], drawn[1], drawn[2], drawn[3]),
+        bound=MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max()),
+        marks=tuple(_marks(assessment)),
+    )
+
+
+def _contradictions(assessment: "AnyAssessment") -> Iterator[str]:
+    """Say what in the recording contradicts what is stated, or is faulty."""
+    content = assessment.to_dict()
+    yield from content["error"].get("contradictions", ())
+    if not isinstance(assessment, CoupledAssessment):
+        yield from (contradiction.finding for contradiction in assessment.contradictions)
+    yield from (fault["finding"] for fault in content.get("faults", ()))
+
+
+def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
+    """Say where faults of the recording are; those of the whole test have no place."""
+    if not isinstance(assessment, Assessment):
+        return
+    step = assessment.recording.time_step
+    for effect in assessment.faults:
+        fault = effect.fault
+        for added in (fault.in_measured, fault.in_command):
+            places = np.flatnonzero(added) if added is not None else np.zeros(0, dtype=int)
+            if 0 < places.size < assessment.recording.command.size // 2:
+                yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
+
+
+def _filed(assessment: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
+    with show_task("Writing the report"):
+        document = document_of_test(assessment, test=test, structure=structure)
+        files = {"Report (PDF)": _pdf(document, folder)}
+    place = Path(folder)
+    write_json_file(assessment.to_dict(), place / "verdict.json")
+    files["Numbers (JSON)"] = str(place / "verdict.json")
+    write_corrected(assessment, place / "corrected.csv")
+    files["Corrected response (CSV)"] = str(place / "corrected.csv")
+    return Filed(html=document_html(document), files=files)
+
+
+def _pdf(document: Document, folder: str) -> str:
+    path = Path(folder) / "report.pdf"
+    write_pdf(document, path, date=datetime.now(tz=UTC).date())
+    return str(path)
+
+
+def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed | None:
+    """Follow a test while its file grows; the verdict is that of the whole test."""
+    last = None
+    for last in follow_test(source, **arguments):
+        tell({**last.to_dict(), "sentences": list(last.alarms.values())})
+    if last is None or last.assessment is None:
+        return None
+    tell(judgement_of(last.assessment))
+    return _filed(last.assessment, source, folder, arguments.get("structure"))
+
+
+def trace_motion(motion: str, **arguments: Any) -> dict[str, Any]:  # noqa: ANN401 - of `trace_boundaries`
+    """Trace the boundary of equal error of a ground motion."""
+    with show_task("Tracing the boundary"):
+        boundaries = trace_boundaries(motions=motion, **arguments)
+    return next(iter(boundaries.rows()))
+
+
+def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> Filed:
+    """Rank tests of one folder by their errors; they are called by their names."""
+    place = Path(folder)
+    with chdir(Path(tests[0]).parent), show_task("Judging the tests") as progress:
+        judged = assess([Path(test).name for test in tests], **arguments, progress=progress)
+    comparison = compare_assessments(judged)
+    write_tests(comparison, place / "ranking.csv")
+    write_json_file(comparison.to_dict(), place / "ranking.json")
+    document = _document_of_comparison(comparison)
+    files = {
+        "Report (PDF)": _pdf(document, folder),
+        "Table (CSV)": str(place / "ranking.csv"),
+        "Numbers (JSON)": str(place / "ranking.json"),
+    }
+    return Filed(html=document_html(document), files=files)
+
+
+def _document_of_comparison(comparison: "Comparison") -> Document:
+    import pandas as pd
+
+    metric = str(comparison.metric)
+    rows = [
+        (
+            test.file,
+            percent_with_interval(test.error.value, test.error.low, test.error.high),
+            "" if test.difference is None else percent_with_interval(
+                test.difference.value, test.difference.low, test.difference.high
+            ),
+            "" if test.probability_larger is None else significant(test.probability_larger, 3),
+            str(test.assessment.verdict.word).replace("_", " "),
+        )
+        for test in comparison.tests
+    ]  # fmt: skip
+    headings = (
+        *("Test", f"{metric.upper()} error (90 % interval)"),
+        *("More than the first", "Probability of that", "Verdict"),
+    )
+    frame = pd.DataFrame(rows, columns=list(map(str, range(len(headings)))))
+    first = comparison.tests[0].file
+    faults = (f"{file}: {why}" for file, why in comparison.faults.items())
+    return Document(
+        kind="Comparison of tests",
+        title=f"{len(comparison.tests)} tests",
+        verdict=f"The error of {first} is probably the smallest.",
+        blocks=(
+            Table(
+                frame=frame,
+                columns=tuple(Column(key=str(k), heading=name) for k, name in enumerate(headings)),
+                caption=f"Ranked by error; the threshold is {percent(comparison.threshold)}.",
+            ),
+            Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals."),
+            Points(items=(comparison.assumed, *comparison.notes, *faults)),
+        ),
+        sheet=True,
+    )
+
+
+def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
+    """Show a rig's history, predict its next test, and say what to change."""
+    with show_task("Reading the rig's tests"):
+        document = document_of_rig(rig, **arguments)
+    table = Path(folder) / "tests.csv"
+    export_rig(rig, table)
+    files = {"Report (PDF)": _pdf(document, folder), "Table of its tests (CSV)": str(table)}
+    return Filed(html=document_html(document), files=files)
+
+
+def points_of_rig(rig: str) -> list[tuple[str, float, float]]:
+    """List the tests of a rig with A [-] and d [ms]; those without are left out."""
+    rows = list_rig(rig).to_dict()["tests"]
+    tracked = (row for row in rows if None not in (row.get("A"), row.get("d_ms")))
+    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in tracked]
+
+
+def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:
+    """Find what a campaign's model lacks; the statement comes first, posteriors and report follow."""
+    addition = diagnose_campaign(
+        campaign,
+        out=folder,
+        show=show_task,
+        tell=lambda diagnosis: tell(f"{diagnosis.verdict}: {diagnosis.statement}"),
+    )
+    with show_task("Writing the report"):
+        document = document_of_diagnosis(addition, campaign)
+        files = {"Report (PDF)": _pdf(document, folder)}
+    for name, file in {"Model (TOML)": "model.toml", "Numbers (JSON)": "diagnosis.json"}.items():
+        if (Path(folder) / file).is_file():
+            files[name] = str(Path(folder) / file)
+    return Filed(html=document_html(document), files=files)

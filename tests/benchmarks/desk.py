@@ -1,0 +1,115 @@
+"""How fast the desk answers in a headless Chromium, and pictures of its pages.
+
+    python tests/benchmarks/desk.py [--screenshots reports]
+
+Needs selenium, chromium and its driver. Prints the seconds from `reliab desk` to its address, from there to a
+page, from dropping a test to its drawing, from the button to the verdict, and of a slider's move [ms].
+"""
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "desk"))
+
+from desk_browser import DeskBrowser
+from headless_browser import start
+
+from reliab.core.shipped import shipped
+
+MOVES = 20
+SAMPLE = shipped("datasets", "sample_test/test.csv")
+
+
+def timed(what: str, act: Callable[[], object]) -> None:
+    """Print how long something takes."""
+    begin = time.monotonic()
+    act()
+    print(f"{what}: {time.monotonic() - begin:.2f} s")
+
+
+def measure_judge(desk: DeskBrowser) -> None:
+    """Drop the shipped test and judge it."""
+    timed("page ready", lambda: desk.open("judge"))
+    time.sleep(30.0)  # until the workers are warm
+    desk.drop(SAMPLE)
+    timed("drawn", lambda: desk.wait_for("What was recognised in"))
+    desk.state_structure()
+    desk.press("Judge this test")
+    timed("verdict", lambda: desk.wait_for("below 5 % with probability"))
+    timed("report", lambda: desk.wait_for("The whole report"))
+
+
+def measure_sliders(desk: DeskBrowser) -> None:
+    """Move the slider of the damping ratio, one step after the other."""
+    desk.open("before")
+    desk.wait_for("but not both at once")
+    slider = next(one for one in desk.elements("input[type=range]") if one.get_attribute("max") == "0.1")
+    times = []
+    for _ in range(MOVES):
+        shown, begin = desk.text(), time.monotonic()
+        slider.send_keys("\ue014")  # right arrow
+        while desk.text() == shown:
+            time.sleep(0.005)
+        times.append(1e3 * (time.monotonic() - begin))
+        time.sleep(0.2)
+    print(f"slider: median {statistics.median(times):.0f} ms, longest {max(times):.0f} ms")
+    desk.choose("Show the tests of a rig", "the rig that comes with reliab")
+    time.sleep(2.0)
+
+
+def follow(desk: DeskBrowser) -> None:
+    """Follow the shipped test until intervals are there."""
+    desk.open("live")
+    desk.choose("File in the folder of the desk", "the test that comes with reliab")
+    desk.state_structure()
+    desk.press("Follow")
+    desk.wait_for("30.0 s")
+
+
+def show_rig(desk: DeskBrowser) -> None:
+    """Show the shipped rig."""
+    desk.open("rig")
+    desk.press("Show the rig")
+    desk.wait_for("What to change", 200.0)
+    time.sleep(1.0)
+
+
+def main() -> None:
+    """Measure, print, and take the pictures that are asked for."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--screenshots", type=Path)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "reliab", "desk", folder, "--no-browser", "--json", "-"]
+        begin = time.monotonic()
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as served:  # noqa: S603
+            printed = ""
+            while not printed.rstrip().endswith("}"):
+                printed += served.stdout.readline() if served.stdout else ""
+            print(f"address: {time.monotonic() - begin:.2f} s")
+            chrome = start(Path(folder) / "profile", width=1280, height=1000)
+            desk = DeskBrowser(chrome, json.loads(printed)["address"])
+            for name, act in (
+                ("judge", measure_judge),
+                ("before", measure_sliders),
+                ("live", follow),
+                ("rig", show_rig),
+            ):
+                act(desk)
+                if arguments.screenshots is not None:
+                    chrome.execute_script("window.scrollTo(0, 0)")
+                    chrome.save_screenshot(str(arguments.screenshots / f"desk-{name}.png"))
+            chrome.quit()
+            served.terminate()
+
+
+if __name__ == "__main__":
+    main()

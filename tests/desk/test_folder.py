@@ -1,0 +1,109 @@
+"""Nothing is read or written outside of the desk's folder."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from reliab.core.errors import InputError
+from reliab.core.file_limits import LIMITS, FileLimits
+from reliab.desk.folder import DeskFolder, safe_name, unpacked
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../../x.csv",
+        "/etc/passwd",
+        "C:\\x\\y.csv",
+        "..",
+        "",
+        ".",
+        "a\0b.csv",
+        "x" * 400 + ".csv",
+        "<b>.csv",
+        "\ud800.csv",
+    ],
+)
+def test_dropped_files_lie_in_the_working_folder_whatever_their_names(folder, name):
+    path = folder.keep(name, b"1")
+    assert path.resolve().is_relative_to(folder.work)
+    assert path.read_bytes() == b"1"
+    assert len(path.name) <= 120
+
+
+def test_long_names_keep_their_ending():
+    assert safe_name("x" * 400 + ".csv").endswith(".csv")
+
+
+def test_files_that_are_too_large_are_refused_as_on_the_command_line(folder, monkeypatch):
+    small = FileLimits(bytes=3, remedy="Cut it")
+    monkeypatch.setattr("reliab.desk.folder.LIMITS", {**LIMITS, "test": small})
+    with pytest.raises(InputError, match="may have 3e-06 MB at most"):
+        folder.keep("test.csv", b"1234")
+
+
+@pytest.mark.parametrize("name", ["../other", "/etc", "a/../../b", "link"])
+def test_names_that_lead_out_of_the_folder_are_refused_with_what_to_do(folder, name, tmp_path_factory):
+    (folder.path / "link").symlink_to(tmp_path_factory.mktemp("elsewhere"))
+    with pytest.raises(InputError, match="reliab desk FOLDER"):
+        folder.within(name)
+
+
+def test_files_are_offered_by_their_endings_and_folders_by_what_they_hold(folder):
+    (folder.path / "a" / "rig" / "tests").mkdir(parents=True)
+    (folder.path / "a" / "rig" / "tests" / "1.json").write_text("{}")
+    (folder.path / "a" / "run.csv").write_text("1")
+    (folder.path / "campaign.toml").write_text("")
+    folder.keep("dropped.csv", b"1")
+    assert folder.offered(".csv") == [str(Path("a", "run.csv"))]
+    assert folder.offered(holding="tests/*.json") == [str(Path("a", "rig"))]
+    assert folder.offered(holding="campaign.toml") == ["."]
+
+
+def test_the_working_folder_goes_with_the_desk(tmp_path):
+    opened = DeskFolder.opened(tmp_path)
+    opened.keep("test.csv", b"1")
+    opened.close()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("path", ["nothing_here", __file__])
+def test_a_folder_that_is_none_is_refused(path, tmp_path):
+    with pytest.raises(InputError, match="The desk works in a folder"):
+        DeskFolder.opened(tmp_path / path)
+
+
+def zipped(folder, entries):
+    path = folder.new_place() / "campaign.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    return path
+
+
+def test_a_campaign_is_found_in_its_archive(folder):
+    place = unpacked(zipped(folder, {"rig/campaign.toml": "x", "rig/test.csv": "1"}))
+    assert sorted(path.name for path in place.iterdir()) == ["campaign.toml", "test.csv"]
+
+
+@pytest.mark.parametrize("name", ["../x.csv", "/x.csv", "a/../../x.csv", "..\\x.csv", "C:x.csv"])
+def test_archives_whose_files_lead_elsewhere_are_refused_before_anything_is_written(folder, name):
+    archive = zipped(folder, {"campaign.toml": "x", name: "1"})
+    with pytest.raises(InputError, match="must lie in it"):
+        unpacked(archive)
+    assert [path.name for path in archive.parent.iterdir()] == ["campaign.zip"]
+
+
+def test_archives_with_too_many_or_too_large_files_are_refused(folder, monkeypatch):
+    monkeypatch.setattr("reliab.desk.folder._MOST_FILES", 2)
+    with pytest.raises(InputError, match="found 3 files"):
+        unpacked(zipped(folder, dict.fromkeys("abc", "1")))
+    monkeypatch.setattr("reliab.desk.folder.LIMITS", {"test": FileLimits(bytes=1000, remedy="Cut it")})
+    with pytest.raises(InputError, match="at most; found"):
+        unpacked(zipped(folder, {"a": "0" * 2000}))
+
+
+def test_what_is_no_archive_is_refused(folder):
+    with pytest.raises(InputError, match="must be a zip"):
+        unpacked(folder.keep("campaign.zip", b"PK\3\4 nothing"))
