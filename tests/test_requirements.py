@@ -15,7 +15,7 @@ import reliab
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 OWN = {"reliab", "reliab_studies"}
-OF_USERS = ("cluster", "recordings", "records")  # groups of requirements that users choose
+OF_USERS = ("cluster", "desk", "recordings", "records")  # groups of requirements that users choose
 UNSEEN = {"matio": "mat-io"}  # where it has no wheel for this version of Python
 BY_NAME = {"h5netcdf", "dask"}  # an engine of xarray, and what distributed runs
 

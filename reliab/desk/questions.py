@@ -39,7 +39,10 @@ def command_line(command: str, files: Iterable[str], arguments: Mapping[str, Any
     options = [
         text
         for name, value in arguments.items()
-        for text in (f"--{_OPTIONS.get(name, name.replace('_', '-'))}", str(value))
+        for text in (
+            f"--{_OPTIONS.get(name, name.replace('_', '-'))}",
+            *(() if value is True else (str(value),)),
+        )
     ]
     return shlex.join(["reliab", *command.split(), *map(_as_file, files), *options])
 

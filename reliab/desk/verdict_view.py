@@ -105,7 +105,7 @@ class VerdictView:
                     item["quantity"].capitalize(), lambda item=item: self._explain(item, content)  # type: ignore[misc]
                 ),
                 html(
-                    f'<div class="bar" style="--size:{item["contribution"] / largest:.3f}"><i></i></div>'
+                    f'<div class="bar"><i style="flex-grow:{item["contribution"] / largest:.3f}"></i></div>'
                     f"<small>±{percent(item['contribution'], decimals=2)} of the error</small>"
                 ),
                 sizing_mode="stretch_width",

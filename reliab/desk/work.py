@@ -215,8 +215,9 @@ def _pdf(document: Document, folder: str) -> str:
 def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> Filed | None:
     """Follow a test while its file grows; the verdict is that of the whole test."""
     last = None
-    for last in follow_test(source, **arguments):
-        tell({**last.to_dict(), "sentences": list(last.alarms.values())})
+    with show_task("Following"):
+        for last in follow_test(source, **arguments):
+            tell({**last.to_dict(), "sentences": list(last.alarms.values())})
     if last is None or last.assessment is None:
         return None
     tell(judgement_of(last.assessment))

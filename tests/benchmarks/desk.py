@@ -7,7 +7,9 @@ page, from dropping a test to its drawing, from the button to the verdict, and o
 """
 
 import argparse
+import io
 import json
+import re
 import statistics
 import subprocess
 import sys
@@ -21,10 +23,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "desk"))
 
 from desk_browser import DeskBrowser
 from headless_browser import start
+from PIL import Image
 
 from reliab.core.shipped import shipped
 
 MOVES = 20
+_COLOURS = 200  # of a picture, which then has less than 150 kB
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 
 
@@ -71,7 +75,7 @@ def follow(desk: DeskBrowser) -> None:
     desk.choose("File in the folder of the desk", "the test that comes with reliab")
     desk.state_structure()
     desk.press("Follow")
-    desk.wait_for("30.0 s")
+    desk.until(lambda: re.search(r"[23]\d\.\d s RMS error so far \d", desk.text()))
 
 
 def show_rig(desk: DeskBrowser) -> None:
@@ -106,7 +110,11 @@ def main() -> None:
                 act(desk)
                 if arguments.screenshots is not None:
                     chrome.execute_script("window.scrollTo(0, 0)")
-                    chrome.save_screenshot(str(arguments.screenshots / f"desk-{name}.png"))
+                    chrome.execute_script("document.activeElement.blur()")
+                    picture = Image.open(io.BytesIO(chrome.get_screenshot_as_png()))
+                    picture.convert("RGB").quantize(_COLOURS).save(
+                        arguments.screenshots / f"desk-{name}.png", optimize=True
+                    )
             chrome.quit()
             served.terminate()
 

@@ -61,3 +61,7 @@ def test_numbers_are_read_with_a_decimal_comma_and_others_refused():
     assert number("0,04", "threshold") == 0.04
     with pytest.raises(InputError, match="`threshold` must be a number; found 'five'"):
         number("five", "threshold")
+
+
+def test_a_flag_has_no_value():
+    assert command_line("assess", (), {"design": True, "f": 1}) == "reliab assess --design --f 1"

@@ -86,7 +86,8 @@ class JudgePage(Page):
         """Lay out the form, what was recognised, and the verdict."""
         memory = self.memory
         self._channels = pn.Column(sizing_mode="stretch_width")
-        self._file, self._menus = html(), ("", (), ())
+        self._file = html()
+        self._menus: tuple[object, ...] = ()
         self._looked = pn.Column(sizing_mode="stretch_width")
         self._lines = pn.Column(sizing_mode="stretch_width")
         self._verdict = VerdictView()

@@ -86,7 +86,7 @@ def test_every_command_but_those_of_a_verdict_is_compared():
         for name, command in COMMAND.commands.items()
         for inner in getattr(command, "commands", {"": None})
     }
-    assert leaves == {*SERVICES, "assess", "compare"}
+    assert leaves == {*SERVICES, "assess", "compare", "desk"}
 
 
 @pytest.mark.parametrize("name", SERVICES)
