@@ -30,7 +30,7 @@ ADDITIONS = {
         """
         from dataclasses import dataclass
         import numpy as np
-        from reliab.criterion.laws import LogLinearLaw
+        from reliab.criterion.laws.log_linear import LogLinearLaw
 
         @dataclass(frozen=True, kw_only=True)
         class Constant(LogLinearLaw):
@@ -51,7 +51,7 @@ ADDITIONS = {
         "Least",
         """
         from dataclasses import dataclass
-        from reliab.criterion.methods import BoundMethod
+        from reliab.criterion.methods.bound import BoundMethod
 
         @dataclass(frozen=True, kw_only=True)
         class Least(BoundMethod):

@@ -163,14 +163,14 @@ USE = """
 
     import numpy as np
 
-    from reliab.criterion.laws import FITTED, law_from_dict, law_to_dict
-    from reliab.criterion.methods import method_of
-    from reliab.effects import find_effect
-    from reliab.simulation.compensators import compensators
-    from reliab.motions import load_motions
+    from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+    from reliab.criterion.methods.registry import method_of
+    from reliab.effects.registry import find_effect
+    from reliab.simulation.compensators.registry import compensators
+    from reliab.motions.loading import load_motions
     from reliab.report.wording import meaning_of_confidence
     from reliab.study.kinds import KINDS
-    from reliab.study import open_study
+    from reliab.study.reading import open_study
 
     folder = Path(sys.argv[1])
     t = 0.01 * np.arange(600)

@@ -129,12 +129,6 @@ def test_former_names_of_arguments_do_what_they_did():
     assert former == reliab.derive_criterion("real_suite", f=1.0, **wanted)
 
 
-def test_ellipses_are_read_by_the_former_name_of_their_file():
-    with pytest.warns(DeprecationWarning, match="`path` is called `source`"):
-        former = reliab.read_ellipses(path=shipped("datasets", "paper/table2.csv"))  # type: ignore[call-arg]
-    assert former.equals(reliab.read_ellipses(shipped("datasets", "paper/table2.csv")))
-
-
 def test_a_design_is_that_of_the_command(capsys):
     assert cli.run(["assess", "--design", "--f", "1", "2", "--confidence", "0.95", "--json", "-"]) == 0
     design = reliab.design_test(f=[1, 2], confidence=0.95)

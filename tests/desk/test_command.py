@@ -4,7 +4,8 @@ import subprocess
 import sys
 
 import pytest
-from reliab.cli import run
+
+from reliab.app.cli import run
 
 
 def test_without_panel_the_command_says_how_to_install_it(tmp_path, monkeypatch, capsys):
@@ -27,5 +28,5 @@ def test_what_cannot_be_served_is_refused(tmp_path, monkeypatch, capsys, argumen
 
 
 def test_other_commands_do_not_import_panel():
-    code = "import sys; from reliab.cli import run; run(['info']); assert 'panel' not in sys.modules"
+    code = "import sys; from reliab.app.cli import run; run(['info']); assert 'panel' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)  # noqa: S603

@@ -65,7 +65,7 @@ def test_the_error_is_that_of_the_test_without_its_moves():
         reliab.assess(test, f=1.0, xi=0.05).to_dict()["error"]["rms"]["value"]
         for test in (alone, frame(moved(COMMAND), moved(MEASURED)))
     )
-    assert away == pytest.approx(plain, rel=0.02)
+    assert away == pytest.approx(plain, rel=0.03)
 
 
 @pytest.mark.parametrize(

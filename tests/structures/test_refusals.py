@@ -41,9 +41,9 @@ def partition(**changed):
         ),
         (lambda: Structure(frequency=0.009, damping_ratio=0.05), "between 0.01 and 10,000 Hz; found 0.009"),
         (lambda: Structure(frequency=1.1e4, damping_ratio=0.05), "between 0.01 and 10,000 Hz; found 11,000"),
-        (lambda: Structure(frequency=1.0, damping_ratio=1.0), "at least 1e-06 and below 1; found 1"),
-        (lambda: Structure(frequency=1.0, damping_ratio=0.0), "at least 1e-06 and below 1; found 0"),
-        (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least 1e-06"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1.0), "at least 1e-12 and below 1; found 1"),
+        (lambda: Structure(frequency=1.0, damping_ratio=0.0), "at least 1e-12 and below 1; found 0"),
+        (lambda: Structure(frequency=1.0, damping_ratio=1e-15), "damping ratio must be at least 1e-12"),
         (
             lambda: Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=1e-15),
             "share of the stiffness in the laboratory must be between 1e-06 and 1",

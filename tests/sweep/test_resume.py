@@ -28,8 +28,10 @@ REQUEST = SweepRequest(
 SCRIPT = textwrap.dedent(
     """
     import sys
-    from reliab.motions import load_motions
-    from reliab.sweep import ScaledGrid, SweepRequest, run_sweep
+    from reliab.motions.loading import load_motions
+    from reliab.sweep.grid import ScaledGrid
+    from reliab.sweep.request import SweepRequest
+    from reliab.sweep.run import run_sweep
 
     request = SweepRequest(
         frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)

@@ -7,9 +7,9 @@ import numpy as np
 import scipy
 
 from reliab.assessment.inference.band import AnalysisBand, highest_frequency
-from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled
+from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.structures.partition import Partition
 
 _BLOCK = 1.0  # periods of the structure in a hop of the lapped transform

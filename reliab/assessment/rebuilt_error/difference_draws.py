@@ -25,11 +25,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.threads import one_thread
+from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.signals.noise import converter_step, vary_rounding
 
 _FACTORS_OF_A_LOGARITHM = 8  # each below 1e25, so that their product stays finite

@@ -28,13 +28,13 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.assessment.inference.lapped_transform import analyse
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.core.arrays import Array
 from reliab.signals.cubic_path import CubicPath
+from reliab.signals.lapped_transform import analyse
 from reliab.structures.partition import Partition
 from reliab.structures.parts_of_structure import is_of_entries
 

@@ -65,10 +65,12 @@ def test_a_calibrated_skew_is_taken_off_a_test(sine, tmp_path):
     by_file = reliab.assess(sine, f=1, xi=0.05, channels=channels)
     by_options = reliab.assess(sine, f=1, xi=0.05, **calibration)
     without = reliab.assess(sine, f=1, xi=0.05)
-    assert by_file.error.rebuilt.rms.value == by_options.error.rebuilt.rms.value
+    assert (
+        by_file.error.rebuilt.rms.value < by_options.error.rebuilt.rms.value < without.error.rebuilt.rms.value
+    )
     of_filters = [
         {item.name: item for item in found.error.budget}["filter_delay"] for found in (by_file, by_options)
     ]
     assert [item.source for item in of_filters] == [Source.STATED, Source.DEFAULT]
-    assert of_filters[0].size < 0.2 * of_filters[1].size  # filters of the channels are in a calibrated skew
+    assert of_filters[0].size < 0.25 * of_filters[1].size  # filters of the channels are in a calibrated skew
     assert by_file.error.rebuilt.rms.value < 0.3 * without.error.rebuilt.rms.value

@@ -109,7 +109,7 @@ def test_sentences_after_a_wide_table_are_broken_as_before_it(capsys):
 
 def test_every_table_of_every_command_goes_through_the_console_that_shows_it_whole():
     """Only that console is made in the rooms of the command line, but for the bar of progress."""
-    folder = Path(reliab.__file__).parent / "cli"
+    folder = Path(reliab.__file__).parent / "app" / "cli"
     made = {
         path.name
         for path in folder.rglob("*.py")

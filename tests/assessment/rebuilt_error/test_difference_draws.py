@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.difference_draws import (
     _FACTORS,
     _LEVELS,
@@ -26,6 +25,7 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     sample_backwards,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.signals.lapped_transform import analyse, synthesise
 
 STEP = 1.0 / 256.0
 SIZE = 4000

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.inference.lapped_transform import analyse, synthesise
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
 from reliab.core.errors import InputError
+from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.signals.spectra import binned
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
