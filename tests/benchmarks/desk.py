@@ -75,7 +75,7 @@ def follow(desk: DeskBrowser) -> None:
     desk.choose("File in the folder of the desk", "the test that comes with reliab")
     desk.state_structure()
     desk.press("Follow")
-    desk.until(lambda: re.search(r"[23]\d\.\d s RMS error so far \d", desk.text()))
+    desk.until(lambda: re.search(r"[34]\d\.\d s RMS error so far \d", desk.text()))
 
 
 def show_rig(desk: DeskBrowser) -> None:
