@@ -25,7 +25,7 @@ _FIELDS: Final[Mapping[str, tuple[str, str]]] = {
     "xi": ("Damping ratio ξ", "0.02±0.002"),
     "alpha": ("Share of the stiffness in the laboratory α", "1"),
     "threshold": ("Largest error of a good test", "0.05"),
-    "confidence": ("Share of ground motions for the criterion", "0.95"),
+    "confidence": ("Confidence of the criterion", "0.95"),
     "mass": ("Mass of the structure [kg]", "only with a recorded force"),
     "scale": ("Scale of the displacement sensor", "1±0.005"),
     "skew": ("Measured channel is late by [ms]", "0±0.2"),

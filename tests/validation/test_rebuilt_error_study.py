@@ -53,6 +53,7 @@ def short(design):
         return try_tests(design)
 
 
+@pytest.mark.slow
 def test_true_errors_are_those_of_another_laboratory():
     tau = 0.004
     lab = laboratory.Lab(1.0, 0.05, 1.0, laboratory.LAG, (1.0, tau, 0.0, 0.0))

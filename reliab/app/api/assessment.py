@@ -230,7 +230,7 @@ def assess(
     --------
     >>> verdict = assess("sample_test", f=1, xi=0.02)
     >>> verdict.reliable, round(verdict.error.rebuilt.rms.value, 3)
-    (True, 0.023)
+    (True, 0.022)
     """
     of_structure = stated_values(f=f, xi=xi, alpha=alpha, mass=mass, feedback_lag=feedback_lag)
     of_channels = stated_values(

@@ -43,10 +43,10 @@ def compare(
     --------
     >>> import numpy as np
     >>> import pandas as pd
-    >>> time = np.arange(0.0, 30.0, 0.005)
+    >>> time, noise = np.arange(0.0, 30.0, 0.005), np.random.default_rng(0).normal(size=6000)
     >>> moved = lambda delay: 0.02 * np.sin(6.0 * (time - delay)) * np.sin(0.1 * time) ** 2
     >>> tests = [
-    ...     pd.DataFrame({"time_s": time, "command_m": moved(0.0), "measured_m": moved(delay)})
+    ...     pd.DataFrame({"time_s": time, "command_m": moved(0.0), "measured_m": moved(delay) + 1e-5 * noise})
     ...     for delay in (0.004, 0.001)
     ... ]
     >>> [test.file for test in compare(tests, f=1, xi=0.05).tests]

@@ -23,7 +23,7 @@ _SLIDERS: Final[Mapping[str, tuple[str | float, ...]]] = {
     "xi": ("Damping ratio ξ", 0.01, 0.1, 0.001, 0.02, 100.0, "%"),
     "alpha": ("Share of the stiffness in the laboratory α", 0.1, 1.0, 0.05, 1.0, 1.0, ""),
     "threshold": ("Largest error of a good test", 0.01, 0.2, 0.005, 0.05, 100.0, "%"),
-    "confidence": ("Share of ground motions", 0.5, 0.99, 0.01, 0.95, 100.0, "%"),
+    "confidence": ("Confidence", 0.5, 0.99, 0.01, 0.95, 100.0, "%"),
     "duration": ("Length of the record (0 for any)", 0.0, 90.0, 5.0, 0.0, 1.0, "s"),
 }
 

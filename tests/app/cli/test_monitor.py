@@ -93,6 +93,7 @@ def test_the_end_is_the_answer_of_assess(good, more):
         assert found["error"][metric] == assessed["error"][metric]
 
 
+@pytest.mark.slow
 def test_channels_that_only_assess_uses_count_at_the_end(good, tmp_path):
     """A recorded ground acceleration, which the running error does not need."""
     lines = good.read_text(encoding="utf-8").splitlines()
@@ -529,6 +530,7 @@ def of_two_actuators(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_several_actuators_are_followed_as_they_are_assessed(of_two_actuators, capsys):
     asked = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9"]
     assert run(["monitor", str(of_two_actuators), *asked, "--json", "-"]) == 0
@@ -548,6 +550,7 @@ def test_several_actuators_are_followed_as_they_are_assessed(of_two_actuators, c
     assert f"RMS of {followed['governing']}" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, capsys):
     late = tmp_path / "channels.toml"
     late.write_text("[calibration]\nskew_ms = 6.0\n", encoding="utf-8")

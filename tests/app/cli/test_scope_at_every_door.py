@@ -81,6 +81,7 @@ def said(capsys, *arguments):
     return " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_the_criterion(case, capsys):
     screen = said(capsys, *case.asked())
     assert ("The case asked for lies" in screen) == (case.position != "inside")

@@ -12,7 +12,6 @@ from reliab.app.cli.diagnose import _show_effects
 from reliab.app.cli.monitor import _table
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.core.vocabulary import Metric
-from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.structures.structure import Structure
 
 
@@ -48,21 +47,16 @@ def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
 
 
 def test_missing_effects_are_shown_with_their_parameters_and_bounds(capsys):
-    estimates = [
-        Estimate(name=name, value=value, units="N", sd=0.5)
-        for name, value in (("force_n", 12.3456), ("other_n", 7.0))
-    ]
     effect = SimpleNamespace(
         name="friction",
         probability=0.987,
-        estimates=estimates,
-        on_bounds=("other_n",),
+        parameter_texts=("force_n 12.35 N", "other_n (on a bound)"),
         error_with=0.0123,
         error_without=0.4,
     )
     _show_effects(SimpleNamespace(effects=(effect,), doubtful=()))
     shown = words_of(capsys.readouterr().out)
-    for part in ("12.35 N", "0.987", "other_n (on a bound)", "0.0123 with it", "0.4000 without it"):
+    for part in ("12.35 N", "0.987", "other_n (on a bound)", "0.4000 → 0.0123"):
         assert part in shown
     _show_effects(SimpleNamespace(effects=(), doubtful=()))
     assert capsys.readouterr().out == ""

@@ -25,6 +25,7 @@ def simulated(build=two_storeys, seconds=24.0):
     return partition, run.command, run.measured + noise
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lag", [0.0, 0.0031])
 @pytest.mark.parametrize("build", [two_storeys, node])
 def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
@@ -66,6 +67,7 @@ def test_one_actuator_is_followed_as_by_the_monitor_of_one():
     assert several.now.damping == one.now.damping
 
 
+@pytest.mark.slow
 def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
     partition, command, measured = simulated()
     monitor = CoupledMonitor(partition, 1.0 / RATE)

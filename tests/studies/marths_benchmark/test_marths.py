@@ -99,6 +99,7 @@ def errors_of_uncertain_plant(ground, name):
     return run, to_node(run.true) - ideal, np.abs(ideal).max(axis=1)
 
 
+@pytest.mark.slow
 def test_the_error_follows_from_the_displacements_to_rounding():
     time = np.arange(6.0 * RATE) / RATE
     ground = np.sin(2.0 * np.pi * 2.2 * time) * np.minimum(time, 1.0) + 0.3 * np.sin(79.0 * time)

@@ -28,6 +28,7 @@ def _force(family, parameters, path):
     )
 
 
+@pytest.mark.slow
 def test_a_ramberg_osgood_specimen_follows_its_skeleton_and_the_rule_of_masing():
     path = 2.0 * np.sin(np.pi * _TIMES)
     force = _force("Ramberg-Osgood", [0.5, 5.0], path)
