@@ -69,7 +69,7 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.skip(reason="the studies were taken away"))
 
 
-_DEFAULT_CASES = 4
+_DEFAULT_CASES = 2
 """Cases of one test that run by default, so that `.ci/run` takes less than ten minutes."""
 
 

@@ -48,6 +48,7 @@ def test_importing_the_package_imports_no_numerics():
     assert done.stdout.strip() == "False"
 
 
+@pytest.mark.slow
 def test_a_test_is_judged_from_a_name_and_numbers():
     by_numbers = reliab.assess("sample_test", f="1±0.01", xi=0.02)
     assert by_numbers.stated["f"].deviation == 0.01
@@ -211,6 +212,7 @@ RESULTS_WITH_ROWS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("key", RESULTS_WITH_ROWS)
 def test_rows_of_a_result_are_a_table(key):

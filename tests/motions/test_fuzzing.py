@@ -134,6 +134,7 @@ def outcomes(name: str, content: bytes) -> None:
             assert all(isinstance(motion, Motion) for motion in motions)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("kind", ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv"])
 @given(damaged=damage())

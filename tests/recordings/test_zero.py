@@ -58,6 +58,7 @@ def test_moves_before_and_after_a_test_are_left_out_and_said(shape, noise):
     assert "left out" in test.channels[0].applied[-1]
 
 
+@pytest.mark.slow
 def test_the_error_is_that_of_the_test_without_its_moves():
     rest = np.zeros(512)
     alone = frame(*(np.concatenate([rest, history, rest]) for history in (COMMAND, MEASURED)))

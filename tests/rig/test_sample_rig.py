@@ -41,6 +41,7 @@ def test_delays_before_and_after_differ_by_what_was_simulated(table):
     assert np.median(delays[CHANGED:]) - np.median(delays[:CHANGED]) == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.slow
 def test_it_is_copied_and_its_next_test_predicted(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run(["samples"]) == 0

@@ -81,6 +81,7 @@ def test_a_file_that_was_damaged_is_made_again(finished, small_study):
     assert "trace" in stages_of(small_study, finished)
 
 
+@pytest.mark.slow
 def test_the_report_can_be_made_again_from_the_folder_alone(finished):
     first = (finished / "report.pdf").read_bytes()
     (finished / "report.pdf").unlink()

@@ -82,6 +82,7 @@ def test_the_shipped_files_agree_with_each_other():
     assert np.allclose(looked_up["b"], traced["b"], rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_a_file_of_an_earlier_version_is_read():
     """`results.nc` is one: signed differences along gain and delay, one step for both errors."""
     path = shipped("datasets", "real_suite/results.nc")

@@ -180,6 +180,7 @@ def text_of_section():
     return told
 
 
+@pytest.mark.slow
 def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch, tmp_path):
     app = typer.Typer()
     app.command()(validate)

@@ -19,12 +19,14 @@ QUESTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threshold", ["0.005", "0.04"])
 @pytest.mark.parametrize("question", QUESTIONS.values(), ids=QUESTIONS)
 def test_every_question_takes_a_threshold_that_was_not_traced(question, threshold):
     assert run([*question, "--threshold", threshold, "--json", "-"]) in (0, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", [(), ("--calibration",)])
 def test_a_criterion_is_put_to_the_test_at_any_threshold(tmp_path, scheme):
     at_one = read_ellipses("real_suite").sel(f=[1.0], xi=[0.05])

@@ -165,6 +165,7 @@ def test_criterion_of_a_file_is_used(folder):
     assert found["by_index"]["probability"] is None
 
 
+@pytest.mark.slow
 def test_design_states_tolerable_errors_and_a_chart(folder):
     found = json.loads(
         run("--design", "--f", 1, "--f", 0.6, "--confidence", 0.8, "--confidence", 0.95, "--json", "-").stdout

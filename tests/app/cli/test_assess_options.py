@@ -100,6 +100,7 @@ def test_no_option_is_left_out():
     assert options - {"--help", "--install-completion", "--show-completion"} == {*CHANGES, *SEEN_ELSEWHERE}
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(7)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(answer, option):

@@ -17,6 +17,7 @@ def files(tmp_path):
     return [str(tmp_path / name) for name in ("none.csv", "inverse.csv")]
 
 
+@pytest.mark.slow
 def test_the_ranking_is_printed_written_and_drawn(tmp_path, files, capsys):
     out, figure = tmp_path / "ranking.csv", tmp_path / "ranking.svg"
     asked = ["compare", *files, "--f", "1", "--xi", "0.05"]

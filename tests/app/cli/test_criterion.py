@@ -224,6 +224,7 @@ def unconverged(*arguments: object) -> Result:
     return result
 
 
+@pytest.mark.slow
 def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
     out, figures = tmp_path / "criterion.json", tmp_path / "figures"
     found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
@@ -326,6 +327,7 @@ def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
     assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
 
 
+@pytest.mark.slow
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     found = answer("--ellipses", TABLE2, "--compare")["comparison"]
     of_a, of_b = found["distributions"]
@@ -337,6 +339,7 @@ def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
     assert found["laws"] == []
 
 
+@pytest.mark.slow
 def test_laws_are_compared_over_structures(ellipses_of_twelve):
     arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
     arguments = (*arguments, "--confidence", 0.8)

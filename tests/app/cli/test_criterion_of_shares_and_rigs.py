@@ -61,6 +61,7 @@ def records(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=4.0))
     given = ("--motions", records, "--structure", tmp_path / "frame.toml")

@@ -74,6 +74,7 @@ def files(tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_a_verdict_needs_none_of_the_heavy_parts():
     assert modules("assess", TEST, *STRUCTURE) & SPARED_BY_ONE == set()
 

@@ -106,6 +106,7 @@ def test_channels_that_only_assess_uses_count_at_the_end(good, tmp_path):
     assert end.to_dict()["error"]["rms"] == reliab.assess(path, f=1.01, xi=0.05).to_dict()["error"]["rms"]
 
 
+@pytest.mark.slow
 def test_undecided_is_no_answer_no_and_check_asks_for_reliable(good, capsys):
     """As with `reliab assess`: without --check only a test that is not reliable ends with exit code 1."""
     found = reliab.assess(good, **ONE_HERTZ).error.rebuilt.rms
@@ -169,6 +170,7 @@ def test_a_line_that_never_ended_costs_no_verdict(good, tmp_path):
     assert end.to_dict()["error"]["rms"] == reliab.assess(good, **ONE_HERTZ).to_dict()["error"]["rms"]
 
 
+@pytest.mark.slow
 def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     path = tmp_path / "long.csv"
     written(path, 0.004, seconds=30.0, quiet=16.0)
@@ -187,6 +189,7 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
 
+@pytest.mark.slow
 def test_an_error_that_crossed_the_threshold_early_is_no_answer(tmp_path, capsys):
     """A threshold between the largest error so far and the one of the whole test."""
     path = tmp_path / "early.csv"
@@ -326,6 +329,7 @@ def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
     assert np.allclose(np.diff(read), 1.0 / RATE, atol=2e-6)
 
 
+@pytest.mark.slow
 def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
     lines = good.read_text(encoding="utf-8").splitlines()
     changed = ["seconds;drive_mm;lvdt_mm"]
@@ -389,6 +393,7 @@ def short(tmp_path_factory) -> tuple[Path, str]:
     return path, printed.getvalue()
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize(
     ("option", "value"),
@@ -411,6 +416,7 @@ def test_every_option_changes_the_answer(short, capsys, option, value):
     assert capsys.readouterr().out != plain
 
 
+@pytest.mark.slow
 def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     """A reading that is late and too large, told so by channels.toml, has the error of the sound reading."""
     run(follow(good, "--threshold", "1", "--exact"))
@@ -564,6 +570,7 @@ def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, ca
     assert abs(errors[1] / errors[0] - 1.0) > 0.1
 
 
+@pytest.mark.slow
 def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(good, tmp_path):
     """Strokes of a piston: their peak is counted from its end, and no error over it means anything."""
     names, *rows = good.read_text(encoding="utf-8").splitlines()
@@ -579,6 +586,7 @@ def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(g
     assert end.to_dict()["rms"] == pytest.approx(plain.to_dict()["rms"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_offset_that_the_loop_felt_before_the_first_row_is_no_other_zero(good, tmp_path):
     names, *rows = good.read_text(encoding="utf-8").splitlines()
     path = tmp_path / "felt.csv"

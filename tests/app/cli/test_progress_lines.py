@@ -105,6 +105,7 @@ def test_deep_task_is_shown_as_its_caller_shows_tasks():
         assert progress is silent
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("impatient")
 def test_command_states_its_time_where_no_terminal_is(tmp_path, capsys):
     model = "format = 1\nstructure = {frequency_hz = 1.0, damping_ratio = 0.05}\n"

@@ -48,6 +48,7 @@ def test_a_campaign_that_ships_goes_by_name_unless_a_folder_of_that_name_stands_
         read_campaign("rig_b")
 
 
+@pytest.mark.slow
 def test_a_test_that_ships_is_followed_by_name(empty_folder, capsys):
     code = run(
         ["monitor", "sample_test", "--f", "1", "--xi", "0.02", "--wait", "0.1", "--json", "times.jsonl"]

@@ -223,6 +223,7 @@ def sentences(path):
             yield node.value
 
 
+@pytest.mark.slow
 def test_rooms_below_the_command_line_name_no_options():
     """An option stands in a command quoted as a whole; what both doors have is named in backquotes."""
     package = Path(reliab.__file__).parent

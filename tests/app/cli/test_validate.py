@@ -145,6 +145,7 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
         assert row["good"] is (row["case"] != 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "rule"),
     [

@@ -29,6 +29,7 @@ def late():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tighter",
     [

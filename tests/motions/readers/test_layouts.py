@@ -206,6 +206,7 @@ def test_national_layout_is_read_whatever_its_ending(layout: str, name: str, wri
     assert inspect(folder).faults == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", ["GeoNet", "RENADIC", "USC", "BHRC", "AFAD", "SMC", "ASA", "K-NET CSV"])
 def test_record_cut_short_is_refused_and_never_shifted(layout: str, write: Write) -> None:
     rows = LAYOUTS[layout][0].splitlines(keepends=True)

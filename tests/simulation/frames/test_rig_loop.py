@@ -34,6 +34,7 @@ def shaking():
     return np.convolve(generator.standard_normal(1501), np.ones(5) / 5.0, "same")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["function", "servo_hydraulic"])
 def test_the_error_is_that_of_the_digital_laboratory(case, shaking):
     if case == "function":

@@ -111,6 +111,7 @@ def motions(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_commands_take_the_model(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     model = motions / "model.toml"
