@@ -69,8 +69,10 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.skip(reason="the studies were taken away"))
 
 
-_DEFAULT_CASES = 2
-"""Cases of one test that run by default, so that `.ci/run` takes less than ten minutes."""
+_DEFAULT_CASES, _LONG_CASES = 2, 1
+"""Cases of one test that run by default, so that `.ci/run` takes ten minutes; the second of verdicts."""
+
+_OF_VERDICTS = ("tests/app/", "tests/assessment/")
 
 
 def _cases_beyond_the_default(items):
@@ -80,7 +82,8 @@ def _cases_beyond_the_default(items):
         cases[item.nodeid.partition("[")[0]].append(item)
     for group in cases.values():
         marker = group[0].get_closest_marker("default_cases")
-        number = min(marker.args[0] if marker else _DEFAULT_CASES, len(group))
+        usual = _LONG_CASES if group[0].nodeid.startswith(_OF_VERDICTS) else _DEFAULT_CASES
+        number = min(marker.args[0] if marker else usual, len(group))
         run = {rank * len(group) // number for rank in range(number)}
         yield from (item for rank, item in enumerate(group) if rank not in run)
 
