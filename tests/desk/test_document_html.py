@@ -49,4 +49,4 @@ def test_a_report_has_its_figures_as_pictures_with_words_and_its_tables_with_hea
     assert re.search(r'<img alt="[^"]{20,}" width="736" src="data:image/svg\+xml;base64,', html)
     assert "<svg" not in html
     assert html.count("<table>") == html.count("<thead>") > 2
-    assert "What to change" in html
+    assert "What to expect of the next test" in html

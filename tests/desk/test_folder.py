@@ -1,5 +1,6 @@
 """Nothing is read or written outside of the desk's folder."""
 
+import importlib
 import zipfile
 from pathlib import Path
 
@@ -8,6 +9,8 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.core.file_limits import LIMITS, FileLimits
 from reliab.desk.folder import DeskFolder, safe_name, unpacked
+
+FOLDER = importlib.import_module("reliab.desk.folder")
 
 
 @pytest.mark.parametrize(
@@ -38,7 +41,7 @@ def test_long_names_keep_their_ending():
 
 def test_files_that_are_too_large_are_refused_as_on_the_command_line(folder, monkeypatch):
     small = FileLimits(bytes=3, remedy="Cut it")
-    monkeypatch.setattr("reliab.desk.folder.LIMITS", {**LIMITS, "test": small})
+    monkeypatch.setattr(FOLDER, "LIMITS", {**LIMITS, "test": small})
     with pytest.raises(InputError, match="may have 3e-06 MB at most"):
         folder.keep("test.csv", b"1234")
 
@@ -96,10 +99,10 @@ def test_archives_whose_files_lead_elsewhere_are_refused_before_anything_is_writ
 
 
 def test_archives_with_too_many_or_too_large_files_are_refused(folder, monkeypatch):
-    monkeypatch.setattr("reliab.desk.folder._MOST_FILES", 2)
+    monkeypatch.setattr(FOLDER, "_MOST_FILES", 2)
     with pytest.raises(InputError, match="found 3 files"):
         unpacked(zipped(folder, dict.fromkeys("abc", "1")))
-    monkeypatch.setattr("reliab.desk.folder.LIMITS", {"test": FileLimits(bytes=1000, remedy="Cut it")})
+    monkeypatch.setattr(FOLDER, "LIMITS", {"test": FileLimits(bytes=1000, remedy="Cut it")})
     with pytest.raises(InputError, match="at most; found"):
         unpacked(zipped(folder, {"a": "0" * 2000}))
 

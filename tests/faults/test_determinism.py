@@ -88,7 +88,7 @@ def test_the_command_line_counts_on_one_thread(monkeypatch, capsys):
 
 
 def test_libraries_of_numerics_are_loaded_after_the_number_of_threads_is_set():
-    program = "import sys, reliab.__main__, reliab.cli; sys.exit('numpy' in sys.modules)"
+    program = "import sys, reliab.__main__, reliab.app.cli; sys.exit('numpy' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], check=True)  # noqa: S603 - the line above
 
 

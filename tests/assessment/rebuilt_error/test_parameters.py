@@ -122,7 +122,7 @@ def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
     assert check.nonlinear
     modelled = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
     assert modelled.rms.value == pytest.approx(outcome.rms, rel=0.01)
-    assert abs(linear.rms.value / outcome.rms - 1.0) > 0.04
+    assert abs(linear.rms.value / outcome.rms - 1.0) > 0.03
 
 
 @pytest.mark.parametrize("kind", ["white", "slow", "mains"])
