@@ -8,16 +8,22 @@ from typing import Any, Final
 from reliab.core.errors import InputError
 
 _PARTS: Final = ("command", "measured", "time", "force", "ground")
+_NUMBERS: Final = ("threshold", "wait")  # arguments without a standard deviation
 
 
-def filled(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Keep what is filled in.
+def filled(values: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """Take the arguments of these names that are filled in; those that are plain numbers as such.
 
-    >>> filled({"f": " 1±0.01 ", "xi": "", "mass": None})
-    {'f': '1±0.01'}
+    >>> filled({"f": " 1±0.01 ", "xi": "", "threshold": "0,05"}, ("f", "xi", "threshold"))
+    {'f': '1±0.01', 'threshold': 0.05}
     """
-    stripped = {name: value.strip() if isinstance(value, str) else value for name, value in values.items()}
-    return {name: value for name, value in stripped.items() if value not in ("", None)}
+    given = {name: values.get(name) for name in names}
+    texts = {name: value.strip() if isinstance(value, str) else value for name, value in given.items()}
+    return {
+        name: number(value, name) if name in _NUMBERS else value
+        for name, value in texts.items()
+        if value not in ("", None)
+    }
 
 
 def number(text: str, name: str) -> float:

@@ -289,7 +289,7 @@ def _document_of_comparison(comparison: "Comparison") -> Document:
 
 
 def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
-    """Show a rig's history, predict its next test, and say what to change."""
+    """Show a rig's history, and predict its next test."""
     with show_task("Reading the rig's tests"):
         document = document_of_rig(rig, **arguments)
     table = Path(folder) / "tests.csv"

@@ -82,7 +82,7 @@ def show_rig(desk: DeskBrowser) -> None:
     """Show the shipped rig."""
     desk.open("rig")
     desk.press("Show the rig")
-    desk.wait_for("What to change", 200.0)
+    desk.wait_for("What to expect of the next test", 200.0)
     time.sleep(1.0)
 
 

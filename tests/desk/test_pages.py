@@ -60,14 +60,14 @@ def test_a_dropped_test_is_shown_and_judged_and_a_reload_loses_nothing(desk):
     assert "256 samples a second" in desk.text()
     desk.state_structure()
     desk.press("Judge this test")
-    desk.wait_for("below 5 % with probability 0.94")
+    desk.wait_for("below 5 % with probability 0.98")
     desk.wait_for("The whole report")
     desk.press("Scale of the displacement sensor")
     desk.wait_for("If you knew it exactly")
     assert "reliab assess test.csv --f '1±0.01' --xi '0.02±0.002'" in desk.text()
     assert desk.inaccessible() == {}
     desk.chrome.refresh()
-    desk.wait_for("below 5 % with probability 0.94")
+    desk.wait_for("below 5 % with probability 0.98")
     desk.wait_for("The whole report")
     assert {url.split("/")[2] for url in desk.requests() if url.startswith("http")} == {
         desk.address.split("/")[2]
@@ -138,7 +138,7 @@ def test_a_correction_changes_the_drawing_and_the_verdict_as_on_the_command_line
     assert 'column = "second"' in desk.text()
     desk.state_structure()
     desk.press("Judge this test")
-    desk.wait_for("below 5 % with probability 0.94")
+    desk.wait_for("below 5 % with probability 0.98")
     assert "--channels channels.toml" in desk.text()
 
 
@@ -221,7 +221,7 @@ def test_tests_are_compared_and_may_be_removed(desk, tmp_path):
 def test_the_history_of_a_rig_is_shown(desk):
     desk.open("rig")
     desk.press("Show the rig")
-    desk.wait_for("What to change", 200)
+    desk.wait_for("What to expect of the next test", 200)
     assert desk.inaccessible() == {}
 
 

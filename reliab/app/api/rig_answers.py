@@ -1,4 +1,4 @@
-"""What a rig's tests answer: the next test predicted, what to change, and whether it became better."""
+"""What a rig's tests answer: the next test predicted, and a report."""
 
 import hashlib
 from collections.abc import Iterable, Mapping

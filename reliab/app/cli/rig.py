@@ -211,7 +211,7 @@ class RigReportDemand(options.Reported):
 @app.command("report")
 @takes(RigReportDemand)
 def report(demand: RigReportDemand) -> None:
-    """Write two pages on what the rig does, what to expect and what to change, and an appendix."""
+    """Write two pages on what the rig does and what to expect of its next test, and an appendix."""
     from reliab.app.api.rig_answers import report_rig
 
     written = demand.ask(report_rig, *options.OF_REPORT, "json_target", setting=demand.setting)

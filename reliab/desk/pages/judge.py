@@ -56,7 +56,8 @@ def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """
     corrections = {}
     for channel in PARTS:
-        table = filled({name: values.get(f"{name}_{channel}") for name in ("column", "unit")})
+        chosen = {name: values.get(f"{name}_{channel}") for name in ("column", "unit")}
+        table = filled(chosen, chosen)
         if values.get(f"sign_{channel}") == "-1":
             table["sign"] = -1
         if table:
@@ -149,7 +150,7 @@ class JudgePage(Page):
         values = self.memory.values
         rate = number(values["rate"], "rate") if values.get("rate") else None
         text = channels_toml(corrections_of(values), rate)
-        reading = filled({"test_name": values.get("test_name")})
+        reading = filled(values, ("test_name",))
         if text:
             place = self.memory.files[0].parent / "channels"
             place.mkdir(exist_ok=True)
@@ -160,12 +161,10 @@ class JudgePage(Page):
 
     def _arguments(self) -> dict[str, Any]:
         values = self.memory.values
-        arguments = filled({name: values.get(name) for name in ARGUMENTS})
+        arguments = filled(values, ARGUMENTS)
         if arguments.get("metric") == "rms":
             del arguments["metric"]
-        if "threshold" in arguments:
-            arguments["threshold"] = number(arguments["threshold"], "threshold")
-        frame = filled({"structure": values.get("structure")})
+        frame = filled(values, ("structure",))
         for name in _OF_STRUCTURE if frame else ():
             arguments.pop(name, None)
         return {**arguments, **frame, **self._reading()}

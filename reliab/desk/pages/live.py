@@ -74,9 +74,7 @@ class LivePage(Page):
                 "A file to follow is needed", value="none", remedy="Choose it, or name the coming one"
             )
         source = "sample_test" if file == _SAMPLE else str(self.desk.folder.within(file))
-        arguments = filled({name: values.get(name) for name in _ARGUMENTS})
-        numbers = filled({name: values.get(name) for name in ("threshold", "wait")})
-        arguments |= {name: number(text, name) for name, text in numbers.items()}
+        arguments = filled(values, (*_ARGUMENTS, "threshold", "wait"))
         self.forget(("live",))
         self._verdict.clear()
         self.start("live", follow, source=source, folder=str(self.new_place()), arguments=arguments)

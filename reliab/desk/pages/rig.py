@@ -1,4 +1,4 @@
-"""Rig: what its tests were, what the next will be, and what to change."""
+"""Rig: what its tests were, and what the next will be."""
 
 import panel as pn
 
@@ -6,10 +6,11 @@ from reliab.core.shipped import shipped
 from reliab.desk.elements import button, choice, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.page import Page
-from reliab.desk.questions import filled, number
+from reliab.desk.questions import filled
 from reliab.desk.work import show_rig
 
 _SAMPLE = "the rig that comes with reliab"
+_ARGUMENTS = ("f", "xi", "alpha", "threshold")
 
 
 def offer_rigs(page: Page, label: str, *, none: str = "") -> pn.widgets.Select:
@@ -37,7 +38,7 @@ class RigPage(FiledPage):
     name = "rig"
     title = "Rig"
     heading = "Follow a rig"
-    about = "See what a rig has done, whether it drifts, what its next test will be, and what to change."
+    about = "See what a rig has done, whether it drifts, and what its next test will be."
     work_kind = "rig"
 
     def build(self) -> None:
@@ -49,14 +50,12 @@ class RigPage(FiledPage):
             ),
             offer_rigs(self, "Rig"),
             html("<h2>The next test</h2><p class='hint'>Left empty: like the last one.</p>"),
-            *(field(self.memory, name) for name in ("f", "xi", "alpha", "threshold")),
+            *(field(self.memory, name) for name in _ARGUMENTS),
             button("Show the rig", lambda: self.attempt(self._show), "primary"),
             self.stop,
         ]
         self.lay_out_answer()
 
     def _show(self) -> None:
-        arguments = filled({name: self.memory.values.get(name) for name in ("f", "xi", "alpha", "threshold")})
-        if "threshold" in arguments:
-            arguments["threshold"] = number(arguments["threshold"], "threshold")
+        arguments = filled(self.memory.values, _ARGUMENTS)
         self.ask(show_rig, rig=path_of_rig(self), arguments=arguments)

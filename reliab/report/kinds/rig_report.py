@@ -47,7 +47,7 @@ def rig_report(
     structure: Structure | None,
     provenance: Mapping[str, object],
 ) -> Document:
-    """Report what a rig does, what to expect of its next test, and what to change.
+    """Report what a rig does and what to expect of its next test.
 
     `structure` is None if the last test was of a frame.
     """
