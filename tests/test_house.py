@@ -18,11 +18,11 @@ from reliab.app.cli import application
 
 PACKAGE = Path(reliab.__file__).parent
 STUDIES = PACKAGE.parent / "studies"
+DATASETS = PACKAGE.parent / "datasets"
 TESTS = Path(__file__).parent
 LINES_OF_A_MODULE = 500
 LINES_OF_A_FUNCTION = 40
 LONG_FUNCTIONS = {
-    "assessment/error_of_test.py:error_of_test": "one branch for each kind of specimen",
     "assessment/measured_specimen/elements.py:_advance": "compiled: one branch for each kind of element",
     "simulation/hybrid_test/closed_loop.py:march": "one compiled loop",
     "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
@@ -60,9 +60,9 @@ def lines_of_body(path: Path, function: ast.FunctionDef) -> int:
 
 @cache
 def uses() -> Counter[str]:
-    """Count how often each name is read anywhere in the package, its studies and tests, not only imported."""
+    """Count how often each name is read in the package, its studies and its datasets, not only imported."""
     names: Counter[str] = Counter()
-    for path in (*modules(), *STUDIES.rglob("*.py"), *TESTS.rglob("*.py")):
+    for path in (*modules(), *STUDIES.rglob("*.py"), *DATASETS.rglob("*.py")):
         for node in nodes(path):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
                 names[node.id] += 1
@@ -110,15 +110,21 @@ def is_command(node: ast.FunctionDef | ast.ClassDef) -> bool:
 
 
 def offered() -> set[str]:
-    """Return the names that a folder of reliab offers in its face, for another room or for Python users."""
-    faces = (*PACKAGE.rglob("__init__.pyi"), *PACKAGE.rglob("__init__.py"))
+    """Return the names that reliab itself offers to Python users, and those that its examples import."""
+    shown = (
+        node for path in modules() for node in ast.walk(ast.parse("\n".join(imported_in_examples(path))))
+    )
     return {
         alias.asname or alias.name
-        for path in faces
-        for node in nodes(path)
+        for node in (*shown, *nodes(PACKAGE / "__init__.pyi"))
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
+
+
+def imported_in_examples(path: Path) -> list[str]:
+    """Return the lines of examples in docstrings that import something."""
+    return re.findall(r"^ *>>> (from reliab\.\S+ import .*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_public_code_has_a_user_in_the_package():

@@ -26,13 +26,6 @@ _WHOLE: Final[Mapping[str, slice]] = MappingProxyType({})
 
 
 @cache
-def shipped_windows() -> tuple[str, ...]:
-    """Windows over which the errors of the ellipses that ship were computed."""
-    with _opened(_ELLIPSES, "Ellipses") as file:
-        return tuple(_values(file, "window").tolist())
-
-
-@cache
 def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
     """Ellipses of one kind that ship, of one error over one of the windows."""
     with _opened(_ELLIPSES, "Ellipses") as file:

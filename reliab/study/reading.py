@@ -2,16 +2,13 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from reliab.core.described_files import described, read_toml
 from reliab.core.errors import InputError
 from reliab.study.description import Study
 from reliab.study.folders import FILE, kind_of, shipped_folders
 from reliab.study.kinds import KINDS
-
-DEFAULT_STUDY: Final = "quick"
-"""The study that is run where none is named."""
 
 
 def read_study(path: str | Path) -> Study:
