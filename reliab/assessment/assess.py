@@ -23,7 +23,7 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
-from reliab.assessment.inference.posterior import TestPosterior, would_rather_have
+from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
 from reliab.assessment.own_equation import (
     Explanation,
     OwnEquation,
@@ -258,7 +258,7 @@ def _accepts_frequency(assessment: Assessment) -> bool:
     if inferred is None:
         return False
     moves = assessment.tracking.plain.equivalent_frequency
-    return not would_rather_have(inferred.posterior, moves / assessment.structure.frequency)
+    return not favours_frequency(inferred.posterior, moves / assessment.structure.frequency)
 
 
 def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:

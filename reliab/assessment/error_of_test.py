@@ -211,7 +211,7 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
         """What makes the interval, the largest contribution first."""
-        return super().budget if self.inferred is None else self.inferred.budget(self.metric)
+        return super().budget if self.inferred is None else self.inferred.budget(self.widenings)
 
     @property
     def _of_specimen(self) -> str:
@@ -241,36 +241,17 @@ def error_of_test(
     """
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
-    inferred = _inferred(recording, measured, question, sizes, sensor_offset)
-    if inferred is not None and not specimen_damping:
-        return inferred
+    if not specimen_damping:
+        inferred = _inferred(recording, measured, question, sizes, sensor_offset)
+        if inferred is not None:
+            return inferred
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
-    whole, stiffness = question.whole, question.whole.specimen_stiffness
-    specimen: MeasuredSpecimen | None = None
-    if question.measured_specimen:
-        specimen = _learned(recording, measured, question, rest)
-        rebuilt = specimen.rebuilt
-    elif question.model is not None:
-        from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
-
-        rebuilt = rebuild_with_specimen(
-            recording.command,
-            measured,
-            recording.time_step,
-            question.model.test,
-            deviations=question.model.deviations,
-            **rest,
-        )
-    else:
-        rebuilt = rebuild(
-            recording.command,
-            measured,
-            recording.time_step,
-            whole.changed(specimen_damping=whole.specimen_damping + specimen_damping * stiffness),
-            feedback_lag=question.feedback_lag,
-            resolution=question.resolution,
-            **rest,
-        )
+    specimen = _learned(recording, measured, question, rest) if question.measured_specimen else None
+    rebuilt = (
+        _rebuilt(recording, measured, question, rest, specimen_damping)
+        if specimen is None
+        else specimen.rebuilt
+    )
     error = ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -281,6 +262,33 @@ def error_of_test(
         modelled=question.model is not None,
     )
     return _that_may_have_yielded(error, question.yielding(recording))
+
+
+def _rebuilt(
+    recording: Recording, measured: Array, question: Question, rest: "_Rest", specimen_damping: float
+) -> RebuiltError:
+    """Rebuild the error with a specimen as stated or modelled; `measured` [m], `specimen_damping` [s]."""
+    if question.model is not None:
+        from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+
+        return rebuild_with_specimen(
+            recording.command,
+            measured,
+            recording.time_step,
+            question.model.test,
+            deviations=question.model.deviations,
+            **rest,
+        )
+    whole, stiffness = question.whole, question.whole.specimen_stiffness
+    return rebuild(
+        recording.command,
+        measured,
+        recording.time_step,
+        whole.changed(specimen_damping=whole.specimen_damping + specimen_damping * stiffness),
+        feedback_lag=question.feedback_lag,
+        resolution=question.resolution,
+        **rest,
+    )
 
 
 def _inferred(

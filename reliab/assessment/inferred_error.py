@@ -1,6 +1,6 @@
 """The error of a test with one actuator, from the posterior of everything that is uncertain about it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +8,12 @@ import numpy as np
 from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.budget.sizes import Equipment, Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.error_draws import ErrorsOfTest, errors_of, errors_of_noise, typical_world
+from reliab.assessment.inference.error_draws import (
+    ErrorsOfTest,
+    draw_errors,
+    draw_noise_errors,
+    typical_world,
+)
 from reliab.assessment.inference.posterior import (
     TestPosterior,
     experiment_at,
@@ -24,7 +29,7 @@ from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_i
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
 from reliab.core.arrays import Array
@@ -97,7 +102,7 @@ class InferredError:
 
     def _of_noise(self, metric: Metric, deviation: float, width: float) -> Widening:
         """Contribution of the sensor's noise."""
-        rms, mte = errors_of_noise(self.posterior, _DRAWS_OF_NOISE)
+        rms, mte = draw_noise_errors(self.posterior, _DRAWS_OF_NOISE)
         alone = float(np.std(rms if metric is Metric.RMS else mte))
         left = max(1.0 - (alone / deviation) ** 2, 0.0) if deviation else 0.0
         return Widening(
@@ -115,12 +120,12 @@ class InferredError:
         for unknown, z in zip(self.posterior.unknowns, draws.values.T, strict=True):
             yield unknown, z, _deviation(z, draws.weights)
 
-    def budget(self, metric: Metric) -> tuple[BudgetItem, ...]:
-        """Quantities with what each contributes, the largest first."""
+    def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
+        """Say in words what widens the interval."""
         unknowns = {unknown.name: (unknown, spread) for unknown, _, spread in self._unknowns()}
         return tuple(
             _of_noise(part) if part.name == _NOISE else _item(*unknowns[part.name], part)
-            for part in self.widenings(metric)
+            for part in widenings
         )
 
 
@@ -211,7 +216,7 @@ def infer_error(
     posterior = infer(circumstances, seed=seed)
     if not posterior.draws.effective >= min(_FEWEST, posterior.draws.weights.size):
         return None
-    errors = errors_of(posterior, whole.names)
+    errors = draw_errors(posterior, whole.names)
     of_test = errors.displacements[0]
     if not (np.isfinite(of_test.rms).all() and np.isfinite(of_test.mte).all()):
         return None
@@ -286,13 +291,13 @@ class _Readings:
             error=self.read - reference,
             smooth_error=error,
             reference=reference,
-            rms=Estimate(**of_test.estimate(Metric.RMS).to_dict()),
-            mte=Estimate(**of_test.estimate(Metric.MTE).to_dict()),
+            rms=of_test.estimate(Metric.RMS),
+            mte=of_test.estimate(Metric.MTE),
             draws=Spread(
                 rms=of_test.rms,
                 mte=of_test.mte,
                 mean=error,
-                deviation=np.interp(places, band.time, errors.error.deviation[0]),
+                deviation=np.interp(places, band.time, errors.deviation[0]),
                 counts=of_test.weights * of_test.weights.size,
             ),
             time_step=self.time_step,

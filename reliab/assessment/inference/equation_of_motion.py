@@ -20,28 +20,19 @@ from reliab.core.arrays import Spectrum
 from reliab.structures.partition import Partition
 
 
-def residual(
-    channels: ChannelSpectra, partition: Partition, experiment: Experiment, *, by_force: bool = False
-) -> Spectrum:
-    """Residual of the equation of motion [N], shape (p, K).
-
-    `by_force`: whether the recorded force stands for that of the specimen, in place of Z x_f.
-    """
+def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
+    """Residual of the equation of motion [N], shape (p, K)."""
     response = respond(experiment.structure(partition), channels.band.s)
     command = channels.at_interface
     ground = experiment.ground(channels)
     driven = command if ground is None else command + response.ground.T * ground
-    force = experiment.force(channels) if by_force else None
-    if force is None:
-        difference = command - experiment.late(experiment.reading(channels), channels)
-        if experiment.integration:
-            turned = (channels.band.s * channels.band.record_step) ** 2
-            difference = difference - experiment.integration * turned * command
-        acting = _times(response.impedance, difference)
-        if experiment.slip is not None:
-            acting = acting + _times(response.impedance, experiment.slip)
-    else:
-        acting = _times(response.impedance, command) - force
+    difference = command - experiment.late(experiment.reading(channels), channels)
+    if experiment.integration:
+        turned = (channels.band.s * channels.band.record_step) ** 2
+        difference = difference - experiment.integration * turned * command
+    acting = _times(response.impedance, difference)
+    if experiment.slip is not None:
+        acting = acting + _times(response.impedance, experiment.slip)
     if partition.degrees == 1:
         return np.asarray(driven / response.compliance[:, 0].T - acting)
     moved = np.linalg.solve(response.compliance, driven.T[..., np.newaxis])[..., 0]

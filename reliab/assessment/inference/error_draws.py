@@ -8,26 +8,9 @@ import numpy as np
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
+from reliab.assessment.rebuilt_error.spread import ENDS, Estimate, weighted_quantiles
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Metric
-
-LEVEL = 0.9
-"""Level of the interval of an error."""
-
-_HALF_WIDTH = 1.6448536  # standard deviations of a normal distribution to either side of its middle 90 %
-
-
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """An error with its interval [-]."""
-
-    value: float  # Median
-    low: float
-    high: float
-
-    def to_dict(self) -> dict[str, float]:
-        """Put it into plain values."""
-        return vars(self).copy()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,27 +28,8 @@ class ErrorDraws:
 
     def estimate(self, metric: Metric) -> Estimate:
         """Return the median and the 90 % interval."""
-        value, low, high = weighted_quantiles(self.errors(metric), self.weights, (0.5, 0.05, 0.95))
+        value, low, high = weighted_quantiles(self.errors(metric), self.weights, 0.5, *ENDS)
         return Estimate(value=value, low=low, high=high)
-
-    def probability(self, threshold: float, metric: Metric) -> float:
-        """Return the probability that the error is below a threshold; few draws never tell zero or one."""
-        effective = 1.0 / float(np.sum(self.weights**2))
-        below = float(self.weights @ (self.errors(metric) < threshold))
-        return (below * effective + 0.5) / (effective + 1.0)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ResponseBand:
-    """Mean and standard deviation of a response over the draws of a posterior."""
-
-    mean: Array  # [m], shape (p, m)
-    deviation: Array  # [m], shape (p, m)
-
-    @property
-    def interval(self) -> tuple[Array, Array]:
-        """Limits of the middle 90 % at each time [m]."""
-        return self.mean - _HALF_WIDTH * self.deviation, self.mean + _HALF_WIDTH * self.deviation
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,13 +37,12 @@ class ErrorsOfTest:
     """What the posterior of a test says of its error, for each interface displacement."""
 
     displacements: tuple[ErrorDraws, ...]
-    error: ResponseBand  # x_m − x_I
-    exact: ResponseBand  # x_I
+    deviation: Array  # Standard deviation of x_m − x_I [m], shape (p, m)
     exact_spectrum: Spectrum  # Mean of x_I [m], shape (p, K)
     error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
 
 
-def errors_of(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> ErrorsOfTest:
+def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> ErrorsOfTest:
     """Rebuild the error in every draw of a posterior; `names` of the interface displacements.
 
     `seed`: of the noise of the sensors.
@@ -87,8 +50,7 @@ def errors_of(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> 
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
     draws, weights = posterior.draws.values.shape[0], posterior.draws.weights
     rms, mte = np.empty((draws, partition.degrees)), np.empty((draws, partition.degrees))
-    shape = (2, partition.degrees, channels.band.samples)
-    mean, square = np.zeros(shape), np.zeros(shape)
+    mean, square = np.zeros((2, partition.degrees, channels.band.samples))
     spectra = np.zeros((2, partition.degrees, channels.band.bins), dtype=np.complex128)
     generator = np.random.default_rng(seed)
     for row, experiment in enumerate(posterior.experiments()):
@@ -97,17 +59,15 @@ def errors_of(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> 
         both = np.stack([rebuilt.error, rebuilt.exact])
         histories = channels.band.history(both)
         rms[row], mte[row] = relative_errors(histories[0], histories[1])
-        mean += weights[row] * histories
-        square += weights[row] * histories**2
+        mean += weights[row] * histories[0]
+        square += weights[row] * histories[0] ** 2
         spectra += weights[row] * both
-    deviation = np.sqrt(np.maximum(square - mean**2, 0.0))
     return ErrorsOfTest(
         displacements=tuple(
             ErrorDraws(name=name, rms=rms[:, place], mte=mte[:, place], weights=weights)
             for place, name in enumerate(names)
         ),
-        error=ResponseBand(mean=mean[0], deviation=deviation[0]),
-        exact=ResponseBand(mean=mean[1], deviation=deviation[1]),
+        deviation=np.sqrt(np.maximum(square - mean**2, 0.0)),
         exact_spectrum=spectra[1],
         error_spectrum=spectra[0],
     )
@@ -135,7 +95,7 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
 _PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard deviations of the error
 
 
-def errors_of_noise(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:
+def draw_noise_errors(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:
     """RMS^R and MTE^R in the most probable world, with the sensors' noise as it may be, each (draws, p)."""
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
     generator, found = np.random.default_rng(seed), []
@@ -146,14 +106,3 @@ def errors_of_noise(posterior: TestPosterior, draws: int, seed: int = 0) -> tupl
         found.append(relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))))
     rms, mte = np.moveaxis(np.array(found), 1, 0)
     return rms, mte
-
-
-def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> list[float]:
-    """Quantiles of weighted draws.
-
-    >>> weighted_quantiles(np.array([3.0, 1.0, 2.0]), np.ones(3) / 3.0, [0.5])
-    [2.0]
-    """
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return np.interp(shares, reached, values[order]).tolist()

@@ -34,10 +34,10 @@ class Evidence(ABC):
     weight: float = 1.0  # Of its logarithm of the likelihood
     _variance: Array = field(init=False)
 
-    @property
-    @abstractmethod
+    @cached_property
     def highest(self) -> float:
         """Highest frequency that is weighed [Hz]."""
+        return _REACH * max(float(self.partition.natural_frequencies[0]), main_frequency(self.channels))
 
     @abstractmethod
     def spectrum(self, experiment: Experiment) -> Spectrum:
@@ -77,16 +77,9 @@ class Evidence(ABC):
 class EquationOfMotion(Evidence):
     """The equation of motion, against the recorded ground acceleration."""
 
-    by_force: bool = False  # Whether the recorded force stands for that of the specimen
-
-    @cached_property
-    def highest(self) -> float:
-        """Highest frequency that is weighed [Hz]."""
-        return _REACH * max(float(self.partition.natural_frequencies[0]), main_frequency(self.channels))
-
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Residual of the equation [N]."""
-        return residual(self.channels, self.partition, experiment, by_force=self.by_force)
+        return residual(self.channels, self.partition, experiment)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -98,7 +91,6 @@ class ImpliedGroundMotion(Evidence):
     """
 
     weight: float = _WEIGHT_OF_GROUND
-    by_force: bool = False
 
     @cached_property
     def highest(self) -> float:
@@ -107,7 +99,7 @@ class ImpliedGroundMotion(Evidence):
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Implied force of the ground [N]."""
-        return residual(self.channels, self.partition, experiment, by_force=self.by_force)
+        return residual(self.channels, self.partition, experiment)
 
     @cached_property
     def tracking(self) -> tuple[float, float]:
@@ -173,11 +165,6 @@ def main_frequency(channels: ChannelSpectra) -> float:
 @dataclass(kw_only=True, eq=False)
 class SpecimenForce(Evidence):
     """The recorded force against that of the specimen as stated, Z x_m."""
-
-    @cached_property
-    def highest(self) -> float:
-        """Highest frequency that is weighed [Hz]."""
-        return _REACH * max(float(self.partition.natural_frequencies[0]), main_frequency(self.channels))
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Return the recorded force less that of the specimen [N]."""

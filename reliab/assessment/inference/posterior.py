@@ -15,7 +15,7 @@ from reliab.assessment.inference.evidence import (
 )
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.quantities.quantity import Circumstances
-from reliab.assessment.inference.quantities.registry import Unknown, unknowns_of
+from reliab.assessment.inference.quantities.registry import Unknown, list_unknowns
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
 from reliab.core.arrays import Array, Spectrum
 
@@ -52,7 +52,7 @@ class TestPosterior:
     @property
     def log_evidence(self) -> float:
         """Logarithm of the probability of the channels, by Laplace's approximation, but for a constant."""
-        return sum(one.log_likelihood(self.mode) for one in self.evidence) + self.fit.log_volume
+        return _log_evidence(self.circumstances, self.unknowns, self.evidence, self.fit)
 
     @cached_property
     def values(self) -> Array:
@@ -93,33 +93,34 @@ class TestPosterior:
 _INFORMED = 0.02  # of the variance a priori, that the channels take away
 
 
-def infer(
-    circumstances: Circumstances, *, by_force: bool = False, draws: int = DRAWS, seed: int = 0
-) -> TestPosterior:
-    """Infer what is uncertain about a test from all of its channels.
-
-    `by_force`: whether the specimen is known by its recorded force only.
-    """
-    unknowns = unknowns_of(circumstances)
-    evidence = evidence_of(circumstances, by_force=by_force)
-    posterior = _inferred(circumstances, unknowns, evidence, draws, seed)
+def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) -> TestPosterior:
+    """Infer what is uncertain about a test from all of its channels."""
+    unknowns, evidence = list_unknowns(circumstances), collect_evidence(circumstances)
+    fit = _fitted(circumstances, unknowns, evidence)
     implied = next((one for one in evidence if isinstance(one, ImpliedGroundMotion)), None)
-    if implied is not None and not _is_broad_band(posterior, implied):
-        others = tuple(one for one in evidence if one is not implied)
-        posterior = _inferred(circumstances, unknowns, others, draws, seed)
-    return posterior
+    if implied is not None and not _is_broad_band(circumstances, unknowns, fit, implied):
+        evidence = tuple(one for one in evidence if one is not implied)
+        fit = _fitted(circumstances, unknowns, evidence)
+    return TestPosterior(
+        circumstances=circumstances,
+        unknowns=unknowns,
+        evidence=evidence,
+        fit=fit,
+        draws=fit.draw(draws, seed),
+    )
 
 
-def would_rather_have(posterior: TestPosterior, frequency: float) -> bool:
+def favours_frequency(posterior: TestPosterior, frequency: float) -> bool:
     """Return whether the channels are likelier with natural frequencies that are a factor of those stated."""
     uncertain = next((one for one in posterior.unknowns if one.name == "frequency"), None)
     if uncertain is None or not posterior.evidence:
         return True
     other = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
     circumstances = replace(posterior.circumstances, learned={"frequency": other})
-    unknowns = unknowns_of(circumstances)
+    unknowns = list_unknowns(circumstances)
     evidence = tuple(replace(one) for one in posterior.evidence)
-    return _inferred(circumstances, unknowns, evidence, 1, 0).log_evidence > posterior.log_evidence
+    fit = _fitted(circumstances, unknowns, evidence)
+    return _log_evidence(circumstances, unknowns, evidence, fit) > posterior.log_evidence
 
 
 def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
@@ -131,21 +132,20 @@ def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
     evidence = tuple(replace(one) for one in posterior.evidence)
     fit = _least_squares(circumstances, posterior.unknowns, evidence, posterior.fit.mode)
     fit.fit(updates=_UPDATES_OF_RATIO, iterations=_STEPS_OF_RATIO)
-    other = experiment_at(circumstances, posterior.unknowns, fit.mode)
-    return sum(one.log_likelihood(other) for one in evidence) + fit.log_volume - posterior.log_evidence
+    return _log_evidence(circumstances, posterior.unknowns, evidence, fit) - posterior.log_evidence
 
 
 _UPDATES_OF_RATIO, _STEPS_OF_RATIO = 3, 2
 
 
-def evidence_of(circumstances: Circumstances, *, by_force: bool) -> tuple[Evidence, ...]:
+def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     """Collect the evidence that the channels hold."""
     channels, partition = circumstances.channels, circumstances.partition
     found: list[Evidence] = []
     if channels.ground is not None:
-        found.append(EquationOfMotion(channels=channels, partition=partition, by_force=by_force))
+        found.append(EquationOfMotion(channels=channels, partition=partition))
     elif partition.size == 1:
-        found.append(ImpliedGroundMotion(channels=channels, partition=partition, by_force=by_force))
+        found.append(ImpliedGroundMotion(channels=channels, partition=partition))
     if circumstances.specimen_force:
         found.append(SpecimenForce(channels=channels, partition=partition))
     return tuple(found)
@@ -160,22 +160,22 @@ def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z
     return experiment
 
 
-def _inferred(
+def _fitted(
+    circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...]
+) -> LeastSquares:
+    fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
+    fit.fit()
+    return fit
+
+
+def _log_evidence(
     circumstances: Circumstances,
     unknowns: tuple[Unknown, ...],
     evidence: tuple[Evidence, ...],
-    draws: int,
-    seed: int,
-) -> TestPosterior:
-    fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
-    fit.fit()
-    return TestPosterior(
-        circumstances=circumstances,
-        unknowns=unknowns,
-        evidence=evidence,
-        fit=fit,
-        draws=fit.draw(draws, seed),
-    )
+    fit: LeastSquares,
+) -> float:
+    mode = experiment_at(circumstances, unknowns, fit.mode)
+    return sum(one.log_likelihood(mode) for one in evidence) + fit.log_volume
 
 
 def _least_squares(
@@ -200,9 +200,14 @@ def _least_squares(
     return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
 
 
-def _is_broad_band(posterior: TestPosterior, implied: ImpliedGroundMotion) -> bool:
+def _is_broad_band(
+    circumstances: Circumstances,
+    unknowns: tuple[Unknown, ...],
+    fit: LeastSquares,
+    implied: ImpliedGroundMotion,
+) -> bool:
     """Return whether the implied ground motion is that of an earthquake, which shows a frequency."""
-    for one, z in zip(posterior.unknowns, posterior.fit.mode, strict=True):
+    for one, z in zip(unknowns, fit.mode, strict=True):
         if one.name == "frequency" and abs(z) > _FAR:
             return False
-    return implied.concentration(posterior.mode) < _CONCENTRATED
+    return implied.concentration(experiment_at(circumstances, unknowns, fit.mode)) < _CONCENTRATED

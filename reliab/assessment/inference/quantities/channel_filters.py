@@ -17,7 +17,6 @@ class ChannelFilters(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "State the filters of both channels, or use the same on both."
-    attainable = 2e-5
     per_actuator = True
     option = "filter_delay"
     option_unit = 1000.0

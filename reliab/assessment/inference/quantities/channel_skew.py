@@ -17,7 +17,6 @@ class ChannelSkew(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "Measure the skew, by one signal on both channels, and state it."
-    attainable = 2e-5
     per_actuator = True
     option = "skew"
     option_unit = 1000.0

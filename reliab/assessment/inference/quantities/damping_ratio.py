@@ -18,14 +18,13 @@ class DampingRatio(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Measure the damping ratio by a free vibration, and state its deviation."
-    attainable = 0.03
     shape = Shape.LOGNORMAL
     option = "xi"
     relative = True
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
         """Return the standard deviation with ordinary equipment."""
-        return 0.0 if circumstances.tolerances else equipment.xi
+        return equipment.xi
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

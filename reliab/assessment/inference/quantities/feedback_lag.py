@@ -17,7 +17,6 @@ class FeedbackLag(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "Measure by how much the force is fed back late, and state it."
-    attainable = 2e-5
     option = "feedback_lag"
     option_unit = 1000.0
 

@@ -17,7 +17,6 @@ class ForceScale(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Calibrate the load cell, and state mass and force to a smaller deviation."
-    attainable = 0.002
     option = "mass"
     relative = True
 

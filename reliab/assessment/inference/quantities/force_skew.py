@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from reliab.assessment.budget.sizes import Equipment
-from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity, clock_deviation
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment
@@ -19,19 +17,12 @@ class ForceSkew(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "Measure by how much the force is recorded late, and state it."
-    attainable = 2e-5
     option = "force_lag"
     option_unit = 1000.0
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
-        if not circumstances.specimen_force:
-            return 0.0
-        return float(
-            np.hypot(
-                equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0
-            )
-        )
+        return clock_deviation(circumstances, equipment) if circumstances.specimen_force else 0.0
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

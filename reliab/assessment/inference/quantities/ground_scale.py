@@ -17,7 +17,6 @@ class GroundScale(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Record the ground acceleration that the computer applied."
-    attainable = 0.0005
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""

@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from reliab.assessment.budget.sizes import Equipment
-from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity, clock_deviation
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment
@@ -19,17 +17,10 @@ class GroundSkew(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "Record the ground acceleration at the same instants as the command."
-    attainable = 2e-5
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""
-        if circumstances.channels.ground is None:
-            return 0.0
-        return float(
-            np.hypot(
-                equipment.skew(circumstances.channels.band.record_step), equipment.filter_delay_ms / 1000.0
-            )
-        )
+        return clock_deviation(circumstances, equipment) if circumstances.channels.ground is not None else 0.0
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

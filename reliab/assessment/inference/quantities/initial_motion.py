@@ -19,7 +19,6 @@ class InitialDisplacement(Quantity):
     unit = "mm"
     factor = 1000.0
     remedy = _REMEDY
-    attainable = 0.0
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
         """Return the standard deviation with ordinary equipment."""

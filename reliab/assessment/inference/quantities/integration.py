@@ -17,7 +17,6 @@ class Integration(Quantity):
     unit = ""
     factor = 1.0
     remedy = "Compute the numerical part in smaller steps."
-    attainable = 0.02
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
         """Return the standard deviation with ordinary equipment."""

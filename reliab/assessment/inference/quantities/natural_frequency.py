@@ -18,14 +18,13 @@ class NaturalFrequency(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Measure the natural frequency by a free vibration, and state its deviation."
-    attainable = 0.001
     shape = Shape.LOGNORMAL
     option = "f"
     relative = True
 
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
         """Return the standard deviation with ordinary equipment."""
-        return 0.0 if circumstances.tolerances else equipment.f
+        return equipment.f
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:  # noqa: ARG002
         """Change an experiment."""

@@ -2,9 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.quantities.prior import Shape
-from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+from reliab.assessment.inference.quantities.quantity import Quantity
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.experiment import Experiment
@@ -18,12 +17,7 @@ class OpenFilter(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "State the filters of both channels, or use the same on both."
-    attainable = 2e-5
     shape = Shape.EITHER
-
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
-        """Return zero: faults of the channels say where it plays a part."""
-        return 0.0
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""

@@ -29,12 +29,17 @@ class Circumstances:
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
     equipment: Equipment | None = None  # None if everything that is not stated as uncertain is exact
     learned: Mapping[str, Prior] = field(default_factory=dict)  # From earlier tests of the rig
-    tolerances: Mapping[str, float] = field(default_factory=dict)  # Of parts of the structure, relative [-]
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
     feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
     slip: Spectrum | None = None  # Displacement that a specimen's spring is taken to have lost [m], (p, K)
     # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
     left_by_faults: Mapping[str, float] = field(default_factory=dict)
+
+
+def clock_deviation(circumstances: Circumstances, equipment: Equipment) -> float:
+    """Return the standard deviation of the time by which skew and filter make a further channel late [s]."""
+    skew = equipment.skew(circumstances.channels.band.record_step)
+    return math.hypot(skew, equipment.filter_delay_ms / 1000.0)
 
 
 class Quantity(ABC):
@@ -45,7 +50,6 @@ class Quantity(ABC):
     unit: ClassVar[str]  # In which its size is shown
     factor: ClassVar[float]  # From the unit in which it is drawn to `unit`
     remedy: ClassVar[str]  # What would reduce its uncertainty, a sentence
-    attainable: ClassVar[float]  # Standard deviation that this leaves, in the unit in which it is drawn
     per_actuator: ClassVar[bool] = False  # Whether every actuator has its own
     shape: ClassVar[Shape] = Shape.NORMAL
     option: ClassVar[str] = ""  # Name under which a user states it
@@ -70,9 +74,9 @@ class Quantity(ABC):
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
 
-    @abstractmethod
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:
-        """Return its standard deviation with ordinary equipment; zero if it plays no part."""
+    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
+        """Return its standard deviation with ordinary equipment; zero if only faults leave it open."""
+        return 0.0
 
     @abstractmethod
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:

@@ -8,7 +8,6 @@ from functools import cache
 from reliab.assessment.inference.quantities import quantity as base
 from reliab.assessment.inference.quantities.prior import Prior
 from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
-from reliab.assessment.inference.quantities.structure_part import StructurePart
 
 _FOLDER = base.__name__.rpartition(".")[0]
 
@@ -33,12 +32,11 @@ class Unknown:
     name: str = ""  # Key in JSON
 
 
-def unknowns_of(circumstances: Circumstances) -> tuple[Unknown, ...]:
+def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
     """List what is uncertain about a test."""
     found: list[Unknown] = []
     actuators = circumstances.partition.degrees
-    parts = tuple(StructurePart(name) for name in circumstances.tolerances)
-    for quantity in (*quantities(), *parts):
+    for quantity in quantities():
         prior = quantity.prior(circumstances)
         if prior is None:
             continue

@@ -17,7 +17,6 @@ class SensorDrift(Quantity):
     unit = "mm"
     factor = 1000.0
     remedy = "Record rest before and after the test, which shows the sensor's drift."
-    attainable = 1e-5
     per_actuator = True
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002

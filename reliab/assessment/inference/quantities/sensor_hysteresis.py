@@ -21,7 +21,6 @@ class SensorHysteresis(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Measure the sensor's hysteresis by a slow cycle, and state it."
-    attainable = 0.0003
     per_actuator = True
     option = "hysteresis"
 

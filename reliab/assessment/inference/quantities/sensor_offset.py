@@ -17,7 +17,6 @@ class SensorOffset(Quantity):
     unit = "mm"
     factor = 1000.0
     remedy = "Record some seconds of rest before the test, which show the sensor's offset."
-    attainable = 1e-5
     per_actuator = True
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002

@@ -19,7 +19,6 @@ class SensorScale(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Calibrate the displacement sensor against the command, and state its scale."
-    attainable = 0.0005
     per_actuator = True
     option = "scale"
     relative = True

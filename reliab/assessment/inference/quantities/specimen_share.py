@@ -19,7 +19,6 @@ class SpecimenShare(Quantity):
     unit = "%"
     factor = 100.0
     remedy = "Measure the specimen's stiffness, and state the deviation of its share."
-    attainable = 0.002
     option = "alpha"
     relative = True
 
@@ -35,9 +34,7 @@ class SpecimenShare(Quantity):
 def _is_shared(circumstances: Circumstances) -> bool:
     """Return whether part of the stiffness is computed, so that the specimen's share can be wrong."""
     partition = circumstances.partition
-    return not circumstances.tolerances and bool(
-        abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max()
-    )
+    return bool(abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max())
 
 
 QUANTITY = SpecimenShare()
