@@ -7,6 +7,7 @@ import shutil
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
@@ -20,7 +21,8 @@ from reliab.study.kinds import KINDS
 from reliab.study.reading import study_from
 from reliab.study.running import run_study, write_report
 from reliab.study.stages import RunFolder, Stage
-from reliab.study.steps import candidates
+from reliab.study.steps import ELLIPSES, candidates
+from reliab.sweep.ellipse_file import open_ellipses
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -148,6 +150,23 @@ def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
         "report",
     }
     assert (tmp_path / "again" / "report.pdf").read_bytes() == (finished / "report.pdf").read_bytes()
+
+
+def test_boundaries_of_records_that_ship_keep_the_ratios_that_came_with_them(
+    finished, small_study, monkeypatch
+):
+    """A study of such records ended in an error of xarray: the ratios were measured once more and merged."""
+
+    def known(ellipses):
+        structures = ("motion", "f", "xi", "length")
+        ratios = np.ones([*(ellipses.sizes[name] for name in structures[:3]), 1])
+        return ellipses.assign(a_cut=(structures, ratios), b_cut=(structures, ratios), length=[10.0])
+
+    monkeypatch.setattr("reliab.sweep.results_accessor.with_known_cut_records", known)
+    (finished / ELLIPSES).unlink()
+    assert "trace" in stages_of(small_study, finished)
+    with open_ellipses(finished / ELLIPSES) as ellipses:
+        assert (ellipses["a_cut"] == 1.0).all()
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path, small_study):
