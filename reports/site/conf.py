@@ -23,6 +23,9 @@ extensions = [
 ]
 exclude_patterns = ["README.md"]
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+smartquotes = False  # they would make a dash of the two hyphens of an option
 html_title = f"reliab {__version__}"
 html_show_sourcelink = False
 html_copy_source = False

@@ -1,7 +1,8 @@
 """Tables and figures of the evidence pages, from the results of `tests/benchmarks`.
 
-A file of results has one row for each figure: `table`, `case`, `quantity`, `value`, the ends `low` and `high` of its interval or range, the number `of` tests behind it, and the `source`, whose command, date and
-commit stand in `sources.csv`.
+A file of results has one row for each figure: `table`, `case`, `quantity`, `value`, the ends `low` and `high`
+of its interval or range, the number `of` tests behind it, and the `source`, whose command, date and commit
+stand in `sources.csv`.
 """
 
 import re
@@ -16,8 +17,9 @@ from pandas.io.formats.style import Styler
 ROOT: Final = Path(__file__).parents[2]
 RESULTS: Final = ROOT / "tests" / "benchmarks" / "results"
 BLUE, GREY = "#3b6ea5", "#888888"
-NO_COUNT: Final = re.compile(r"%|\[|over|median|mean|share|score|area")
+NO_COUNT: Final = re.compile(r"\[|over|median|mean|share|score|area|stated|keep")
 """Words of quantities that are no number of tests."""
+LARGE: Final = 1e3  # from here on, numbers are written without decimals
 
 
 def read_results(subject: str, table: str | None = None) -> pd.DataFrame:
@@ -36,11 +38,16 @@ def write_result(row: pd.Series) -> str:
     counts = not NO_COUNT.search(row["quantity"]) and float(row["value"]).is_integer()
     if counts and pd.notna(row["of"]) and row["value"] <= row["of"]:
         return f"{row['value']:,.0f} of {row['of']:,.0f}"
-    value = f"{row['value']:,.4g}" if pd.notna(row["value"]) else ""
+    value = write_number(row["value"]) if pd.notna(row["value"]) else ""
     if pd.isna(row["low"]) or pd.isna(row["high"]):
         return value
-    ends = f"{row['low']:,.4g} to {row['high']:,.4g}"
+    ends = f"{write_number(row['low'])} to {write_number(row['high'])}"
     return f"{value} ({ends})" if value else ends
+
+
+def write_number(number: float) -> str:
+    """Write a number without a power of ten if it is large."""
+    return f"{number:,.0f}" if abs(number) >= LARGE else f"{number:.4g}"
 
 
 def show_table(subject: str, table: str, quantities: Sequence[str] = ()) -> Styler:
@@ -118,10 +125,11 @@ def show_promises(
     shares : sequence of int
         The stated shares, in per cent.
     """
+    rows_of_panels = -(-len(candidates) // 2)
     figure, panels = plt.subplots(
-        1, len(candidates), figsize=(3.2 * len(candidates), 3.4), sharey=True, squeeze=False
+        rows_of_panels, 2, figsize=(7, 3.1 * rows_of_panels), sharex=True, sharey=True, squeeze=False
     )
-    for axes, candidate in zip(panels[0], candidates, strict=True):
+    for axes, candidate in zip(panels.flat, candidates, strict=True):
         axes.plot([40, 100], [40, 100], color=GREY, linewidth=0.8, linestyle="--")
         for name, label in tables.items():
             rows = read_results(subject, name)
@@ -130,9 +138,10 @@ def show_promises(
                 names = [f"{candidate}, stated {share} %" for share in shares]
                 axes.plot(shares, found.reindex(names), marker=".", color=BLUE, alpha=0.35, linewidth=0.8)
             axes.plot([], [], color=BLUE, label=label)
-        axes.set(xlabel="stated [%]", title=candidate)
+        axes.set(title=candidate)
         axes.title.set_fontsize(10)
-    panels[0][0].set_ylabel("found [%]")
+    figure.supxlabel("stated [%]", fontsize=10)
+    figure.supylabel("found [%]", fontsize=10)
     figure.tight_layout()
 
 
@@ -221,8 +230,9 @@ def compare_methods() -> Styler:
 def draw_methods() -> None:
     """Draw each measure over the true error, with its limit."""
     tests, limits = read_other_methods()
-    figure, panels = plt.subplots(1, len(METHODS), figsize=(14, 3.2), sharex=True)
-    for axes, (measure, name) in zip(panels, METHODS.items(), strict=True):
+    figure, panels = plt.subplots(2, 3, figsize=(8, 5.2), sharex=True)
+    panels.flat[-1].axis("off")
+    for axes, (measure, name) in zip(panels.flat[:-1], METHODS.items(), strict=True):
         axes.loglog(100 * tests["true"], tests[measure], ".", color=BLUE, markersize=5)
         axes.axvline(100 * THRESHOLD, color=GREY, linewidth=0.8)
         axes.axhline(limits[measure], color=GREY, linewidth=0.8)
