@@ -45,7 +45,7 @@ SPOILT_TOML = [
     (r"\[sampling\]", "[sampling", "with a readable campaign.toml"),
     ('file = "b.csv"', 'file = "c.csv"', "c.csv.*readable.*No such file"),
     ('file = "a.csv"\n', 'file = "a.csv"\nheld_out = 3\n', "held_out"),
-    ("rate_hz = 256", "rate_hz = 512", "agree with the sampling rate"),
+    ("rate_hz = 256", "rate_hz = 512", "but the sampling rate is 512 Hz"),
 ]
 
 
