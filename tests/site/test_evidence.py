@@ -1,5 +1,6 @@
 """Results behind the evidence pages are well formed, and the pages name what is there."""
 
+import importlib
 import inspect
 
 import pandas as pd
@@ -14,9 +15,7 @@ PAGES = sorted((SITE / "evidence").glob("*.md"))
 @pytest.fixture
 def figures(monkeypatch):
     monkeypatch.syspath_prepend(SITE)
-    import evidence_figures
-
-    return evidence_figures
+    return importlib.import_module("evidence_figures")
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
